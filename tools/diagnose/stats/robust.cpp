@@ -1,0 +1,85 @@
+#include "tools/diagnose/stats/robust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sanso::diagnose {
+
+std::vector<double> finite_values(std::span<const double> x) {
+  std::vector<double> out;
+  out.reserve(x.size());
+  for (double v : x) {
+    if (std::isfinite(v)) out.push_back(v);
+  }
+  return out;
+}
+
+double quantile(std::span<const double> x, double p) {
+  std::vector<double> v = finite_values(x);
+  if (v.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double rank = std::clamp(p, 0.0, 1.0) * static_cast<double>(v.size() - 1);
+  const auto low = static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(v.begin(), v.begin() + low, v.end());
+  const double at_low = v[static_cast<std::size_t>(low)];
+  const double weight = rank - static_cast<double>(low);
+  if (weight == 0.0) return at_low;
+  return at_low + weight * (*std::min_element(v.begin() + low + 1, v.end()) - at_low);
+}
+
+double median(std::span<const double> x) { return quantile(x, 0.5); }
+
+double robust_sigma(std::span<const double> x) {
+  std::vector<double> v = finite_values(x);
+  if (v.empty()) return 0.0;
+  const double centre = median(v);
+  for (double& value : v) value = std::abs(value - centre);
+  return 1.4826 * median(v);
+}
+
+double mean(std::span<const double> x) {
+  const std::vector<double> v = finite_values(x);
+  if (v.empty()) return 0.0;
+  double sum = 0.0;
+  for (double value : v) sum += value;
+  return sum / static_cast<double>(v.size());
+}
+
+double standard_deviation(std::span<const double> x) {
+  const std::vector<double> v = finite_values(x);
+  if (v.size() < 2) return 0.0;
+  const double centre = mean(v);
+  double sum = 0.0;
+  for (double value : v) sum += (value - centre) * (value - centre);
+  return std::sqrt(sum / static_cast<double>(v.size() - 1));
+}
+
+double rms(std::span<const double> x) {
+  double sum = 0.0;
+  std::size_t n = 0;
+  for (double value : x) {
+    if (!std::isfinite(value)) continue;
+    sum += value * value;
+    ++n;
+  }
+  return n == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(n));
+}
+
+double correlation(std::span<const double> x, std::span<const double> y) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, syy = 0, sxy = 0;
+  const std::size_t rows = std::min(x.size(), y.size());
+  // shifted by the first finite pair, so that a large common offset costs no digits
+  double x0 = 0, y0 = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+    if (n == 0) x0 = x[i], y0 = y[i];
+    const double a = x[i] - x0, b = y[i] - y0;
+    n += 1, sx += a, sy += b, sxx += a * a, syy += b * b, sxy += a * b;
+  }
+  if (n < 3) return 0.0;
+  const double vx = sxx - sx * sx / n, vy = syy - sy * sy / n;
+  if (vx <= 0.0 || vy <= 0.0) return 0.0;
+  return (sxy - sx * sy / n) / std::sqrt(vx * vy);
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,118 @@
+#include "tools/diagnose/stats/series.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/diagnose/stats/robust.h"
+
+namespace sanso::diagnose {
+
+std::vector<double> autocorrelation(std::span<const double> x, int max_lag) {
+  const double centre = mean(x);
+  const auto n = static_cast<int>(x.size());
+  std::vector<double> rho(static_cast<std::size_t>(max_lag) + 1, 0.0);
+  double power = 0.0;
+  for (double v : x) power += (v - centre) * (v - centre);
+  if (power <= 0.0) return rho;
+  for (int lag = 0; lag <= max_lag && lag < n; ++lag) {
+    double sum = 0.0;
+    for (int i = lag; i < n; ++i) sum += (x[i] - centre) * (x[i - lag] - centre);
+    rho[static_cast<std::size_t>(lag)] = sum / power;
+  }
+  return rho;
+}
+
+double autocorrelation_time(std::span<const double> x) {
+  if (x.size() < 8) return 1.0;
+  const int max_lag = static_cast<int>(std::min<std::size_t>(x.size() / 4, 400));
+  const std::vector<double> rho = autocorrelation(x, max_lag);
+  double sum = 0.0;
+  for (std::size_t k = 1; k + 1 < rho.size(); k += 2) {
+    const double pair = rho[k] + rho[k + 1];
+    if (pair <= 0.0) break;
+    sum += pair;
+  }
+  return 1.0 + 2.0 * sum;
+}
+
+Autoregression fit_autoregression(std::span<const double> x, int order) {
+  Autoregression model;
+  const std::size_t n = x.size();
+  const double centre = mean(x);
+  std::vector<double> forward(n), backward(n);
+  double power = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    forward[i] = backward[i] = x[i] - centre;
+    power += forward[i] * forward[i];
+  }
+  double variance = n > 0 ? power / static_cast<double>(n) : 0.0;
+  std::vector<double>& a = model.coefficients;
+  for (int m = 1; m <= order && variance > 0.0 && n > static_cast<std::size_t>(m) + 1; ++m) {
+    double numerator = 0.0, denominator = 0.0;
+    for (std::size_t i = static_cast<std::size_t>(m); i < n; ++i) {
+      numerator += forward[i] * backward[i - 1];
+      denominator += forward[i] * forward[i] + backward[i - 1] * backward[i - 1];
+    }
+    if (denominator <= 0.0) break;
+    const double reflection = 2.0 * numerator / denominator;
+    for (std::size_t i = n - 1; i >= static_cast<std::size_t>(m); --i) {
+      const double f = forward[i], b = backward[i - 1];
+      forward[i] = f - reflection * b;
+      backward[i] = b - reflection * f;
+    }
+    // Levinson: a_new = a - reflection * reversed(a)
+    std::vector<double> previous = a;
+    for (std::size_t i = 0; i < previous.size(); ++i) a[i] = previous[i] - reflection * previous[previous.size() - 1 - i];
+    a.push_back(reflection);
+    variance *= 1.0 - reflection * reflection;
+  }
+  a.resize(static_cast<std::size_t>(order), 0.0);
+  model.innovation_sigma = std::sqrt(std::max(variance, 0.0));
+  return model;
+}
+
+double ljung_box(std::span<const double> x, int lags) {
+  const auto n = static_cast<double>(x.size());
+  const std::vector<double> rho = autocorrelation(x, lags);
+  double sum = 0.0;
+  for (int k = 1; k <= lags && k < n; ++k) {
+    const double r = rho[static_cast<std::size_t>(k)];
+    sum += r * r / (n - k);
+  }
+  return n * (n + 2.0) * sum;
+}
+
+std::vector<std::size_t> change_points(std::span<const double> x, double penalty, std::size_t minimum_length) {
+  const std::size_t n = x.size();
+  if (n < 2 * minimum_length) return {};
+  std::vector<double> sum(n + 1, 0.0), square(n + 1, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    sum[i + 1] = sum[i] + x[i];
+    square[i + 1] = square[i] + x[i] * x[i];
+  }
+  const auto cost = [&](std::size_t from, std::size_t to) {
+    const double s = sum[to] - sum[from];
+    return square[to] - square[from] - s * s / static_cast<double>(to - from);
+  };
+  // best[t]: minimal cost of x[0, t); candidates: starts that can still be the last segment's (pruned)
+  std::vector<double> best(n + 1, std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> last(n + 1, 0), candidates{0};
+  best[0] = -penalty;
+  for (std::size_t t = minimum_length; t <= n; ++t) {
+    for (std::size_t s : candidates) {
+      if (t - s < minimum_length) continue;
+      const double value = best[s] + cost(s, t) + penalty;
+      if (value < best[t]) best[t] = value, last[t] = s;
+    }
+    std::erase_if(candidates, [&](std::size_t s) { return t - s >= minimum_length && best[s] + cost(s, t) > best[t]; });
+    const std::size_t next = t - minimum_length + 1;
+    if (next >= minimum_length && std::isfinite(best[next])) candidates.push_back(next);
+  }
+  std::vector<std::size_t> changes;
+  for (std::size_t t = last[n]; t > 0; t = last[t]) changes.push_back(t);
+  std::reverse(changes.begin(), changes.end());
+  return changes;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,97 @@
+#include "tools/diagnose/stats/significance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tools/diagnose/stats/robust.h"
+
+namespace sanso::diagnose {
+
+double normal_tail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+
+double chi_square_tail(double x, double k) {
+  if (x <= 0.0) return 1.0;
+  const double spread = 2.0 / (9.0 * k);
+  return normal_tail((std::cbrt(x / k) - (1.0 - spread)) / std::sqrt(spread));
+}
+
+namespace {
+
+std::vector<std::size_t> order_of(std::span<const double> x, bool descending) {
+  std::vector<std::size_t> order(x.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return descending ? x[a] > x[b] : x[a] < x[b]; });
+  return order;
+}
+
+}  // namespace
+
+std::vector<double> false_discovery_rate(std::span<const double> p) {
+  const std::vector<std::size_t> order = order_of(p, false);
+  std::vector<double> q(p.size(), 1.0);
+  double smallest = 1.0;
+  for (std::size_t rank = p.size(); rank-- > 0;) {
+    const double scaled = p[order[rank]] * static_cast<double>(p.size()) / static_cast<double>(rank + 1);
+    smallest = std::min(smallest, scaled);
+    q[order[rank]] = smallest;
+  }
+  return q;
+}
+
+std::vector<double> step_down_max_t(std::span<const double> statistic, int draws,
+                                    const std::function<void(int, std::span<double>)>& null_draw) {
+  const std::size_t n = statistic.size();
+  const std::vector<std::size_t> order = order_of(statistic, true);
+  std::vector<int> exceed(n, 0);
+  std::vector<double> draw(n);
+  for (int b = 0; b < draws; ++b) {
+    null_draw(b, draw);
+    double running = -INFINITY;  // maximum over the hypotheses not yet rejected when rank i is tested
+    for (std::size_t rank = n; rank-- > 0;) {
+      running = std::max(running, draw[order[rank]]);
+      if (running >= statistic[order[rank]]) ++exceed[rank];
+    }
+  }
+  std::vector<double> p(n, 1.0);
+  double largest = 0.0;
+  for (std::size_t rank = 0; rank < n; ++rank) {
+    largest = std::max(largest, (exceed[rank] + 1.0) / (draws + 1.0));
+    p[order[rank]] = largest;
+  }
+  return p;
+}
+
+MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws, Random random) {
+  MeanWithError result;
+  const std::size_t n = x.size();
+  result.mean = mean(x);
+  result.interval95 = {result.mean, result.mean};
+  if (n < 2) return result;
+  block = std::clamp<std::size_t>(block, 1, n);
+  std::vector<double> means(static_cast<std::size_t>(draws));
+  for (double& m : means) {
+    double sum = 0.0;
+    std::size_t taken = 0;
+    while (taken < n) {
+      const auto start = static_cast<std::size_t>(random.below(static_cast<int>(n)));
+      for (std::size_t i = 0; i < block && taken < n; ++i, ++taken) sum += x[(start + i) % n];
+    }
+    m = sum / static_cast<double>(n);
+  }
+  result.standard_error = standard_deviation(means);
+  result.interval95 = {quantile(means, 0.025), quantile(means, 0.975)};
+  return result;
+}
+
+Interval wilson_interval(int successes, int trials) {
+  if (trials == 0) return {0.0, 1.0};
+  constexpr double z = 1.959964;
+  const double n = trials, p = successes / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half = z * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n);
+  return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+}
+
+}  // namespace sanso::diagnose
