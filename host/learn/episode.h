@@ -1,0 +1,52 @@
+// An episode: everything one trial showed. Stored exactly, one file a trial; learning and reports read it back.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "shared/policy/policy_types.h"
+#include "shared/wire/messages.h"
+
+namespace sanso::learn {
+
+/// Why a trial ended.
+enum class TrialEnd : std::uint8_t {
+  completed = 0,   // ran to its last tick
+  cost_limit = 1,  // J above the threshold
+  tilt = 2,        // base leaned too far
+  low_base = 3,    // base too far below the reference
+  fault = 4,       // the controller latched a fault (number in Episode::fault)
+  link_lost = 5,   // no observation for too long
+};
+const char* to_string(TrialEnd end);
+
+/// One answer of the upper layer, as it was sent.
+struct PlanRecord {
+  policy::UpperPolicy policy;
+  std::int32_t observed_tick = 0;  // trial tick of the observation it was planned from
+  double update_ms = 0.0;          // measured wall time from observation to policy; reported, never used
+  double cost_before = 0.0;        // predicted cost of the horizon without the upper layer
+  double cost_after = 0.0;         // and with the plan
+  double gain_norm = 0.0;          // Frobenius norm of the first K before the limit
+  std::uint8_t late = 0;           // 1: reached the controller after its first tick
+};
+
+struct Episode {
+  std::uint32_t trial = 0;
+  std::uint64_t seed = 0;
+  TrialEnd end = TrialEnd::completed;
+  std::uint16_t fault = 0;
+  double cost = 0.0;                         // J, sum over the 60 ms ticks
+  std::vector<double> cost_terms;            // its summands, one a 60 ms tick
+  std::vector<wire::Observation> ticks;      // every 10 ms of the trial, trial_tick ascending
+  std::vector<PlanRecord> plans;
+  std::vector<std::array<float, 2>> foot_force_N;  // normal force right, left at every tick; empty when nobody measures it
+  bool failed() const { return end != TrialEnd::completed; }
+};
+
+void save_episode(const std::filesystem::path& path, const Episode& episode);
+Episode load_episode(const std::filesystem::path& path);
+
+}  // namespace sanso::learn
