@@ -1,0 +1,175 @@
+#include "tools/recording/toml_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <toml++/toml.h>
+
+#include "tools/recording/input_error.h"
+
+namespace sanso::recording {
+
+struct TomlTable::Node {
+  std::shared_ptr<const toml::table> document;  // keeps `table` alive
+  const toml::table* table;
+  std::string file;
+};
+
+namespace {
+
+int line_at(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
+
+std::string shown(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& n) { out << n; });
+  std::string s = out.str();
+  if (s.size() > 40) s = s.substr(0, 40) + "...";
+  return s;
+}
+
+}  // namespace
+
+TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
+  try {
+    auto document = std::make_shared<const toml::table>(toml::parse(text, file));
+    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
+  } catch (const toml::parse_error& e) {
+    throw InputError(file, static_cast<int>(e.source().begin.line), "", "not valid TOML", "",
+                     std::string(e.description()));
+  }
+}
+
+TomlTable TomlTable::read(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string text(1'000'001, '\0');
+  if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.gcount() == 0 && !in.eof()) throw InputError(path, 0, "", "cannot open", "", "a readable TOML file");
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  if (text.size() > 1'000'000) throw InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
+  return parse(text, path);
+}
+
+const std::string& TomlTable::file() const { return node_->file; }
+int TomlTable::line() const { return line_at(*node_->table); }
+int TomlTable::line_of(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  return n == nullptr ? line() : line_at(*n);
+}
+bool TomlTable::has(std::string_view key) const { return node_->table->contains(key); }
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : *node_->table) names.emplace_back(key.str());
+  return names;
+}
+
+void TomlTable::fail(std::string_view key, std::string defect, std::string value, std::string expected) const {
+  const std::string full = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  throw InputError(node_->file, line_of(key), full, std::move(defect), std::move(value), std::move(expected));
+}
+
+std::optional<double> TomlTable::number(std::string_view key, double low, double high) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  const std::optional<double> value = n->is_number() ? n->value<double>() : std::nullopt;
+  const std::string range = "a number from " + toml_number(low) + " to " + toml_number(high);
+  if (!value) fail(key, "not a number", shown(*n), range);
+  if (std::isnan(*value) || *value < low || *value > high) fail(key, "out of range", toml_number(*value), range);
+  return value;
+}
+
+std::optional<long> TomlTable::integer(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  if (!n->is_integer()) fail(key, "not an integer", shown(*n), "a whole number");
+  return static_cast<long>(*n->value<std::int64_t>());
+}
+
+std::optional<std::string> TomlTable::string(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  if (!n->is_string()) fail(key, "not a string", shown(*n), "text in quotes");
+  return n->value<std::string>();
+}
+
+std::optional<std::vector<double>> TomlTable::numbers(std::string_view key, std::size_t count) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  const std::string expected = "a list of " + std::to_string(count) + " numbers";
+  const toml::array* array = n->as_array();
+  if (array == nullptr || array->size() != count) fail(key, "wrong list", shown(*n), expected);
+  std::vector<double> values;
+  for (const toml::node& element : *array) {
+    const auto value = element.is_number() ? element.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value)) fail(key, "wrong list", shown(*n), expected);
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::optional<std::vector<std::string>> TomlTable::strings(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  const toml::array* array = n->as_array();
+  if (array == nullptr) fail(key, "wrong list", shown(*n), "a list of texts in quotes");
+  std::vector<std::string> values;
+  for (const toml::node& element : *array) {
+    if (!element.is_string()) fail(key, "wrong list", shown(*n), "a list of texts in quotes");
+    values.push_back(*element.value<std::string>());
+  }
+  return values;
+}
+
+std::optional<TomlTable> TomlTable::table(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return std::nullopt;
+  if (!n->is_table()) fail(key, "not a table", shown(*n), "a table [" + std::string(key) + "]");
+  const std::string path = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  return TomlTable(std::make_shared<const Node>(Node{node_->document, n->as_table(), node_->file}), path);
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  const toml::node* n = node_->table->get(key);
+  if (n == nullptr) return {};
+  const toml::array* array = n->as_array();
+  if (array == nullptr) fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
+  std::vector<TomlTable> tables;
+  for (const toml::node& element : *array) {
+    if (!element.is_table()) fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
+    tables.push_back(TomlTable(
+        std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}), std::string(key)));
+  }
+  return tables;
+}
+
+void TomlTable::allow_only(std::initializer_list<std::string_view> known) const {
+  allow_only(std::vector<std::string_view>(known));
+}
+
+void TomlTable::allow_only(const std::vector<std::string_view>& known) const {
+  for (const auto& [key, value] : *node_->table) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    std::string list;
+    for (std::string_view k : known) list += (list.empty() ? "" : ", ") + std::string(k);
+    fail(key.str(), "unknown key", std::string(key.str()), "one of: " + list);
+  }
+}
+
+std::string toml_quoted(std::string_view text) {
+  std::ostringstream out;
+  out << toml::value<std::string>(std::string(text));
+  return out.str();
+}
+
+std::string toml_number(double value) {
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  if (std::isnan(value)) return "nan";
+  char buffer[32];
+  std::string s(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+  if (s.find_first_of(".e") == std::string::npos) s += ".0";
+  return s;
+}
+
+}  // namespace sanso::recording
