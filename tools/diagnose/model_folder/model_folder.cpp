@@ -1,0 +1,197 @@
+#include "tools/diagnose/model_folder/model_folder.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "tools/recording/input_error.h"
+#include "tools/recording/toml_reader.h"
+
+namespace sanso::diagnose {
+namespace {
+
+using recording::InputError;
+using recording::TomlTable;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+void read_joint(const TomlTable& table, JointSettings& settings) {
+  std::vector<std::string_view> known{"actuator"};
+  JointSettings::visit(settings, [&](std::string_view key, double& value, std::string_view, double low, double high) {
+    known.push_back(key);
+    if (const auto read = table.number(key, low, high)) value = *read;
+  });
+  table.allow_only(known);
+  if (const auto name = table.string("actuator")) {
+    const auto actuator = recording::actuator_from(*name);
+    if (!actuator) table.fail("actuator", "unknown actuator", *name, "torque, position_pd, dc_servo or passive");
+    settings.actuator = *actuator;
+  }
+}
+
+void read_robot(const TomlTable& table, ModelFolder& model) {
+  table.allow_only({"urdf", "base", "gravity"});
+  model.urdf_file = table.string("urdf").value_or(model.urdf_file);
+  const std::string base = table.string("base").value_or("fixed");
+  if (base != "fixed" && base != "floating") table.fail("base", "unknown base", base, "fixed or floating");
+  model.floating = base == "floating";
+  if (const auto g = table.numbers("gravity", 3)) model.gravity = {(*g)[0], (*g)[1], (*g)[2]};
+}
+
+void read_ground(const TomlTable& table, ModelFolder& model) {
+  table.allow_only({"kind", "friction"});
+  model.ground_kind = table.string("kind").value_or(model.ground_kind);
+  if (model.ground_kind != "plane" && model.ground_kind != "ramp" && model.ground_kind != "jump_ramp" &&
+      model.ground_kind != "heights") {
+    table.fail("kind", "unknown ground", model.ground_kind, "plane, ramp, jump_ramp or heights");
+  }
+  model.ground_friction = table.number("friction", 0.0, 10.0).value_or(model.ground_friction);
+}
+
+EffectEntry read_effect(const TomlTable& table) {
+  EffectEntry effect;
+  effect.line = table.line();
+  const auto id = table.string("id");
+  if (!id) table.fail("id", "missing key", "", "the id of an effect of the library");
+  effect.id = *id;
+  effect.where = table.strings("where").value_or(std::vector<std::string>{});
+  for (const std::string& key : table.keys()) {
+    if (key != "id" && key != "where") effect.parameters[key] = *table.number(key, -kInf, kInf);
+  }
+  return effect;
+}
+
+/// Everything of model.toml but the joints, whose names are only known when the URDF has been read.
+void read_settings(const TomlTable& top, ModelFolder& model) {
+  top.allow_only({"format", "robot", "control", "joint_default", "joint", "ground", "effect"});
+  const auto format = top.integer("format");
+  if (!format) top.fail("format", "missing key", "", "format = 1 in the first line");
+  if (*format != 1) top.fail("format", "unknown format", std::to_string(*format), "1");
+  if (const auto table = top.table("robot")) read_robot(*table, model);
+  if (const auto table = top.table("control")) {
+    table->allow_only({"period_s"});
+    model.period_s = table->number("period_s", 1e-5, 10.0).value_or(model.period_s);
+  }
+  if (const auto table = top.table("ground")) read_ground(*table, model);
+  if (const auto table = top.table("joint_default")) read_joint(*table, model.joint_default);
+  for (const TomlTable& table : top.tables("effect")) model.effects.push_back(read_effect(table));
+}
+
+std::string joint_names(const RobotTree& tree) {
+  std::string names;
+  for (const TreeJoint& joint : tree.joints) names += (names.empty() ? "" : ", ") + joint.name;
+  return names;
+}
+
+void read_joints(const TomlTable& top, ModelFolder& model) {
+  model.joints.assign(model.tree.joints.size(), model.joint_default);
+  const auto joints = top.table("joint");
+  if (!joints) return;
+  for (const std::string& name : joints->keys()) {
+    const int index = model.tree.index_of(name);
+    if (index < 0) joints->fail(name, "unknown joint", name, "a joint of the URDF: " + joint_names(model.tree));
+    read_joint(*joints->table(name), model.joints[static_cast<std::size_t>(index)]);
+  }
+}
+
+std::string whole_file(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path, 0, "", "cannot open", "", "a readable file");
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  const std::filesystem::path temporary = path.string() + ".part";
+  std::ofstream out(temporary, std::ios::binary);
+  out << text;
+  out.close();
+  std::error_code error;
+  if (out) std::filesystem::rename(temporary, path, error);
+  if (!out || error) throw InputError(path.string(), 0, "", "cannot write", "", "a writable folder with free space");
+}
+
+void append_joint(std::ostringstream& out, const JointSettings& settings, const JointSettings* only_different_from) {
+  const auto* base = only_different_from;
+  if (base == nullptr || base->actuator != settings.actuator) {
+    out << "actuator = " << recording::toml_quoted(recording::to_string(settings.actuator)) << "\n";
+  }
+  std::vector<double> base_values;
+  if (base != nullptr) {
+    JointSettings::visit(*base, [&](std::string_view, double v, std::string_view, double, double) { base_values.push_back(v); });
+  }
+  std::size_t k = 0;
+  JointSettings::visit(settings, [&](std::string_view key, double value, std::string_view unit, double, double) {
+    if (base == nullptr || base_values[k] != value) {
+      out << key << " = " << recording::toml_number(value) << "  # " << unit << "\n";
+    }
+    ++k;
+  });
+}
+
+}  // namespace
+
+ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name) {
+  const TomlTable top = TomlTable::parse(toml, name);
+  ModelFolder model;
+  read_settings(top, model);
+  model.urdf = urdf;
+  model.tree = tree_from_urdf(model.urdf, model.urdf_file);
+  read_joints(top, model);
+  return model;
+}
+
+ModelFolder read_model_folder(const std::string& folder) {
+  const std::filesystem::path path = folder;
+  if (!std::filesystem::is_directory(path)) {
+    throw InputError(folder, 0, "", "no such folder", "", "a folder with model.toml and robot.urdf");
+  }
+  const std::string toml_path = (path / "model.toml").string();
+  const TomlTable top = TomlTable::read(toml_path);
+  ModelFolder model;
+  model.folder = folder;
+  read_settings(top, model);
+  const std::string urdf_path = (path / model.urdf_file).string();
+  model.urdf = whole_file(urdf_path);
+  model.tree = tree_from_urdf(model.urdf, urdf_path);
+  read_joints(top, model);
+  return model;
+}
+
+std::string model_toml(const ModelFolder& model) {
+  using recording::toml_number;
+  using recording::toml_quoted;
+  std::ostringstream out;
+  out << "format = 1\n\n[robot]\nurdf = " << toml_quoted(model.urdf_file) << "\nbase = \""
+      << (model.floating ? "floating" : "fixed") << "\"\ngravity = [" << toml_number(model.gravity[0]) << ", "
+      << toml_number(model.gravity[1]) << ", " << toml_number(model.gravity[2]) << "]  # m/s^2, world axes\n\n"
+      << "[control]\nperiod_s = " << toml_number(model.period_s) << "\n\n[joint_default]\n";
+  append_joint(out, model.joint_default, nullptr);
+  for (std::size_t k = 0; k < model.joints.size(); ++k) {
+    if (model.joints[k] == model.joint_default) continue;
+    out << "\n[joint." << toml_quoted(model.tree.joints[k].name) << "]\n";
+    append_joint(out, model.joints[k], &model.joint_default);
+  }
+  if (model.floating) {
+    out << "\n[ground]\nkind = " << toml_quoted(model.ground_kind) << "\nfriction = " << toml_number(model.ground_friction)
+        << "\n";
+  }
+  for (const EffectEntry& effect : model.effects) {
+    out << "\n[[effect]]\nid = " << toml_quoted(effect.id) << "\nwhere = [";
+    for (std::size_t k = 0; k < effect.where.size(); ++k) out << (k == 0 ? "" : ", ") << toml_quoted(effect.where[k]);
+    out << "]\n";
+    for (const auto& [name, value] : effect.parameters) out << name << " = " << toml_number(value) << "\n";
+  }
+  return out.str();
+}
+
+void write_model_folder(const ModelFolder& model, const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  write_file(std::filesystem::path(folder) / model.urdf_file, model.urdf);
+  write_file(std::filesystem::path(folder) / "model.toml", model_toml(model));
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,54 @@
+// A model folder: robot.urdf and model.toml (docs/model-folder.md). Reading is strict, writing reads back the same.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/diagnose/model_folder/robot_tree.h"
+#include "tools/recording/joint_settings.h"
+#include "tools/recording/recording.h"
+
+namespace sanso::diagnose {
+
+using recording::Actuator;
+using recording::JointSettings;
+
+/// One [[effect]] as written. Names of parameters are checked by the effect library (effects/from_model.h).
+struct EffectEntry {
+  std::string id;
+  std::vector<std::string> where;
+  std::map<std::string, double> parameters;
+  int line = 0;
+};
+
+struct ModelFolder {
+  std::string folder;                          // as the user named it; used in messages
+  std::string urdf_file = "robot.urdf";        // beside model.toml
+  std::string urdf;                            // its text
+  bool floating = false;
+  std::array<double, 3> gravity{0.0, 0.0, -9.81};  // m/s^2, world axes
+  double period_s = 0.01;                      // command period; held from sample to sample in recordings
+  JointSettings joint_default;
+  std::vector<JointSettings> joints;           // resolved, one for every joint of `tree`, same order
+  std::string ground_kind = "plane";
+  double ground_friction = 0.8;
+  std::vector<EffectEntry> effects;
+  RobotTree tree;
+};
+
+/// Throws recording::InputError: file, line, key, what was expected.
+ModelFolder read_model_folder(const std::string& folder);
+/// The same for text in memory; `name` stands for model.toml in messages.
+ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name);
+
+std::string model_toml(const ModelFolder& model);
+/// Writes robot.urdf and model.toml into `folder` (created when missing), each by rename, so never half.
+void write_model_folder(const ModelFolder& model, const std::string& folder);
+
+/// The model as it was during this recording: the sidecar's settings and payloads applied. Throws InputError.
+ModelFolder with_overrides(const ModelFolder& model, const recording::Recording& recording);
+
+}  // namespace sanso::diagnose
