@@ -1,0 +1,98 @@
+// A world: everything about the emulated robot and its surroundings that the controller does not know. Read from a TOML
+// file (worlds/*.toml), or drawn by a seed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/plant/vec.h"
+
+namespace sanso::plant {
+
+/// Body: offsets from the maker's figures (data/op3_*.csv).
+struct BodyParameters {
+  double torso_extra_mass_kg = 0.0;  // cables, covers, skin: the maker's list is 0.35 kg short of the scales
+  Vec3 torso_com_offset_m{0, 0, 0};  // shift of the torso's centre of mass, body axes
+  double leg_mass_scale = 1.0;
+};
+
+/// Motor, gear train and position loop: one set for all servos, with a spread between them.
+struct ServoParameters {
+  double resistance_ohm = 5.217;          // 12 V / 2.3 A at stall (data sheet)
+  double torque_constant_Nm_A = 1.783;    // at the output: 4.1 N m / 2.3 A (data sheet)
+  double back_emf_V_s = 2.491;            // at the output: 12 V / 4.82 rad/s (data sheet)
+  double motor_inertia_kgm2 = 0.027;      // rotor, seen at the output
+  double output_inertia_kgm2 = 0.003;     // last gear and horn, on the link side of the play
+  double gear_stiffness_Nm_rad = 1500.0;  // between motor and link
+  double gear_damping_Nms_rad = 1.2;
+  double backlash_rad = 0.0;  // full width of the play between motor and link
+  double coulomb_Nm = 0.0;
+  double stribeck_extra_Nm = 0.0;  // static friction above Coulomb
+  double stribeck_velocity_rad_s = 0.1;
+  double load_friction = 0.0;  // friction per transmitted torque
+  double viscous_Nms_rad = 0.0;
+  double spread = 0.0;              // relative standard deviation between servos, on friction, backlash, torque
+  double p_divisor = 128.0;         // PWM counts per position count = P gain / divisor (undisclosed: 128 or 256)
+  double loop_period_s = 0.001;     // of the position loop
+  double command_delay_s = 0.0;     // from the last byte of a goal to the loop using it
+  double sensor_delay_s = 0.0;      // age of position, velocity, current when they reach the registers
+  double velocity_filter_s = 0.01;  // time constant of Present Velocity
+};
+
+struct SupplyParameters {
+  double voltage_V = 12.0;    // open circuit
+  double internal_ohm = 0.0;  // battery and cables: sag per ampere
+};
+
+enum class GroundKind : std::uint8_t { plane, ramp, jump_ramp };
+
+struct GroundParameters {
+  GroundKind kind = GroundKind::plane;
+  double friction = 0.8;
+  double slope_rad = 0.0;  // ramp: downhill along +x from start_x on
+  double start_x_m = 0.5;
+  double ramp_length_m = 1.5;
+  double lip_height_m = 0.0;  // jump_ramp: drop at the end of a run-up that rises to this height
+};
+
+/// Feet: soles, or wheels for the skating motions.
+enum class FeetKind : std::uint8_t { soles, wheels };
+
+struct ImuParameters {
+  double accel_noise_m_s2 = 0.05;    // standard deviation of one sample
+  double gyro_noise_rad_s = 0.0035;  // 0.2 deg/s
+  double orientation_noise_rad = 0.001;
+  Vec3 accel_bias_m_s2{0, 0, 0};
+  Vec3 gyro_bias_rad_s{0, 0, 0};
+  Vec3 orientation_bias_rad{0, 0, 0};  // mounting error, roll pitch yaw
+};
+
+struct PoseParameters {
+  double period_s = 0.005;  // tracking camera: 200 Hz
+  double delay_s = 0.008;
+  double position_noise_m = 0.001;
+  double velocity_noise_m_s = 0.02;
+  double orientation_noise_rad = 0.004;
+};
+
+struct World {
+  std::string name = "nominal";
+  BodyParameters body;
+  ServoParameters servo;
+  SupplyParameters supply;
+  GroundParameters ground;
+  FeetKind feet = FeetKind::soles;
+  ImuParameters imu;
+  PoseParameters pose;
+};
+
+/// "nominal", "lab", "hard" (files of worlds/), "seed:17" (drawn), or the path of a TOML file. Throws WorldError.
+World load_world(const std::string& name_or_path);
+
+/// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.
+World draw_world(std::uint64_t seed);
+
+/// Parses a world file's text; `origin` names it in messages. Unknown keys are errors. Throws WorldError.
+World parse_world(const std::string& toml_text, const std::string& origin);
+
+}  // namespace sanso::plant
