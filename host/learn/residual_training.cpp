@@ -79,6 +79,16 @@ class Trainer {
     return sum / static_cast<double>(count * kNdx);
   }
 
+  /// Error of the last forward() in the units of the targets: mean over rows of sum_i weight_i error_i^2.
+  double weighted_error(const model::Tangent& weights) const {
+    const model::Tangent w = weights.cwiseProduct(net_.output_scale.cast<double>().cwiseAbs2());
+    double sum = 0;
+    for (std::size_t i = 0; i < error_.size(); ++i) {
+      sum += w[static_cast<Eigen::Index>(i % kNdx)] * static_cast<double>(error_[i]) * error_[i];
+    }
+    return sum / static_cast<double>(count_);
+  }
+
   /// Gradient of the mean squared error of the last forward(), by back-propagation.
   void backward() {
     const int n = static_cast<int>(count_);
@@ -261,7 +271,13 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   Trainer trainer(network, settings);
   ResidualTraining result;
   ResidualNetwork best = network;
-  double best_loss = trainer.forward(s, split.heldout, 0, split.heldout.size());
+  // The stop looks at what the gate looks at: in standardised units, coordinates that hold nothing but noise would
+  // count as much as the rest and stop the training as soon as they are over-fitted.
+  const auto heldout_loss = [&] {
+    trainer.forward(s, split.heldout, 0, split.heldout.size());
+    return trainer.weighted_error(weights);
+  };
+  double best_loss = heldout_loss();
   int since_best = 0;
   while (result.epochs < settings.max_epochs && since_best < settings.patience) {
     shuffle(split.train, rng);
@@ -275,7 +291,7 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
     ++result.epochs;
     ++since_best;
     result.train_loss = sum / static_cast<double>(batches);
-    if (const double loss = trainer.forward(s, split.heldout, 0, split.heldout.size()); loss < best_loss) {
+    if (const double loss = heldout_loss(); loss < best_loss) {
       best_loss = loss;
       best = network;
       since_best = 0;
