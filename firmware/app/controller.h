@@ -1,0 +1,69 @@
+// The 10 ms tick. It reads the bus and the newest samples of the other threads, estimates the state, adds up the three
+// layers, guards the sum and sends it. Part of the real-time library: no heap, no exceptions, nothing that waits except
+// for servo replies, and for those only until their deadline.
+#pragma once
+
+#include "firmware/app/supervisor.h"
+#include "firmware/app/trial.h"
+#include "firmware/board/board.h"
+#include "firmware/bus/bus_master.h"
+#include "firmware/bus/bus_setup.h"
+#include "firmware/config/settings.h"
+#include "firmware/estimate/estimator.h"
+#include "firmware/guard/guard.h"
+#include "firmware/link/handover.h"
+
+namespace sanso::firmware {
+
+class Controller {
+ public:
+  Controller(const Settings& settings, board::SerialPort& port, board::Clock& clock, Handover& handover);
+
+  /// One tick. `now` is the time at which it was due, on the board's clock. Call it every 10 ms; it returns after the
+  /// goals are on their way (about 2 ms of bus time later).
+  void tick(Nanoseconds now);
+
+  /// What the last tick published.
+  const wire::Observation& observation() const { return observation_; }
+  wire::SupervisorState state() const { return supervisor_.state(); }
+  Fault fault() const { return supervisor_.fault(); }
+  /// Servo id, or another number that docs/faults.md explains, of the latched fault.
+  std::uint16_t fault_detail() const { return supervisor_.fault_detail(); }
+  const BusCounters& bus_counters() const { return bus_.counters(); }
+
+ private:
+  void take_requests();
+  void execute(const wire::Command& command);
+  void read_sensors(Nanoseconds now);
+  void judge(Nanoseconds now);
+  model::Input choose_target();
+  void command_servos(const model::Input& target);
+  void advance_state();
+  void publish(Nanoseconds now);
+  void react_to_fault();
+
+  Settings settings_;
+  board::Clock& clock_;
+  Handover& handover_;
+
+  BusMaster bus_;
+  BusSetup setup_;
+  Estimator estimator_;
+  Guard guard_;
+  Supervisor supervisor_;
+  Trial trial_;
+
+  ServoReadings servos_;
+  model::State x_ = model::neutral_state();
+  GuardVerdict verdict_;
+  policy::LayerOutputs layers_;
+  model::Input output_ = model::Input::Zero();  // what was sent last
+  wire::Observation observation_;
+  LogRecord record_;
+  Nanoseconds tick_begin_ = 0;
+  Nanoseconds previous_due_ = 0;
+  std::uint32_t late_ticks_ = 0;
+  int late_in_a_row_ = 0;
+};
+
+}  // namespace sanso::firmware

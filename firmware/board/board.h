@@ -1,0 +1,72 @@
+// The seam between the controller and the hardware. Everything that firmware/ knows of the world passes through these
+// five interfaces; on the robot they are Linux devices, in tests and in process they are simulated with a virtual clock.
+// None of the calls allocates; none throws.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "shared/base/status.h"
+#include "shared/base/time.h"
+
+namespace sanso::board {
+
+using Bytes = std::span<const std::uint8_t>;
+using Buffer = std::span<std::uint8_t>;
+
+/// Monotonic time since some fixed moment. In virtual time, sleeping and waiting for bytes are what makes it pass.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual Nanoseconds now() = 0;
+};
+
+/// The half-duplex servo bus. Used by the tick thread only.
+class SerialPort {
+ public:
+  virtual ~SerialPort() = default;
+  /// Queues all bytes for sending. io_error: the device is gone (unplugged); it stays so until reopen().
+  virtual Status write(Bytes data) = 0;
+  /// Bytes that have arrived, as soon as there is at least one; waits for it until `deadline` at most (a deadline in the
+  /// past: takes what is there). Returns 0 at the deadline. io_error as for write().
+  virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
+  /// Tries to get a lost device back. May block for a while: called only while no torque command is running.
+  virtual Status reopen() = 0;
+};
+
+/// Input reports of a HID sensor, one at a time, each beginning with its report ID. Used by the IMU thread only.
+class HidSource {
+ public:
+  virtual ~HidSource() = default;
+  /// The report descriptor. Its memory belongs to the source and stays valid.
+  virtual Bytes descriptor() = 0;
+  /// Sends a feature report (report ID first).
+  virtual Status set_feature(Bytes report) = 0;
+  /// The next report; waits until `deadline` at most. 0: none came. io_error: unplugged.
+  virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
+};
+
+/// Pose of the base from outside (tracking camera), as the bytes of firmware/imu/pose_report.h. May be absent.
+class PoseSource {
+ public:
+  virtual ~PoseSource() = default;
+  virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
+};
+
+/// Where a datagram came from; opaque, owned by the implementation.
+struct Peer {
+  std::uint8_t size = 0;  // 0: nobody
+  std::uint8_t bytes[28] = {};
+};
+
+/// Datagrams to and from hosts. Used by the link thread only. Neither call blocks beyond `deadline`.
+class Datagram {
+ public:
+  virtual ~Datagram() = default;
+  virtual Status send(Bytes data, const Peer& to) = 0;
+  /// Bytes received and their sender; 0: none came.
+  virtual Result<std::size_t> receive(Buffer buffer, Peer& from, Nanoseconds deadline) = 0;
+};
+
+}  // namespace sanso::board
