@@ -1,0 +1,174 @@
+// Checks inside one channel: wrapped registers, clipped and stuck values.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tools/diagnose/gate/checks.h"
+#include "tools/diagnose/gate/noise.h"
+#include "tools/diagnose/stats/robust.h"
+
+namespace sanso::diagnose::gate {
+
+std::vector<double> without_glitches(std::span<const double> x, int* replaced) {
+  std::vector<double> out(x.begin(), x.end());
+  std::vector<double> departure(x.size(), 0.0), centre(x.size(), 0.0);
+  for (std::size_t i = 2; i + 2 < x.size(); ++i) {
+    double w[5] = {x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]};
+    std::sort(w, w + 5);
+    centre[i] = w[2];
+    departure[i] = std::abs(x[i] - w[2]);
+  }
+  const double limit = 8.0 * (robust_sigma(departure) + quantile(departure, 0.9)) + 1e-12;
+  int count = 0;
+  for (std::size_t i = 2; i + 2 < x.size(); ++i) {
+    if (departure[i] > limit) out[i] = centre[i], ++count;
+  }
+  if (replaced != nullptr) *replaced = count;
+  return out;
+}
+
+namespace {
+
+/// First row where the step to the next finite value is `size` (within 5 %); -1: none. A wrap is a jump of one sample,
+/// several times larger than anything next to it.
+long first_jump(std::span<const double> x, double size) {
+  double previous = NAN, before = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (!std::isfinite(x[i])) continue;
+    if (std::isfinite(previous)) {
+      const double step = x[i] - previous;
+      if (std::abs(std::abs(step) - size) < 0.05 * size && std::abs(step) > 4.0 * std::abs(before)) {
+        return static_cast<long>(i);
+      }
+      before = step;
+    }
+    previous = x[i];
+  }
+  return -1;
+}
+
+/// Signed 16-bit register logged as unsigned: the channel leaps by 65536 of its own quanta, or is larger than it can be.
+void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defect>& out) {
+  const double quantum = quantisation_step(c.values);
+  if (quantum > 0.0) {
+    const double low = quantile(c.values, 0.0), high = quantile(c.values, 1.0);
+    if (high - low > 60000.0 * quantum) {
+      const long row = first_jump(c.values, high - low);
+      if (row >= 0) {
+        out.push_back({r.file, c.name, row, defect::k16BitWrap,
+                       fmt::format("jumps by {:.6g} = {:.0f} register steps; log the register as signed", high - low,
+                                   (high - low) / quantum)});
+        return;
+      }
+    }
+  }
+  if (c.name.rfind("pwm:", 0) != 0) return;
+  for (std::size_t i = 0; i < c.values.size(); ++i) {
+    const double v = std::abs(c.values[i]);
+    if (!(v > 1.2)) continue;
+    // 65536 counts are 74 times full scale for 885 counts a unit, 64 for 1000; a percentage or raw count is smaller or has
+    // no empty space between
+    const bool leap = v > 20.0 && quantile(c.values, 0.5) < 0.2 * v;
+    out.push_back({r.file, c.name, static_cast<long>(i), leap ? defect::k16BitWrap : defect::kWrongUnit,
+                   fmt::format("duty {:.4g}; expected -1..1", c.values[i])});
+    return;
+  }
+}
+
+}  // namespace
+
+std::vector<Defect> check_wraps(const GateRecording& r, const std::vector<GateJoint>& joints) {
+  std::vector<Defect> out;
+  for (const GateJoint& joint : joints) {
+    const GateChannel* q = r.find("q:" + joint.name);
+    if (q != nullptr && !joint.prismatic) {
+      const long row = first_jump(q->values, 2.0 * std::numbers::pi);
+      if (row >= 0) {
+        out.push_back({r.file, q->name, row, defect::kEncoderWrap,
+                       "the angle jumps by one turn in one sample; unwrap it (add or subtract 2 pi from there on)"});
+      }
+    }
+    for (const char* kind : {"pwm:", "i:", "tau:", "dq:", "q:"}) {
+      const GateChannel* c = r.find(kind + joint.name);
+      if (c != nullptr) check_16_bit(r, *c, out);
+    }
+  }
+  return out;
+}
+
+std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<GateJoint>& joints) {
+  // A mechanical stop also holds a position; but it is left slowly. A clipped log is entered and left at full speed.
+  constexpr std::size_t kRun = 5, kSpan = 3;
+  constexpr int kRunsNeeded = 2;
+  std::vector<Defect> out;
+  for (const GateJoint& joint : joints) {
+    const GateChannel* q = r.find("q:" + joint.name);
+    if (q == nullptr) continue;
+    const std::vector<double> x = finite_values(q->values);
+    if (x.size() < kMinimumRows) continue;
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < x.size(); ++i) steps.push_back(std::abs(x[i] - x[i - 1]));
+    const double typical = quantile(steps, 0.9), quantum = quantisation_step(x);
+    for (const double extreme : {quantile(x, 0.0), quantile(x, 1.0)}) {
+      int runs = 0;
+      long first = -1;
+      for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+        if (x[i] != extreme || x[i - 1] == extreme) continue;
+        std::size_t end = i;
+        while (end < x.size() && x[end] == extreme) ++end;
+        if (end - i < kRun || end + kSpan >= x.size() || i < kSpan + 1) continue;
+        // mean speed over the samples before and after the run (the crossing sample itself is cut short)
+        const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan, exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
+        const double fast = std::max(0.4 * typical, 0.5 * quantum);
+        if (entry > fast && exit > fast) {
+          if (first < 0) first = static_cast<long>(i);
+          ++runs;
+        }
+      }
+      if (runs >= kRunsNeeded) {
+        out.push_back({r.file, q->name, first, defect::kClipped,
+                       fmt::format("{} flat tops at {:.6g}, entered and left at speed; raise the logger's range", runs, extreme)});
+        break;
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJoint>& joints) {
+  constexpr double kSeconds = 1.0;     // longer than any stiction or backlash hold under a moving command
+  constexpr double kCommand = 0.15;    // rad (m): the command moved on by this while the position did not change at all
+  std::vector<Defect> out;
+  for (const GateJoint& joint : joints) {
+    const GateChannel* q = r.find("q:" + joint.name);
+    const GateChannel* u = r.find("u:" + joint.name);
+    const GateChannel* dq = r.find("dq:" + joint.name);
+    if (q == nullptr || (u == nullptr && dq == nullptr)) continue;
+    double start = r.t.empty() ? 0.0 : r.t[0], value = NAN, u_low = INFINITY, u_high = -INFINITY, travel = 0.0;
+    for (std::size_t i = 0; i < q->values.size(); ++i) {
+      const double x = q->values[i];
+      if (!std::isfinite(x)) continue;
+      if (x != value) {
+        value = x, start = r.t[i], u_low = INFINITY, u_high = -INFINITY, travel = 0.0;
+      }
+      if (u != nullptr && std::isfinite(u->values[i])) {
+        u_low = std::min(u_low, u->values[i]), u_high = std::max(u_high, u->values[i]);
+      }
+      if (dq != nullptr && i > 0 && std::isfinite(dq->values[i])) travel += std::abs(dq->values[i]) * (r.t[i] - r.t[i - 1]);
+      const double scale = joint.prismatic ? 0.1 * kCommand : kCommand;
+      const bool command_moved = u_high - u_low > scale, velocity_moved = travel > scale;
+      if (r.t[i] - start > kSeconds && (command_moved || velocity_moved)) {
+        out.push_back({r.file, q->name, static_cast<long>(i), defect::kStuck,
+                       fmt::format("exactly {:.6g} for {:.2g} s while the {} moved by {:.3g}; the sensor or the logger hangs",
+                                   x, r.t[i] - start, command_moved ? "command" : "velocity channel",
+                                   command_moved ? u_high - u_low : travel)});
+        break;
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose::gate
