@@ -1,0 +1,73 @@
+#include "tools/diagnose/gate/load.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "tools/recording/csv_reader.h"
+
+namespace sanso::diagnose {
+
+GateRecording gate_view(const recording::Recording& recording) {
+  GateRecording view{recording.file, recording.condition, recording.t, {}};
+  for (const recording::Channel& c : recording.channels) view.channels.push_back({c.name, c.values});
+  return view;
+}
+
+std::vector<GateJoint> gate_joints(const ModelFolder& model) {
+  std::vector<GateJoint> joints;
+  for (std::size_t j = 0; j < model.tree.joints.size(); ++j) {
+    const TreeJoint& joint = model.tree.joints[j];
+    const JointSettings& settings = model.joints[j];
+    GateJoint g;
+    g.name = joint.name;
+    g.prismatic = joint.prismatic;
+    if (joint.lower < joint.upper) g.lower = joint.lower, g.upper = joint.upper;
+    g.torque_limit = settings.torque_limit;
+    if (settings.actuator == Actuator::dc_servo) {
+      g.voltage = settings.voltage;
+      g.speed_limit = settings.back_emf > 0.0 ? settings.voltage / settings.back_emf : 0.0;
+      g.current_limit = settings.resistance > 0.0 ? settings.voltage / settings.resistance : 0.0;
+      g.torque_limit = g.current_limit * settings.torque_constant;
+    }
+    joints.push_back(std::move(g));
+  }
+  return joints;
+}
+
+Defect defect_of(const recording::InputError& error) {
+  static const std::pair<const char*, const char*> names[] = {
+      {"NaN or infinity", defect::kNotANumber},  {"recording too large", defect::kTooLarge},
+      {"time missing", defect::kNotANumber},     {"no time column", defect::kMissingChannel},
+      {"cannot open", defect::kUnreadable},      {"binary data", defect::kUnreadable},
+  };
+  Defect d{error.file, error.channel, error.line > 1 ? error.line - 2 : -1, error.defect, error.what()};
+  for (const auto& [theirs, ours] : names) {
+    if (error.defect == theirs) d.defect = ours;
+  }
+  return d;
+}
+
+LoadedRecordings load_recordings(const std::vector<std::string>& files, const std::vector<GateJoint>& joints) {
+  LoadedRecordings loaded;
+  for (const std::string& file : files) {
+    std::vector<Defect> defects = inspect_file(file);
+    if (defects.empty()) {
+      try {
+        loaded.recordings.push_back(recording::read_csv(file));
+      } catch (const recording::InputError& error) {
+        defects.push_back(defect_of(error));
+      }
+    }
+    std::move(defects.begin(), defects.end(), std::back_inserter(loaded.gate.defects));
+  }
+  std::vector<GateRecording> views;
+  for (const recording::Recording& r : loaded.recordings) views.push_back(gate_view(r));
+  GateReport report = inspect(views, joints);
+  // unreadable files first: they explain what else is missing
+  report.defects.insert(report.defects.begin(), loaded.gate.defects.begin(), loaded.gate.defects.end());
+  if (files.empty()) report.defects.push_back({"", "", -1, defect::kEmpty, "no recording was given"});
+  loaded.gate = std::move(report);
+  return loaded;
+}
+
+}  // namespace sanso::diagnose
