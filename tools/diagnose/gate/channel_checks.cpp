@@ -98,74 +98,99 @@ std::vector<Defect> check_wraps(const GateRecording& r, const std::vector<GateJo
   return out;
 }
 
-std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<GateJoint>& joints) {
-  // A mechanical stop also holds a position; but it is left slowly. A clipped log is entered and left at full speed.
+namespace {
+
+double range_of(std::span<const double> x) { return quantile(x, 1.0) - quantile(x, 0.0); }
+
+/// Runs of exactly `extreme`, entered and left at speed while the command (when there is one) moved on. A mechanical stop also
+/// holds a position, but it is left slowly; a servo at rest does not move either, but then its command rests too.
+int flat_tops(std::span<const double> x, std::span<const double> u, double extreme, double fast, long* first) {
   constexpr std::size_t kRun = 5, kSpan = 3;
+  int runs = 0;
+  for (std::size_t i = kSpan + 1; i + 1 < x.size(); ++i) {
+    if (x[i] != extreme || x[i - 1] == extreme) continue;
+    std::size_t end = i;
+    while (end < x.size() && x[end] == extreme) ++end;
+    if (end - i < kRun || end + kSpan >= x.size()) continue;
+    // mean speed over the samples before and after the run (the crossing sample itself is cut short)
+    const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan, exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
+    std::size_t changes = 0;  // rows in which the command moves: a held goal makes a flat top of its own
+    for (std::size_t k = i; k < end && !u.empty(); ++k) changes += u[k] != u[k - 1];
+    const bool rests = !u.empty() && 2 * changes < end - i;
+    if (!(entry > fast) || !(exit > fast) || rests) continue;
+    if (runs++ == 0) *first = static_cast<long>(i);
+  }
+  return runs;
+}
+
+}  // namespace
+
+std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<GateJoint>& joints) {
   constexpr int kRunsNeeded = 2;
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
-    if (q == nullptr) continue;
-    const std::vector<double> x = finite_values(q->values);
-    if (x.size() < kMinimumRows) continue;
+    const GateChannel* u = r.find("u:" + joint.name);
+    if (q == nullptr || finite_values(q->values).size() < kMinimumRows) continue;
     std::vector<double> steps;
-    for (std::size_t i = 1; i < x.size(); ++i) steps.push_back(std::abs(x[i] - x[i - 1]));
-    const double typical = quantile(steps, 0.9), quantum = quantisation_step(x);
-    for (const double extreme : {quantile(x, 0.0), quantile(x, 1.0)}) {
-      int runs = 0;
+    for (std::size_t i = 1; i < q->values.size(); ++i) steps.push_back(std::abs(q->values[i] - q->values[i - 1]));
+    const double fast = std::max(0.4 * quantile(steps, 0.9), 0.5 * quantisation_step(q->values));
+    for (const double extreme : {quantile(q->values, 0.0), quantile(q->values, 1.0)}) {
       long first = -1;
-      for (std::size_t i = 1; i + 1 < x.size(); ++i) {
-        if (x[i] != extreme || x[i - 1] == extreme) continue;
-        std::size_t end = i;
-        while (end < x.size() && x[end] == extreme) ++end;
-        if (end - i < kRun || end + kSpan >= x.size() || i < kSpan + 1) continue;
-        // mean speed over the samples before and after the run (the crossing sample itself is cut short)
-        const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan, exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
-        const double fast = std::max(0.4 * typical, 0.5 * quantum);
-        if (entry > fast && exit > fast) {
-          if (first < 0) first = static_cast<long>(i);
-          ++runs;
-        }
-      }
-      if (runs >= kRunsNeeded) {
-        out.push_back({r.file, q->name, first, defect::kClipped,
-                       fmt::format("{} flat tops at {:.6g}, entered and left at speed; raise the logger's range", runs, extreme)});
-        break;
-      }
+      const int runs = flat_tops(q->values, u != nullptr ? u->values : std::span<const double>{}, extreme, fast, &first);
+      if (runs < kRunsNeeded) continue;
+      out.push_back({r.file, q->name, first, defect::kClipped,
+                     fmt::format("{} flat tops at {:.6g}, entered and left at speed; raise the logger's range", runs, extreme)});
+      break;
     }
   }
   return out;
 }
 
+namespace {
+
+/// Evidence, gathered while a position does not change at all, that the joint must have moved.
+class Hang {
+ public:
+  Hang(double t, double u) : start_(t), u_start_(u) {}
+  void add(double t, double u, double dq, double step, double command_range) {
+    if (std::isfinite(dq)) travel_ += std::abs(dq) * step;
+    if (!std::isfinite(u_start_)) u_start_ = u;
+    if (std::abs(u - u_start_) > 0.5 * command_range) away_ += step;
+    last_ = t;
+  }
+  double seconds() const { return last_ - start_; }
+  /// Long against what friction or play can hold: the command stayed half its range away for half a second, or the
+  /// velocity channel says that the joint went `distance`.
+  bool proven(double distance) const { return seconds() > 1.0 && (away_ > 0.5 || travel_ > distance); }
+
+ private:
+  double start_, u_start_, last_ = 0.0, travel_ = 0.0, away_ = 0.0;
+};
+
+}  // namespace
+
 std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJoint>& joints) {
-  constexpr double kSeconds = 1.0;     // longer than any stiction or backlash hold under a moving command
-  constexpr double kCommand = 0.15;    // rad (m): the command moved on by this while the position did not change at all
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
     const GateChannel* u = r.find("u:" + joint.name);
     const GateChannel* dq = r.find("dq:" + joint.name);
     if (q == nullptr || (u == nullptr && dq == nullptr)) continue;
-    double start = r.t.empty() ? 0.0 : r.t[0], value = NAN, u_low = INFINITY, u_high = -INFINITY, travel = 0.0;
-    for (std::size_t i = 0; i < q->values.size(); ++i) {
-      const double x = q->values[i];
+    const double command_range = u != nullptr ? std::max(range_of(u->values), 20.0 * quantisation_step(q->values)) : INFINITY;
+    const double distance = joint.prismatic ? 0.02 : 0.2;  // m, rad: far above any velocity channel's resting noise
+    double value = NAN;
+    Hang hang(0.0, NAN);
+    for (std::size_t i = 1; i < q->values.size(); ++i) {
+      const double x = q->values[i], goal = u != nullptr ? u->values[i] : NAN;
       if (!std::isfinite(x)) continue;
-      if (x != value) {
-        value = x, start = r.t[i], u_low = INFINITY, u_high = -INFINITY, travel = 0.0;
-      }
-      if (u != nullptr && std::isfinite(u->values[i])) {
-        u_low = std::min(u_low, u->values[i]), u_high = std::max(u_high, u->values[i]);
-      }
-      if (dq != nullptr && i > 0 && std::isfinite(dq->values[i])) travel += std::abs(dq->values[i]) * (r.t[i] - r.t[i - 1]);
-      const double scale = joint.prismatic ? 0.1 * kCommand : kCommand;
-      const bool command_moved = u_high - u_low > scale, velocity_moved = travel > scale;
-      if (r.t[i] - start > kSeconds && (command_moved || velocity_moved)) {
-        out.push_back({r.file, q->name, static_cast<long>(i), defect::kStuck,
-                       fmt::format("exactly {:.6g} for {:.2g} s while the {} moved by {:.3g}; the sensor or the logger hangs",
-                                   x, r.t[i] - start, command_moved ? "command" : "velocity channel",
-                                   command_moved ? u_high - u_low : travel)});
-        break;
-      }
+      if (x != value) value = x, hang = Hang(r.t[i], goal);
+      hang.add(r.t[i], goal, dq != nullptr ? dq->values[i] : NAN, r.t[i] - r.t[i - 1], command_range);
+      if (!hang.proven(distance)) continue;
+      out.push_back({r.file, q->name, static_cast<long>(i), defect::kStuck,
+                     fmt::format("exactly {:.6g} for {:.2g} s while command or velocity moved on; the sensor or the logger hangs",
+                                 x, hang.seconds())});
+      break;
     }
   }
   return out;
