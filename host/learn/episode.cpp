@@ -13,16 +13,18 @@ void visit_fields(auto& o, auto&& io) {
   io(o.tick), io(o.time), io(o.trial_tick), io(o.trial_id), io(o.state), io(o.fault), io(o.limits), io(o.contact);
   io(o.pose_age_ticks), io(o.x), io(o.current_raw), io(o.imu_acc), io(o.imu_gyro), io(o.voltage_V);
   io(o.max_temperature_C), io(o.upper_sequence), io(o.upper_age_ticks), io(o.upper_weight), io(o.u_upper);
-  io(o.u_middle), io(o.u_lower), io(o.u_out), io(o.tick_cpu_ns), io(o.late_ticks), io(o.bus_lost), io(o.bus_corrupt);
-  io(o.datagrams_dropped);
+  io(o.u_middle), io(o.u_lower), io(o.u_out), io(o.bus_lost), io(o.bus_corrupt), io(o.datagrams_dropped);
 }
+
+/// What depends on the machine's speed: stored, but no part of the digest.
+void visit_timing(auto& o, auto&& io) { io(o.tick_cpu_ns), io(o.late_ticks); }
 
 void visit_header(auto& e, auto&& io) {
   io(e.trial), io(e.seed), io(e.end), io(e.fault), io(e.cost);
 }
 
 void visit_plan(auto& p, auto&& io) {
-  io(p.observed_tick), io(p.update_ms), io(p.cost_before), io(p.cost_after), io(p.gain_norm), io(p.late);
+  io(p.observed_tick), io(p.cost_before), io(p.cost_after), io(p.gain_norm), io(p.late);
   io(p.policy.sequence), io(p.policy.trial_id), io(p.policy.first_tick), io(p.policy.ticks_per_knot);
 }
 
@@ -39,6 +41,10 @@ std::uint32_t read_count(BinaryReader& in) {
   const auto n = in.read<std::uint32_t>();
   if (n > in.left()) in.fail();
   return n;
+}
+
+void put_observation(BinaryWriter& out, const wire::Observation& o) {
+  visit_fields(o, [&](const auto& v) { out.put(v); });
 }
 
 void put_plan(BinaryWriter& out, const PlanRecord& plan) {
@@ -70,13 +76,38 @@ const char* to_string(TrialEnd end) {
   return "unknown";
 }
 
+const policy::UpperPolicy* executed_policy(const Episode& episode, const wire::Observation& observation) {
+  if (observation.upper_sequence == 0 || observation.upper_weight <= 0.0f) return nullptr;
+  for (auto plan = episode.plans.rbegin(); plan != episode.plans.rend(); ++plan)
+    if (plan->policy.sequence == observation.upper_sequence) return &plan->policy;
+  return nullptr;
+}
+
+std::uint64_t digest(const Episode& episode) {
+  BinaryWriter out;
+  const auto put = [&](const auto& v) { out.put(v); };
+  visit_header(episode, put);
+  put_all(out, episode.cost_terms, put);
+  put_all(out, episode.ticks, [&](const wire::Observation& o) { put_observation(out, o); });
+  put_all(out, episode.plans, [&](const PlanRecord& p) { put_plan(out, p); });
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, 64 bits
+  for (std::uint8_t byte : out.bytes()) hash = (hash ^ byte) * 0x100000001b3ULL;
+  return hash;
+}
+
 void save_episode(const std::filesystem::path& path, const Episode& episode) {
   BinaryWriter out;
   const auto put = [&](const auto& v) { out.put(v); };
   visit_header(episode, put);
   put_all(out, episode.cost_terms, put);
-  put_all(out, episode.ticks, [&](const wire::Observation& o) { visit_fields(o, put); });
-  put_all(out, episode.plans, [&](const PlanRecord& p) { put_plan(out, p); });
+  put_all(out, episode.ticks, [&](const wire::Observation& o) {
+    put_observation(out, o);
+    visit_timing(o, put);
+  });
+  put_all(out, episode.plans, [&](const PlanRecord& p) {
+    put_plan(out, p);
+    out.put(p.update_ms);
+  });
   put_all(out, episode.foot_force_N, put);
   save_framed(path, kMagic, kVersion, out.bytes());
 }
@@ -89,8 +120,14 @@ Episode load_episode(const std::filesystem::path& path) {
   episode.cost_terms.resize(read_count(in));
   for (double& v : episode.cost_terms) get(v);
   episode.ticks.resize(read_count(in));
-  for (wire::Observation& o : episode.ticks) visit_fields(o, get);
-  for (std::uint32_t n = read_count(in); n > 0; --n) episode.plans.push_back(get_plan(in));
+  for (wire::Observation& o : episode.ticks) {
+    visit_fields(o, get);
+    visit_timing(o, get);
+  }
+  for (std::uint32_t n = read_count(in); n > 0; --n) {
+    episode.plans.push_back(get_plan(in));
+    in.get(episode.plans.back().update_ms);
+  }
   episode.foot_force_N.resize(read_count(in));
   for (auto& v : episode.foot_force_N) get(v);
   return episode;

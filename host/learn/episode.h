@@ -46,6 +46,12 @@ struct Episode {
   bool failed() const { return end != TrialEnd::completed; }
 };
 
+/// The plan that the controller said it was executing at an observation; null when none.
+const policy::UpperPolicy* executed_policy(const Episode& episode, const wire::Observation& observation);
+
+/// A 64-bit fingerprint of everything that must repeat: all but measured times. Equal runs have equal digests.
+std::uint64_t digest(const Episode& episode);
+
 void save_episode(const std::filesystem::path& path, const Episode& episode);
 Episode load_episode(const std::filesystem::path& path);
 
