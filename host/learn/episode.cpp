@@ -1,6 +1,7 @@
 #include "host/learn/episode.h"
 
 #include "host/learn/binary_io.h"
+#include "host/learn/hash.h"
 
 namespace sanso::learn {
 namespace {
@@ -90,9 +91,7 @@ std::uint64_t digest(const Episode& episode) {
   put_all(out, episode.cost_terms, put);
   put_all(out, episode.ticks, [&](const wire::Observation& o) { put_observation(out, o); });
   put_all(out, episode.plans, [&](const PlanRecord& p) { put_plan(out, p); });
-  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a, 64 bits
-  for (std::uint8_t byte : out.bytes()) hash = (hash ^ byte) * 0x100000001b3ULL;
-  return hash;
+  return fnv1a(out.bytes());
 }
 
 void save_episode(const std::filesystem::path& path, const Episode& episode) {

@@ -1,0 +1,152 @@
+#include "host/learn/session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <stdexcept>
+
+#include "host/learn/seeds.h"
+#include "host/learn/summary.h"
+#include "shared/policy/layer_sum.h"
+#include "shared/policy/policy_bytes.h"
+
+namespace sanso::learn {
+namespace {
+
+namespace fs = std::filesystem;
+
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+fs::path state_file(const fs::path& out) { return out / "state.bin"; }
+
+/// What must agree between the run that began a session and the one that continues it.
+std::string identity_of(const Task& task, const SessionSettings& s) {
+  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {}", task.name, s.seed, s.world, s.layers.mask(),
+                     s.layers.residual ? "" : " no-residual", s.layers.stochastic ? "" : " no-stochastic",
+                     s.middle.learning_rate, s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
+                     s.middle.start_at_reference);
+}
+
+void check_table_fits(const Task& task) {
+  const int knots = task.primitives.duration_ticks() / kTicksPerMiddle + 1;
+  if (knots > static_cast<int>(policy::kMaxMiddleKnots))
+    throw std::runtime_error(fmt::format("motion {}: lasts {:.1f} s, the middle layer's table holds {:.1f} s; shorten the motion",
+                                         task.name, task.primitives.duration_s,
+                                         to_seconds(kMiddlePeriod) * static_cast<double>(policy::kMaxMiddleKnots)));
+}
+
+std::vector<model::State> at_middle_knots(const std::vector<model::State>& reference) {
+  std::vector<model::State> out;
+  for (std::size_t i = 0; i < reference.size(); i += kTicksPerMiddle) out.push_back(reference[i]);
+  return out;
+}
+
+}  // namespace
+
+std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives) {
+  policy::PrimitivePlayer player;
+  player.reset(primitives);
+  std::vector<model::State> out{player.state()};
+  while (!player.finished()) {
+    player.step();
+    out.push_back(player.state());
+  }
+  return out;
+}
+
+std::vector<UpperSample> upper_samples(const Episode& episode) {
+  std::vector<UpperSample> out;
+  for (const wire::Observation& o : episode.ticks) {
+    if (o.trial_tick % kTicksPerMiddle != 0) continue;
+    const auto knot = static_cast<std::size_t>(o.trial_tick / kTicksPerMiddle);
+    if (knot >= out.size()) out.resize(knot + 1);  // a lost observation leaves weight 0: nothing is learned there
+    const policy::UpperPolicy* executed = executed_policy(episode, o);
+    if (!executed) continue;
+    out[knot].weight = o.upper_weight;
+    policy::sample_upper(*executed, o.trial_tick, out[knot].knot);
+  }
+  return out;
+}
+
+Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper)
+    : task_(task), settings_(settings), robot_(robot), upper_(upper), state_(std::make_unique<SessionState>()) {
+  check_table_fits(task_);
+  const std::vector<model::State> reference = reference_of(task_.primitives);
+  x_init_ = at_middle_knots(reference);
+  if (!settings_.middle.start_at_reference) x_init_.assign(x_init_.size(), reference.front());
+
+  fs::create_directories(settings_.out);
+  const std::string identity = identity_of(task_, settings_);
+  if (fs::exists(state_file(settings_.out))) {
+    if (!settings_.resume)
+      throw std::runtime_error(settings_.out.string() + ": holds a session already; continue it with --resume or name another folder");
+    load_state(state_file(settings_.out), *state_);
+    if (state_->identity != identity)
+      throw std::runtime_error(fmt::format("{}: cannot resume: it holds \"{}\", asked for \"{}\"", settings_.out.string(),
+                                           state_->identity, identity));
+  } else {
+    state_->identity = identity;
+    state_->sigma = settings_.layers.stochastic ? upper_.settings().sigma : 0.0;
+    state_->primitives = task_.primitives;
+    start_middle_layer(x_init_, settings_.middle, state_->middle);
+  }
+  finished_before_ = static_cast<int>(state_->next_trial);
+}
+
+Session::~Session() = default;
+
+void Session::run(const std::function<void(const TrialSummary&)>& after_trial) {
+  while (static_cast<int>(state_->next_trial) < settings_.iterations) after_trial(run_one());
+}
+
+TrialSummary Session::run_one() {
+  const double begin = wall_s();
+  const std::uint32_t trial = state_->next_trial;
+  const std::vector<model::State> reference = reference_of(state_->primitives);
+  const auto rounded_middle = std::make_unique<policy::MiddleTable>(state_->middle);
+  policy::round_to_wire(*rounded_middle);
+
+  TrialSetup setup;
+  setup.trial_id = trial + 1;
+  setup.primitives = &state_->primitives;
+  setup.reference = reference;
+  setup.middle = rounded_middle.get();
+  setup.weights = task_.weights;
+  setup.layers = settings_.layers;
+  setup.sigma = state_->sigma;
+  setup.duration_ticks = state_->primitives.duration_ticks();
+
+  link::RobotLink& link = robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
+  prepare_trial(link, setup, settings_.trial);
+  Episode episode = run_trial(link, upper_, setup, settings_.trial);
+  episode.trial = trial;
+  episode.seed = settings_.seed;
+  robot_.add_measurements(episode);
+
+  TrialSummary summary = summarize(episode, *rounded_middle);
+  summary.sigma = setup.sigma;
+  learn_from(episode, reference);
+  summary.wall_s = wall_s() - begin;
+  state_->history.push_back(summary);
+  state_->next_trial = trial + 1;
+  store(episode);
+  return summary;
+}
+
+void Session::learn_from(const Episode& episode, const std::vector<model::State>& reference) {
+  if (settings_.layers.middle)
+    update_middle_layer(upper_samples(episode), x_init_, episode.failed(), settings_.middle, state_->middle);
+  if (episode.failed() && settings_.layers.lower)
+    adapt_goals(episode, reference, task_.primitives, settings_.goals, state_->primitives);
+}
+
+/// Episode first, then the state that counts it as done: a kill in between repeats the trial.
+void Session::store(const Episode& episode) {
+  save_episode(settings_.out / fmt::format("trial_{:04d}.episode", episode.trial), episode);
+  save_state(state_file(settings_.out), *state_);
+  write_summary(settings_.out / "summary.json", task_.name, settings_, *state_, robot_.description());
+}
+
+}  // namespace sanso::learn

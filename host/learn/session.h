@@ -1,0 +1,70 @@
+// A session: N trials of one motion, each run, stored and learned from. A session that was killed continues at the
+// trial after the last finished one and ends with the same bits as one that was not.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host/learn/goal_adaptation.h"
+#include "host/learn/middle_layer.h"
+#include "host/learn/robot_access.h"
+#include "host/learn/session_state.h"
+#include "host/learn/trial.h"
+
+namespace sanso::learn {
+
+/// The motion as a session needs it; host/motion reads it from the motion's file.
+struct Task {
+  std::string name;
+  policy::PrimitiveSet primitives;
+  mpc::CostWeights weights;
+};
+
+struct SessionSettings {
+  int iterations = 10;
+  std::uint64_t seed = 1;
+  std::filesystem::path out;       // folder of the session; created
+  bool resume = false;             // continue what is in `out`; without it `out` must hold no session
+  Layers layers;
+  std::string world;               // for the summary
+  int learn_model_every = 10;      // trials (paper)
+  MiddleLayerSettings middle;
+  GoalAdaptationSettings goals;
+  TrialSettings trial;
+};
+
+class Session {
+ public:
+  /// Throws std::runtime_error when `out` cannot be used or, resuming, belongs to another session.
+  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper);
+  ~Session();
+
+  /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error when a trial cannot be run.
+  void run(const std::function<void(const TrialSummary&)>& after_trial);
+
+  const SessionState& state() const { return *state_; }
+  /// Trials that an earlier run of this session finished.
+  int finished_before() const { return finished_before_; }
+
+ private:
+  TrialSummary run_one();
+  void learn_from(const Episode& episode, const std::vector<model::State>& reference);
+  void store(const Episode& episode);
+
+  Task task_;
+  SessionSettings settings_;
+  RobotAccess& robot_;
+  mpc::UpperLayer& upper_;
+  std::unique_ptr<SessionState> state_;
+  std::vector<model::State> x_init_;  // of the middle layer, one a knot
+  int finished_before_ = 0;
+};
+
+/// Every middle-layer knot's view of what the upper layer did in an episode.
+std::vector<UpperSample> upper_samples(const Episode& episode);
+
+/// x_DMP at every tick of the motion, first and last included.
+std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives);
+
+}  // namespace sanso::learn
