@@ -1,0 +1,50 @@
+// Backward pass of stochastic iLQG [Todorov & Li 2005] with input limits and multiplicative noise.
+//
+//   Qx = lx + A'Vx          Qu  = lu + B'Vx + sigma^2 B' diag(Vxx) F
+//   Qxx = lxx + A'Vxx A     Qux = B'Vxx A
+//   Quu = luu + B'Vxx B + sigma^2 B' diag(Vxx) B + mu I
+//   k = -Quu^-1 Qu,  K = -Quu^-1 Qux  on the inputs that are not held at a limit
+//
+// The noise is x' = f + sigma F w with one channel per tangent coordinate; dF/du = B exactly, dF/dx is left out (zero at a
+// cold start). The kernels are compiled once per instruction set; the choice is made at run time.
+#pragma once
+
+#include "host/mpc/problem.h"
+
+namespace sanso::mpc {
+
+/// What the pass says about the step it proposes.
+struct BackwardSummary {
+  bool ok = false;             // false: Quu not positive definite (or not finite) at some stage
+  double linear = 0;           // sum of k'Qu: predicted change of cost at alpha is alpha linear + alpha^2 quadratic
+  double quadratic = 0;        // sum of k'Quu k / 2
+};
+
+struct BackwardInput {
+  int stages = 0;
+  const StageDerivatives* derivatives = nullptr;  // [stages]
+  const StageCost* costs = nullptr;               // [stages + 1], the last one without an input part
+  const double (*u)[kNuPadded] = nullptr;         // [stages] nominal upper input, rad
+  double input_limit_rad = 0;
+  double sigma = 0;
+  double mu = 0;                                  // added to the diagonal of Quu
+};
+
+struct BackwardOutput {
+  StageGains* gains = nullptr;          // [stages]
+  double (*variance_weight)[kNdx] = nullptr;  // [stages] diag(Vxx) of the knot after the stage: prices the noise
+};
+
+/// One instruction set's pass. `value` is scratch and ends as the value function of the first knot.
+using BackwardPassFn = BackwardSummary (*)(const BackwardInput&, const BackwardOutput&, Value& value);
+
+/// The fastest pass this processor runs.
+BackwardPassFn backward_pass();
+/// Every pass this processor runs, for tests and benchmarks. Null-terminated names and functions.
+struct NamedBackwardPass {
+  const char* name;
+  BackwardPassFn run;
+};
+int available_backward_passes(NamedBackwardPass* out, int capacity);
+
+}  // namespace sanso::mpc

@@ -1,0 +1,204 @@
+// The backward pass: equals Riccati on a linear problem, on every instruction set; noise shrinks gains; limits hold.
+#include "host/mpc/backward_pass.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cstring>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace sanso::mpc {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A random time-varying linear-quadratic problem in the solver's layout and in Eigen's.
+struct LinearProblem {
+  static constexpr int kStages = 11;
+  std::vector<MatrixXd> A, B;
+  std::vector<VectorXd> lx, lu, F;
+  MatrixXd W, R;
+  std::unique_ptr<StageDerivatives[]> derivatives{new StageDerivatives[kStages]()};
+  std::unique_ptr<StageCost[]> costs{new StageCost[kStages + 1]()};
+  double u[kStages][kNuPadded] = {};
+
+  explicit LinearProblem(unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const auto matrix = [&](int r, int c, double s) {
+      return MatrixXd(MatrixXd::NullaryExpr(r, c, [&] { return s * normal(random); }));
+    };
+    W = MatrixXd::Zero(kNdx, kNdx);
+    for (int i = 0; i < kNdx; ++i) W(i, i) = 0.5 + std::abs(normal(random));
+    const MatrixXd theta = matrix(3, 3, 1.0);
+    W.block<3, 3>(kTheta, kTheta) = theta * theta.transpose() + MatrixXd::Identity(3, 3);
+    R = MatrixXd::Identity(kNu, kNu) * 1.5;
+    for (int k = 0; k < kStages; ++k) {
+      A.push_back(MatrixXd::Identity(kNdx, kNdx) + matrix(kNdx, kNdx, 0.1));
+      B.push_back(matrix(kNdx, kNu, 0.3));
+      lu.push_back(matrix(kNu, 1, 0.1));
+      F.push_back(matrix(kNdx, 1, 0.2));
+    }
+    for (int k = 0; k <= kStages; ++k) lx.push_back(matrix(kNdx, 1, 1.0));
+    fill();
+  }
+
+  void fill() {
+    for (int k = 0; k <= kStages; ++k) {
+      for (int i = 0; i < kNdx; ++i) costs[k].lx[i] = lx[k][i], costs[k].lxx_diagonal[i] = W(i, i);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) costs[k].lxx_theta[i][j] = W(kTheta + i, kTheta + j);
+      if (k == kStages) break;
+      for (int i = 0; i < kNu; ++i) costs[k].lu[i] = lu[k][i], costs[k].luu_diagonal[i] = R(i, i);
+      for (int i = 0; i < kNdx; ++i) {
+        derivatives[k].F[i] = F[k][i];
+        for (int j = 0; j < kColumns; ++j) derivatives[k].AB[i][j] = j < kNdx ? A[k](i, j) : B[k](i, j - kNdx);
+      }
+    }
+  }
+  BackwardInput input(double sigma, double mu = 0) const {
+    BackwardInput in;
+    in.stages = kStages, in.derivatives = derivatives.get(), in.costs = costs.get(), in.u = u;
+    in.input_limit_rad = 1.0, in.sigma = sigma, in.mu = mu;
+    return in;
+  }
+};
+
+struct Pass {
+  std::unique_ptr<StageGains[]> gains{new StageGains[kMaxStages]};
+  double weight[kMaxStages][kNdx];
+  std::unique_ptr<Value> value{new Value};
+  BackwardSummary summary;
+  Pass(BackwardPassFn run, const BackwardInput& in) { summary = run(in, {gains.get(), weight}, *value); }
+  double gain_norm(int k) const {
+    double sum = 0;
+    for (const auto& row : gains[k].K)
+      for (int j = 0; j < kNdx; ++j) sum += row[j] * row[j];
+    return std::sqrt(sum);
+  }
+};
+
+std::vector<NamedBackwardPass> passes() {
+  NamedBackwardPass all[3];
+  return {all, all + available_backward_passes(all, 3)};
+}
+
+TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
+  for (unsigned seed = 1; seed <= 3; ++seed)
+    for (const double sigma : {0.0, 0.7})
+      for (const auto& pass : passes()) {
+        SCOPED_TRACE(std::string(pass.name) + " seed " + std::to_string(seed) + " sigma " + std::to_string(sigma));
+        const LinearProblem p(seed);
+        const Pass result(pass.run, p.input(sigma));
+        ASSERT_TRUE(result.summary.ok);
+        // textbook recursion, dense, general linear solve
+        MatrixXd V = p.W;
+        VectorXd v = p.lx[LinearProblem::kStages];
+        for (int k = LinearProblem::kStages - 1; k >= 0; --k) {
+          const MatrixXd D = V.diagonal().asDiagonal();
+          const MatrixXd Quu = p.R + p.B[k].transpose() * (V + sigma * sigma * D) * p.B[k];
+          const VectorXd Qu = p.lu[k] + p.B[k].transpose() * (v + sigma * sigma * D * p.F[k]);
+          const MatrixXd Qux = p.B[k].transpose() * V * p.A[k];
+          const MatrixXd K = -Quu.partialPivLu().solve(Qux);
+          const VectorXd ff = -Quu.partialPivLu().solve(Qu);
+          for (int i = 0; i < kNu; ++i) {
+            EXPECT_NEAR(result.gains[k].k[i], ff[i], 1e-9 * ff.norm());
+            for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
+          }
+          v = p.lx[k] + p.A[k].transpose() * v + K.transpose() * Quu * ff + K.transpose() * Qu + Qux.transpose() * ff;
+          V = p.W + p.A[k].transpose() * V * p.A[k] + K.transpose() * Quu * K + K.transpose() * Qux +
+              Qux.transpose() * K;
+        }
+        for (int i = 0; i < kNdx; ++i) {
+          EXPECT_NEAR(result.value->Vx[i], v[i], 1e-9 * v.norm());
+          for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
+        }
+      }
+}
+
+TEST(BackwardPass, RegularizationKeepsTheValueOfTheRegularizedPolicy) {
+  // with mu the gains are not optimal; Vxx must still be the cost-to-go of exactly those gains
+  const LinearProblem p(4);
+  const double mu = 2.0;
+  for (const auto& pass : passes()) {
+    SCOPED_TRACE(pass.name);
+    const Pass result(pass.run, p.input(0.3, mu));
+    MatrixXd V = p.W;
+    for (int k = LinearProblem::kStages - 1; k >= 0; --k) {
+      MatrixXd K(kNu, kNdx);
+      for (int i = 0; i < kNu; ++i)
+        for (int j = 0; j < kNdx; ++j) K(i, j) = result.gains[k].K[i][j];
+      const MatrixXd D = V.diagonal().asDiagonal();
+      const MatrixXd closed = p.A[k] + p.B[k] * K;
+      V = p.W + closed.transpose() * V * closed + K.transpose() * (p.R + 0.09 * p.B[k].transpose() * D * p.B[k]) * K;
+    }
+    for (int i = 0; i < kNdx; ++i)
+      for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
+  }
+}
+
+TEST(BackwardPass, NoiseShrinksGainsAndRaisesTheCostOfUsingInput) {
+  LinearProblem p(5);
+  for (VectorXd& F : p.F) F.setZero();  // a cold start: without input there is no noise yet
+  p.fill();
+  double last_norm = 1e9, last_gain = -1e9;
+  for (const double sigma : {0.0, 0.1, 0.7, 2.0}) {
+    const Pass result(backward_pass(), p.input(sigma));
+    double norm = 0;
+    for (int k = 0; k < LinearProblem::kStages; ++k) norm += result.gain_norm(k);
+    EXPECT_LT(norm, last_norm) << "sigma " << sigma;
+    last_norm = norm;
+    // the promised decrease of cost (negative) becomes smaller in size
+    const double promised = result.summary.linear + result.summary.quadratic;
+    EXPECT_GT(promised, last_gain) << "sigma " << sigma;
+    last_gain = promised;
+  }
+}
+
+TEST(BackwardPass, AnInputPushedAgainstItsLimitIsHeld) {
+  LinearProblem p(6);
+  const Pass freely(backward_pass(), p.input(0.0));
+  const int j = 5;
+  p.u[10][j] = freely.gains[10].k[j] > 0 ? 1.0 : -1.0;  // at the limit it wants to cross
+  const Pass held(backward_pass(), p.input(0.0));
+  EXPECT_EQ(held.gains[10].k[j], 0.0);
+  for (int i = 0; i < kNdx; ++i) EXPECT_EQ(held.gains[10].K[j][i], 0.0);
+  EXPECT_NE(held.gains[10].k[(j + 1) % kNu], 0.0);
+}
+
+TEST(BackwardPass, RefusesWhatIsNotFinite) {
+  LinearProblem p(7);
+  p.derivatives[3].AB[2][40] = std::nan("");
+  for (const auto& pass : passes()) EXPECT_FALSE(Pass(pass.run, p.input(0.1)).summary.ok) << pass.name;
+}
+
+TEST(BackwardPass, SummaryPredictsTheChangeOfCost) {
+  // on a linear problem the cost along alpha is exactly quadratic: checked by rolling the linear system out
+  const LinearProblem p(8);
+  const Pass result(backward_pass(), p.input(0.0));
+  const auto cost = [&](double alpha) {
+    VectorXd dx = VectorXd::Zero(kNdx);
+    double sum = 0;
+    for (int k = 0; k <= LinearProblem::kStages; ++k) {
+      sum += p.lx[k].dot(dx) + 0.5 * dx.dot(p.W * dx);
+      if (k == LinearProblem::kStages) break;
+      VectorXd du(kNu);
+      for (int i = 0; i < kNu; ++i) {
+        du[i] = alpha * result.gains[k].k[i];
+        for (int j = 0; j < kNdx; ++j) du[i] += result.gains[k].K[i][j] * dx[j];
+      }
+      sum += p.lu[k].dot(du) + 0.5 * du.dot(p.R * du);
+      dx = p.A[k] * dx + p.B[k] * du;
+    }
+    return sum;
+  };
+  for (const double alpha : {0.25, 1.0})
+    EXPECT_NEAR(cost(alpha), alpha * result.summary.linear + alpha * alpha * result.summary.quadratic, 1e-9);
+}
+
+}  // namespace
+}  // namespace sanso::mpc
