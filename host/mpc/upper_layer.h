@@ -10,9 +10,10 @@
 #include "host/model/augmented_model.h"
 #include "host/mpc/cost.h"
 #include "host/mpc/mpc_settings.h"
+#include "host/mpc/plan_result.h"
 #include "shared/base/status.h"
 #include "shared/base/time.h"
-#include "shared/policy/policy_types.h"
+#include "shared/policy/layer_sum.h"
 
 namespace sanso::mpc {
 
@@ -22,8 +23,9 @@ struct TrialContext {
   std::span<const model::State> reference;       // x_DMP, one per 10 ms tick from trial tick 0; held after its end.
                                                  // Its joint angles are the primitives' input (paper: u_DMP = q2_DMP).
   const policy::MiddleTable* middle = nullptr;   // null or empty: the middle layer is off
-  bool lower_layer = true;                       // primitives add to the sum (off: ablation)
-  bool reflex = true;
+  policy::LayerSwitches on;                      // as the controller runs (upper: false plans all the same)
+  policy::ReflexSettings reflex;
+  model::Input u_rest = model::Input::Zero();    // target in place of the primitives when the lower layer is off, rad
   CostWeights weights;
 };
 
@@ -36,26 +38,6 @@ struct PlanRequest {
   std::uint32_t sequence = 0;                         // goes into the policy
   double sigma = -1.0;                                // noise amplitude; negative: the setting's
   Nanoseconds time_budget = 0;                        // from the call of plan(); 0: none
-};
-
-enum class StopReason : std::uint8_t {
-  converged,        // an iteration gained less than the fraction `convergence`
-  iteration_limit,
-  deadline,         // the time budget was used up; the policy is the best one found
-  no_descent,       // no step length lowered the cost at the largest regularization
-};
-constexpr const char* to_string(StopReason r) {
-  switch (r) {
-    case StopReason::converged: return "converged";
-    case StopReason::iteration_limit: return "iteration limit";
-    case StopReason::deadline: return "deadline";
-    case StopReason::no_descent: return "no descent";
-  }
-  return "unknown";
-}
-
-struct PlanTiming {  // nanoseconds of wall clock, summed over the iterations
-  Nanoseconds total = 0, predict = 0, linearize = 0, backward = 0, line_search = 0;
 };
 
 struct PlanResult {

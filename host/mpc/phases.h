@@ -1,0 +1,39 @@
+// What the solver asks of a problem: whole phases, so that an implementation can use lanes and threads as it likes.
+#pragma once
+
+#include "host/mpc/problem.h"
+
+namespace sanso::mpc {
+
+/// Step lengths tried in one roll-out, largest first.
+inline constexpr double kStepLengths[kLineSearchLanes] = {1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03, 0.01};
+
+/// Eight roll-outs at once, lane by lane.
+struct alignas(64) LaneTrajectories {
+  double x[kMaxHorizon][kNxPadded][kLineSearchLanes];
+  double u[kMaxStages][kNuPadded][kLineSearchLanes];
+  double cost[kLineSearchLanes];         // deterministic
+  double noise_cost[kLineSearchLanes];   // sigma^2/2 sum of weight_i F_i^2 over the stages
+};
+
+/// The policy to roll out, u = clamp(ū + step k + K (x ⊖ x̄)), and how the noise it makes is priced.
+struct LinePolicy {
+  const Trajectory* nominal = nullptr;
+  const StageGains* gains = nullptr;               // null: u = ū, x̄ is not read
+  const StageDerivatives* derivatives = nullptr;   // null: noise is not priced
+  const double (*variance_weight)[kNdx] = nullptr;
+  double sigma = 0;
+  double input_limit_rad = 0;
+};
+
+class Phases {
+ public:
+  virtual ~Phases() = default;
+  virtual int stages() const = 0;  // steps, horizon - 1
+  /// Derivatives of every stage and cost models of every knot at `nominal`.
+  virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) = 0;
+  /// All lanes start in nominal.x[0]. Lane i uses step length steps[i]. A lane that leaves the finite numbers gets an infinite cost.
+  virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;
+};
+
+}  // namespace sanso::mpc

@@ -1,0 +1,159 @@
+#include "host/mpc/solver.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "shared/model/state_layout.h"
+
+namespace sanso::mpc {
+
+static_assert(kNx == model::kNx && kNdx == model::kNdx && kNu == model::kNu && kTheta == model::kDTheta);
+
+namespace {
+
+constexpr int kMaxProposals = 4;       // regularizations tried at one linearisation
+constexpr double kMuFactor = 100.0;    // between them
+constexpr double kMuFloor = 1e-2;      // first value that does something, per rad^2 of an input weight near 1
+
+/// Adds the time between construction and destruction to a counter.
+class Stopwatch {
+ public:
+  explicit Stopwatch(Nanoseconds& sum) : sum_(sum), start_(steady_now()) {}
+  ~Stopwatch() { sum_ += steady_now() - start_; }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  Nanoseconds& sum_;
+  Nanoseconds start_;
+};
+
+}  // namespace
+
+Nanoseconds steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Solver::Solver(const SolverSettings& settings, Phases& phases)
+    : settings_(settings), phases_(phases), backward_pass_(backward_pass()), work_(std::make_unique<Workspace>()) {
+  std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));  // touched here, so no page fault in solve()
+}
+
+void Solver::solve(double sigma, Nanoseconds deadline, SolveResult& result) {
+  result = SolveResult{};
+  const Nanoseconds start = steady_now();
+  mu_ = settings_.regularization;
+  if (!roll_out_start(result)) return;
+  Nanoseconds slowest = 0;  // iteration so far
+  while (result.iterations < settings_.max_iterations) {
+    const Nanoseconds before = steady_now();
+    if (deadline != 0 && before + slowest > deadline) {
+      result.stop = StopReason::deadline;
+      break;
+    }
+    const Step step = improve(sigma, result);
+    if (step == Step::none) {
+      result.stop = StopReason::no_descent;
+      break;
+    }
+    ++result.iterations;
+    if (step == Step::too_small) {
+      result.stop = StopReason::converged;
+      break;
+    }
+    slowest = std::max(slowest, steady_now() - before);
+  }
+  result.cost_after = cost_;
+  result.expected_cost = cost_ + noise_cost_;
+  result.timing.total = steady_now() - start;
+}
+
+bool Solver::roll_out_start(SolveResult& result) {
+  const Stopwatch watch(result.timing.line_search);
+  LinePolicy policy;
+  policy.nominal = &work_->trajectory;
+  policy.input_limit_rad = settings_.input_limit_rad;
+  phases_.roll_out(policy, kStepLengths, work_->lanes);
+  result.cost_before = cost_ = work_->lanes.cost[0];
+  result.finite = std::isfinite(cost_);
+  if (result.finite) take_lane(0);
+  std::memset(work_->gains, 0, sizeof work_->gains);
+  std::memset(work_->variance_weight, 0, sizeof work_->variance_weight);
+  return result.finite;
+}
+
+Solver::Step Solver::improve(double sigma, SolveResult& result) {
+  {
+    const Stopwatch watch(result.timing.linearize);
+    phases_.linearize(work_->trajectory, work_->derivatives, work_->costs);
+  }
+  for (int proposal = 0; proposal < kMaxProposals; ++proposal) {
+    if (propose(sigma, result)) {
+      const double before = cost_ + noise_price(sigma);
+      const int lane = try_step_lengths(sigma, result);
+      const double after = work_->lanes.cost[lane] + work_->lanes.noise_cost[lane];
+      if (after < before) {
+        take_lane(lane);
+        mu_ = std::max(settings_.regularization, mu_ / kMuFactor);
+        return before - after < settings_.convergence * before ? Step::too_small : Step::taken;
+      }
+    }
+    mu_ = std::max(kMuFloor, mu_ * kMuFactor);
+  }
+  return Step::none;
+}
+
+bool Solver::propose(double sigma, SolveResult& result) {
+  const Stopwatch watch(result.timing.backward);
+  BackwardInput in;
+  in.stages = phases_.stages();
+  in.derivatives = work_->derivatives;
+  in.costs = work_->costs;
+  in.u = work_->trajectory.u;
+  in.input_limit_rad = settings_.input_limit_rad;
+  in.sigma = sigma;
+  in.mu = mu_;
+  return backward_pass_(in, {work_->gains, work_->variance_weight}, work_->value).ok;
+}
+
+int Solver::try_step_lengths(double sigma, SolveResult& result) {
+  const Stopwatch watch(result.timing.line_search);
+  LinePolicy policy;
+  policy.nominal = &work_->trajectory;
+  policy.gains = work_->gains;
+  policy.derivatives = work_->derivatives;
+  policy.variance_weight = work_->variance_weight;
+  policy.sigma = sigma;
+  policy.input_limit_rad = settings_.input_limit_rad;
+  phases_.roll_out(policy, kStepLengths, work_->lanes);
+  int best = 0;
+  const auto merit = [&](int lane) { return work_->lanes.cost[lane] + work_->lanes.noise_cost[lane]; };
+  for (int lane = 1; lane < kLineSearchLanes; ++lane)
+    if (!(merit(best) <= merit(lane))) best = lane;  // written so that a NaN loses
+  return best;
+}
+
+double Solver::noise_price(double sigma) const {
+  double sum = 0;
+  for (int k = 0; k < phases_.stages(); ++k)
+    for (int i = 0; i < kNdx; ++i) {
+      const double F = work_->derivatives[k].F[i];
+      sum += work_->variance_weight[k][i] * F * F;
+    }
+  return 0.5 * sigma * sigma * sum;
+}
+
+void Solver::take_lane(int lane) {
+  cost_ = work_->lanes.cost[lane];
+  noise_cost_ = work_->lanes.noise_cost[lane];
+  const int stages = phases_.stages();
+  for (int k = 0; k <= stages; ++k)
+    for (int i = 0; i < kNx; ++i) work_->trajectory.x[k][i] = work_->lanes.x[k][i][lane];
+  for (int k = 0; k < stages; ++k)
+    for (int i = 0; i < kNu; ++i) work_->trajectory.u[k][i] = work_->lanes.u[k][i][lane];
+}
+
+}  // namespace sanso::mpc
