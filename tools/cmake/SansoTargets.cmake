@@ -39,6 +39,13 @@ if(NOT SANSO_FIRMWARE_ONLY)
   find_package(PkgConfig REQUIRED)
 endif()
 
+# MuJoCo by hand: the config file that Debian ships names an include folder that its packages do not install.
+if(NOT SANSO_FIRMWARE_ONLY AND NOT TARGET sanso_mujoco)
+  find_library(MUJOCO_LIBRARY mujoco REQUIRED)
+  add_library(sanso_mujoco INTERFACE)
+  target_link_libraries(sanso_mujoco INTERFACE ${MUJOCO_LIBRARY})
+endif()
+
 # sanso_library(name SOURCES ... LINK ... [PRIVATE_LINK ...]): header-only when SOURCES is empty.
 # Includes are always written from the top of the tree: #include "shared/base/status.h".
 function(sanso_library name)
