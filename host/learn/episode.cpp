@@ -108,6 +108,7 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
     out.put(p.update_ms);
   });
   put_all(out, episode.foot_force_N, put);
+  put_all(out, episode.reference, put);
   save_framed(path, kMagic, kVersion, out.bytes());
 }
 
@@ -129,6 +130,8 @@ Episode load_episode(const std::filesystem::path& path) {
   }
   episode.foot_force_N.resize(read_count(in));
   for (auto& v : episode.foot_force_N) get(v);
+  episode.reference.resize(read_count(in));
+  for (auto& v : episode.reference) get(v);
   return episode;
 }
 

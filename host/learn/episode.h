@@ -41,6 +41,7 @@ struct Episode {
   double cost = 0.0;                         // J, sum over the 60 ms ticks
   std::vector<double> cost_terms;            // its summands, one a 60 ms tick
   std::vector<wire::Observation> ticks;      // every 10 ms of the trial, trial_tick ascending
+  std::vector<std::array<float, model::kNx>> reference;  // x_DMP at every entry of `ticks`
   std::vector<PlanRecord> plans;
   std::vector<std::array<float, 2>> foot_force_N;  // normal force right, left at every tick; empty when nobody measures it
   bool failed() const { return end != TrialEnd::completed; }

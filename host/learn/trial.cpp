@@ -86,7 +86,8 @@ void Trial::begin() {
   context.trial_id = setup_.trial_id;
   context.reference = setup_.reference;
   context.middle = setup_.layers.middle ? setup_.middle : nullptr;
-  context.lower_layer = setup_.layers.lower;
+  context.on = policy::LayerSwitches::from_mask(setup_.layers.mask());
+  context.u_rest = model::joints(setup_.reference.front());  // the pose that the controller keeps without primitives
   context.weights = setup_.weights;
   upper_.begin_trial(context);
   robot_.take_observations();  // from before the trial: not part of it
@@ -164,6 +165,10 @@ void Trial::finish() {
   if (running_ && episode_.end != TrialEnd::completed)
     (void)robot_.command({.kind = wire::CommandKind::stop, .trial_id = setup_.trial_id});  // best effort: the guard watches too
   mark_late_plans();
+  for (const wire::Observation& o : episode_.ticks) {
+    episode_.reference.emplace_back();
+    Eigen::Map<Eigen::Matrix<float, model::kNx, 1>>(episode_.reference.back().data()) = reference(o.trial_tick).cast<float>();
+  }
 }
 
 Episode Trial::run() {

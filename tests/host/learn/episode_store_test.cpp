@@ -25,7 +25,7 @@ struct EpisodeStore : testing::Test {
 
 Episode example() {
   Episode e{.trial = 7, .seed = 42, .end = TrialEnd::tilt, .fault = 3, .cost = 0.1 + 0.2, .cost_terms = {0.1, 0.2}, .ticks = {},
-            .plans = {}, .foot_force_N = {{1.5f, 2.5f}}};
+            .reference = {}, .plans = {}, .foot_force_N = {{1.5f, 2.5f}}};
   wire::Observation o;
   o.trial_tick = 12;
   o.x[3] = 1.0 / 3.0;

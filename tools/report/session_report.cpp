@@ -1,0 +1,96 @@
+#include "tools/report/session_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+#include "host/learn/atomic_file.h"
+#include "host/learn/session_state.h"
+#include "host/learn/summary.h"
+#include "shared/model/joints.h"
+#include "tools/report/html.h"
+#include "tools/report/session_figures.h"
+
+namespace sanso::report {
+namespace {
+
+namespace fs = std::filesystem;
+using learn::SessionState;
+using learn::TrialSummary;
+
+std::unique_ptr<SessionState> state_of(const fs::path& folder) {
+  const fs::path file = folder / "state.bin";
+  if (!fs::exists(file))
+    throw std::runtime_error(file.string() + ": not there; expected the folder that `sanso learn --out` or `sanso demo --out` wrote");
+  auto state = std::make_unique<SessionState>();
+  learn::load_state(file, *state);
+  if (state->history.empty()) throw std::runtime_error(file.string() + ": no finished trial yet");
+  return state;
+}
+
+Table trial_table(const SessionState& state) {
+  Table table{{"trial", "cost", "failed", "update p50 [ms]", "update max [ms]", "late updates", "bus errors", "time [s]"}, {}};
+  for (const TrialSummary& t : state.history)
+    table.rows.push_back({fmt::format("{}", t.trial + 1), fmt::format("{:.2f}", t.cost), t.failed() ? to_string(t.end) : "no",
+                          fmt::format("{:.2f}", learn::percentile(t.update_ms, 0.5)), fmt::format("{:.2f}", learn::percentile(t.update_ms, 1.0)),
+                          fmt::format("{}", t.late_updates), fmt::format("{}", t.bus_lost + t.bus_corrupt), fmt::format("{:.1f}", t.wall_s)});
+  return table;
+}
+
+std::string verdict(const SessionState& state) {
+  const auto& h = state.history;
+  const auto failures = std::count_if(h.begin(), h.end(), [](const TrialSummary& t) { return t.failed(); });
+  const auto best = std::min_element(h.begin(), h.end(), [](const auto& a, const auto& b) {
+    return std::make_pair(a.failed(), a.cost) < std::make_pair(b.failed(), b.cost);
+  });
+  return fmt::format("{} trials, {} failed; first cost {:.2f}, last {:.2f}, best {:.2f} (trial {}).", h.size(), failures,
+                     h.front().cost, h.back().cost, best->cost, best->trial + 1);
+}
+
+fs::path episode_file(const fs::path& folder, std::uint32_t trial) { return folder / fmt::format("trial_{:04d}.episode", trial); }
+
+void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summary) {
+  if (!fs::exists(episode_file(folder, summary.trial))) return;
+  const learn::Episode episode = learn::load_episode(episode_file(folder, summary.trial));
+  page.heading(fmt::format("Trial {}", summary.trial + 1));
+  page.figure(layer_contributions(episode), "Share of each layer in the sum that is sent to the servos.");
+  page.figure(base_height(episode));
+  page.figure(base_tilt(episode));
+  if (!episode.foot_force_N.empty()) page.figure(foot_forces(episode));
+  for (int joint = 0; joint < model::kNumJoints; ++joint) page.figure(joint_angle(episode, joint));
+}
+
+}  // namespace
+
+std::filesystem::path write_session_report(const fs::path& folder) {
+  const std::unique_ptr<SessionState> state = state_of(folder);
+  HtmlPage page("sanso: learning session");
+  page.paragraph(state->identity);
+  page.answer(verdict(*state), !state->history.back().failed());
+  page.figure(cost_over_trials(*state), "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper layer's input. Shaded: failed.");
+  page.figure(layers_over_trials(*state));
+  page.figure(gains_over_trials(*state));
+  page.figure(update_times(*state));
+  page.table(trial_table(*state));
+  add_trial(page, folder, state->history.front());
+  if (state->history.size() > 1) add_trial(page, folder, state->history.back());
+  const fs::path file = folder / "report.html";
+  learn::write_atomically(file, page.finish());
+  return file;
+}
+
+std::string session_table(const fs::path& folder) {
+  const Table table = trial_table(*state_of(folder));
+  std::string out;
+  const auto line = [&](const std::vector<std::string>& cells) {
+    for (std::size_t c = 0; c < cells.size(); ++c) out += fmt::format("{:>{}}  ", cells[c], std::max<std::size_t>(table.header[c].size(), 7));
+    out += '\n';
+  };
+  line(table.header);
+  for (const auto& row : table.rows) line(row);
+  return out;
+}
+
+}  // namespace sanso::report

@@ -1,0 +1,15 @@
+// The report of a learning session: report.html from the folder that `sanso learn` or `sanso demo` wrote.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace sanso::report {
+
+/// Writes `folder`/report.html and returns its path. Throws std::runtime_error when the folder holds no finished trial.
+std::filesystem::path write_session_report(const std::filesystem::path& folder);
+
+/// The table a terminal shows: one line a trial (cost, failed, policy updates, late updates, bus errors).
+std::string session_table(const std::filesystem::path& folder);
+
+}  // namespace sanso::report
