@@ -107,7 +107,7 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
     put_plan(out, p);
     out.put(p.update_ms);
   });
-  put_all(out, episode.foot_force_N, put);
+  put_all(out, episode.truth, [&](const TrueSample& s) { put(s.x), put(s.foot_load_N); });
   put_all(out, episode.reference, put);
   save_framed(path, kMagic, kVersion, out.bytes());
 }
@@ -128,8 +128,8 @@ Episode load_episode(const std::filesystem::path& path) {
     episode.plans.push_back(get_plan(in));
     in.get(episode.plans.back().update_ms);
   }
-  episode.foot_force_N.resize(read_count(in));
-  for (auto& v : episode.foot_force_N) get(v);
+  episode.truth.resize(read_count(in));
+  for (TrueSample& s : episode.truth) get(s.x), get(s.foot_load_N);
   episode.reference.resize(read_count(in));
   for (auto& v : episode.reference) get(v);
   return episode;

@@ -33,6 +33,12 @@ struct PlanRecord {
   std::uint8_t late = 0;           // 1: reached the controller after its first tick
 };
 
+/// What somebody outside the controller saw: the emulated world knows it, a real robot's laboratory may not.
+struct TrueSample {
+  model::State x = model::neutral_state();  // in the frame of the reference (as it stood when the trial began)
+  std::array<float, 2> foot_load_N{};       // normal force, right and left
+};
+
 struct Episode {
   std::uint32_t trial = 0;
   std::uint64_t seed = 0;
@@ -43,7 +49,7 @@ struct Episode {
   std::vector<wire::Observation> ticks;      // every 10 ms of the trial, trial_tick ascending
   std::vector<std::array<float, model::kNx>> reference;  // x_DMP at every entry of `ticks`
   std::vector<PlanRecord> plans;
-  std::vector<std::array<float, 2>> foot_force_N;  // normal force right, left at every tick; empty when nobody measures it
+  std::vector<TrueSample> truth;             // one for every entry of `ticks`; empty when nobody can tell
   bool failed() const { return end != TrialEnd::completed; }
 };
 

@@ -112,7 +112,10 @@ std::string base_height(const Episode& episode) {
   Series reference = over_time(episode, "reference", [&](std::size_t i) { return reference_at(episode, i, model::kXPos + 2); });
   reference.dashed = true;
   return svg(LineChart{.title = "Base height", .x_label = "time [s]", .y_label = "z [m]",
-                       .series = {over_time(episode, "estimated", [&](std::size_t i) { return episode.ticks[i].x[model::kXPos + 2]; }), reference}});
+                       .series = {over_time(episode, "estimated", [&](std::size_t i) { return episode.ticks[i].x[model::kXPos + 2]; }), reference,
+                                  over_time(episode, "true", [&](std::size_t i) {
+                                    return i < episode.truth.size() ? episode.truth[i].x[model::kXPos + 2] : std::nan("");
+                                  })}});
 }
 
 std::string base_tilt(const Episode& episode) {
@@ -126,7 +129,7 @@ std::string base_tilt(const Episode& episode) {
 
 std::string foot_forces(const Episode& episode) {
   const auto force = [&](std::size_t i, std::size_t foot) {
-    return i < episode.foot_force_N.size() ? static_cast<double>(episode.foot_force_N[i][foot]) : std::nan("");
+    return i < episode.truth.size() ? static_cast<double>(episode.truth[i].foot_load_N[foot]) : std::nan("");
   };
   return svg(LineChart{.title = "Ground on feet, normal force (true, from the emulated world)", .x_label = "time [s]", .y_label = "force [N]",
                        .series = {over_time(episode, "right", [&](std::size_t i) { return force(i, 0); }),

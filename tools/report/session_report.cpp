@@ -58,7 +58,7 @@ void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summa
   page.figure(layer_contributions(episode), "Share of each layer in the sum that is sent to the servos.");
   page.figure(base_height(episode));
   page.figure(base_tilt(episode));
-  if (!episode.foot_force_N.empty()) page.figure(foot_forces(episode));
+  if (!episode.truth.empty()) page.figure(foot_forces(episode));
   for (int joint = 0; joint < model::kNumJoints; ++joint) page.figure(joint_angle(episode, joint));
 }
 

@@ -25,7 +25,7 @@ struct EpisodeStore : testing::Test {
 
 Episode example() {
   Episode e{.trial = 7, .seed = 42, .end = TrialEnd::tilt, .fault = 3, .cost = 0.1 + 0.2, .cost_terms = {0.1, 0.2}, .ticks = {},
-            .reference = {}, .plans = {}, .foot_force_N = {{1.5f, 2.5f}}};
+            .reference = {}, .plans = {}, .truth = {{.foot_load_N = {1.5f, 2.5f}}}};
   wire::Observation o;
   o.trial_tick = 12;
   o.x[3] = 1.0 / 3.0;
@@ -56,7 +56,8 @@ TEST_F(EpisodeStore, GivesBackTheSameBits) {
   ASSERT_EQ(r.plans.size(), 1u);
   EXPECT_EQ(r.plans[0].policy.knots[0].K, e.plans[0].policy.knots[0].K);
   EXPECT_EQ(r.plans[0].policy.first_tick, 18);
-  EXPECT_EQ(r.foot_force_N, e.foot_force_N);
+  ASSERT_EQ(r.truth.size(), 1u);
+  EXPECT_EQ(r.truth[0].foot_load_N, e.truth[0].foot_load_N);
 }
 
 TEST_F(EpisodeStore, EveryTruncationAndEveryFlippedByteIsRefused) {
