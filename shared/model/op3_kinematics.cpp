@@ -1,5 +1,6 @@
 #include "shared/model/op3_kinematics.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "shared/model/joints.h"

@@ -221,13 +221,16 @@ inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, Step
   }
 #pragma GCC unroll 1
   for (int sweep = 0; sweep < s.sweeps; ++sweep) {
-    T change[kNumFeet][6] = {};
-    for (int l = 0; l < kNumFeet; ++l)
-      sweep_foot(target[l], model.friction_forward, model.friction_sideways, w.foot[l], scratch.lambda[l], change[l]);
-    couple<false>(w.A_cross, change[0], w.foot[1].twist);
-    couple<true>(w.A_cross, change[1], w.foot[0].twist);
-    for (int l = 0; l < kNumFeet; ++l)
-      for (int i = 0; i < 6; ++i) w.foot[l].impulse[i] += change[l][i];
+    // the other foot must know at once: telling both at the end of the sweep (Jacobi) diverges when the base is light
+    T right[6] = {}, left[6] = {};
+    sweep_foot(target[0], model.friction_forward, model.friction_sideways, w.foot[0], scratch.lambda[0], right);
+    couple<false>(w.A_cross, right, w.foot[1].twist);
+    sweep_foot(target[1], model.friction_forward, model.friction_sideways, w.foot[1], scratch.lambda[1], left);
+    couple<true>(w.A_cross, left, w.foot[0].twist);
+    for (int i = 0; i < 6; ++i) {
+      w.foot[0].impulse[i] += right[i];
+      w.foot[1].impulse[i] += left[i];
+    }
   }
   for (int l = 0; l < kNumFeet; ++l)
     for (int k = 0; k < kCornersPerFoot; ++k) {

@@ -54,6 +54,7 @@ class Op3Step : public ::testing::Test {
 TEST_F(Op3Step, StandingRobotStays) {
   State x = standing_state();
   const Input u = joints(x);
+  scratch.warm_start = true;
   for (int k = 0; k < 100; ++k) x = step(model, ground, x, u, scratch);
   const Tangent d = minus(x, standing_state());
   EXPECT_LT(d.segment<3>(kDPos).norm(), 0.03) << "sag of the P controlled legs";
@@ -65,6 +66,7 @@ TEST_F(Op3Step, DroppedRobotComesToRest) {
   State x = standing_state();
   x[kXPos + 2] += 0.05;
   const Input u = joints(x);
+  scratch.warm_start = true;
   for (int k = 0; k < 150; ++k) x = step(model, ground, x, u, scratch);
   EXPECT_LT(x.segment<kNv>(kXVel).norm(), 1e-3);
   EXPECT_NEAR(x[kXPos + 2], standing_state()[kXPos + 2], 0.02);
@@ -75,7 +77,7 @@ TEST_F(Op3Step, SymmetricPoseGivesSymmetricForces) {
   ModelParameters theta = nominal_parameters();
   theta.body[0].com[1] = theta.body[0].inertia[1] = theta.body[0].inertia[4] = 0.0;
   model = make_step_model(theta);
-  model.contact.sweeps = 400;
+  model.contact.sweeps = 4000;
   const State x = standing_state();
   step(model, ground, x, joints(x), scratch);
   for (int k = 0; k < kCornersPerFoot; ++k) {
