@@ -1,0 +1,162 @@
+// The simulator against closed forms, our own second dynamics, and MuJoCo.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "shared/model/tree.h"
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/sim/tree_dynamics.h"
+
+namespace sanso::diagnose {
+namespace {
+
+using test::make_test_drive;
+using test::whole;
+
+const auto kNoCommand = [](int, double) { return 0.0; };
+
+TEST(Simulator, SmallSwingOfADampedPendulumIsTheClosedForm) {
+  // J q'' + b q' + m g l q = 0; started at 1 mrad so that sin q = q to 2e-7
+  const ModelFolder model = test::pendulum("actuator = \"passive\"\nviscous = 0.004\narmature = 0.001\n");
+  const double J = 0.5 * 0.01 + 1e-6 + 0.001, b = 0.004, k = 0.5 * 9.81 * 0.1;
+  const Drive drive = make_test_drive(model, 10.0, 0.01, kNoCommand);
+  const auto out = simulate(make_params(model), drive, std::vector{whole(drive, {1e-3}, {0.0})});
+  const double zeta = b / (2 * J), w = std::sqrt(k / J - zeta * zeta);
+  for (std::size_t r = 0; r < drive.rows(); ++r) {
+    const double t = drive.t[r];
+    const double exact = 1e-3 * std::exp(-zeta * t) * (std::cos(w * t) + zeta / w * std::sin(w * t));
+    ASSERT_NEAR(out[0].q[r], exact, 2e-7) << "t = " << t;  // (h w)^2 t w / 24 with h = 1 ms, w = 9, t = 10 s: 2e-4 relative
+  }
+}
+
+TEST(Simulator, MotorRunsUpLikeAnRcCircuit) {
+  // J w' = kt/R (V - ke w): w = V/ke (1 - exp(-t/T)), T = J R / (kt ke)
+  ModelFolder model = test::pendulum(
+      "actuator = \"dc_servo\"\np_gain = 1e6\nvoltage = 12\nresistance = 5\ntorque_constant = 1.5\nback_emf = 2\n"
+      "torque_limit = 0\narmature = 0.02\n");
+  model.gravity = {0, 0, 0};
+  const Drive drive = make_test_drive(model, 1.0, 0.005, [](int, double) { return 1000.0; });
+  const auto out = simulate(make_params(model), drive, std::vector{whole(drive, {0}, {0})});
+  const double J = 0.005 + 1e-6 + 0.02, T = J * 5 / (1.5 * 2);
+  for (std::size_t r = 0; r < drive.rows(); ++r) {
+    const double t = drive.t[r];
+    EXPECT_NEAR(out[0].dq[r], 6.0 * (1 - std::exp(-t / T)), 1e-4);  // third order in h/T = 0.024: 2e-6 of 6, plus start-up
+    EXPECT_NEAR(out[0].pwm[r], 1.0, 0);
+  }
+  EXPECT_NEAR(out[0].i.back(), 0.0, 1e-3);
+}
+
+TEST(Simulator, CoulombFrictionStopsAndHolds) {
+  // constant deceleration K/J to an exact stop, then nothing moves although gravity pulls a little
+  ModelFolder model = test::pendulum("actuator = \"passive\"\ncoulomb = 0.1\n");
+  model.gravity = {0.5, 0, 0};  // 0.025 N m at q = 0: below the 0.1 N m that friction gives
+  const Drive drive = make_test_drive(model, 1.0, 0.01, kNoCommand);
+  model.gravity = {0, 0, 0};
+  const auto free = simulate(make_params(model), drive, std::vector{whole(drive, {0}, {2.0})});
+  const double J = 0.005 + 1e-6, deceleration = 0.1 / J, stop = 2.0 / deceleration;
+  for (std::size_t r = 0; r < drive.rows(); ++r) {
+    const double t = std::min(drive.t[r], stop);
+    EXPECT_NEAR(free[0].q[r], 2.0 * t - 0.5 * deceleration * t * t, 2e-5) << drive.t[r];
+  }
+  EXPECT_EQ(free[0].dq.back(), 0.0);
+  model.gravity = {0.5, 0, 0};
+  const auto held = simulate(make_params(model), drive, std::vector{whole(drive, {0}, {0})});
+  EXPECT_NEAR(held[0].q.back(), 0.0, 1e-15);
+}
+
+TEST(Simulator, ServoHoldsALoadWithTheDroopOfItsGain) {
+  // static: kt V/R p (u - q) = m g l sin q
+  const ModelFolder model = test::pendulum("actuator = \"dc_servo\"\narmature = 0.01\n");
+  const Drive drive = make_test_drive(model, 3.0, 0.01, [](int, double) { return 1.0; });
+  const auto out = simulate(make_params(model), drive, std::vector{whole(drive, {1}, {0})});
+  const double q = out[0].q.back();
+  EXPECT_NEAR(1.78 * 12 / 5.22 * 4.604 * (1.0 - q), 0.5 * 9.81 * 0.1 * std::sin(q), 1e-6);
+}
+
+TEST(Simulator, SwitchedOffServoCoasts) {
+  // empty command: neither torque nor back-EMF, so a frictionless swing keeps its energy
+  const ModelFolder model = test::pendulum("actuator = \"dc_servo\"\n");
+  const Drive drive = make_test_drive(model, 5.0, 0.01, [](int, double) { return std::nan(""); });
+  const auto out = simulate(make_params(model), drive, std::vector{whole(drive, {1.5}, {0})});
+  const auto energy = [&](std::size_t r) {
+    return 0.5 * (0.005 + 1e-6) * std::pow(out[0].dq[r], 2) - 0.5 * 9.81 * 0.1 * std::cos(out[0].q[r]);
+  };
+  for (std::size_t r = 0; r < drive.rows(); ++r) EXPECT_NEAR(energy(r), energy(0), 2e-4 * 0.49) << r;
+}
+
+TEST(Simulator, CommandDelayShiftsTheResponseAndSensorDelayTheReading) {
+  const auto command = [](int, double t) { return 0.5 * std::sin(3 * t); };
+  ModelFolder model = test::pendulum("actuator = \"position_pd\"\nkp = 5\nkd = 0.1\n");
+  model.gravity = {0, 0, 0};
+  const Drive drive = make_test_drive(model, 4.0, 0.01, command);
+  const Window start = whole(drive, {0}, {0});
+  SimParams params = make_params(model);
+  const auto nominal = simulate(params, drive, std::vector{start});
+  params.joints[0].command_delay = 0.03;
+  const auto late = simulate(params, drive, std::vector{start});
+  params = make_params(model);
+  params.joints[0].sensor_delay = 0.03;
+  const auto old = simulate(params, drive, std::vector{start});
+  for (std::size_t r = 203; r < drive.rows(); ++r) {
+    EXPECT_NEAR(late[0].q[r], nominal[0].q[r - 3], 1e-6);  // both have settled into the same cycle
+    EXPECT_NEAR(old[0].q[r], nominal[0].q[r - 3], 2e-3);   // started 30 ms earlier, so the cycle is approached otherwise
+  }
+  params.joints[0].sensor_delay = 0.025;  // between samples: interpolated
+  const auto between = simulate(params, drive, std::vector{start});
+  EXPECT_NEAR(between[0].q[300], 0.5 * (nominal[0].q[297] + nominal[0].q[298]), 1e-3);
+}
+
+TEST(Simulator, WindowsAreIndependentOfEachOther) {
+  const ModelFolder model = test::arm("actuator = \"position_pd\"\nkp = 20\nkd = 1\ncoulomb = 0.05\n");
+  const Drive drive = make_test_drive(model, 2.0, 0.01, [](int j, double t) { return 0.2 * std::sin(2 * t + j); });
+  const Window a{0, 100, {0, 0.1, 0}, {0, 0, 0}}, b{50, 120, {0.1, 0, 0}, {0.1, 0, 0}};
+  const SimParams params = make_params(model);
+  const auto together = simulate(params, drive, std::vector{a, b});
+  EXPECT_EQ(together[0].q, simulate(params, drive, std::vector{a})[0].q);
+  EXPECT_EQ(together[1].q, simulate(params, drive, std::vector{b})[0].q);
+}
+
+TEST(TreeDynamics, AgreesWithTheGeneralDynamicsOfTheController) {
+  // two derivations: composite bodies about the base origin here, recursion in link frames there
+  const ModelFolder model = test::arm("actuator = \"passive\"\n");
+  model::Tree tree;
+  tree.gravity = {0.3, -0.2, -9.7};
+  for (const TreeJoint& joint : model.tree.joints) {
+    model::TreeJoint t;
+    t.parent = joint.parent;
+    t.kind = joint.prismatic ? model::JointKind::prismatic : model::JointKind::revolute;
+    t.R_parent_link0 = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(joint.R_parent_joint.data());
+    t.p_parent_link0 = Eigen::Map<const Eigen::Vector3d>(joint.p_parent_joint.data());
+    t.axis = Eigen::Map<const Eigen::Vector3d>(joint.axis.data());
+    t.link.mass = joint.body.mass;
+    t.link.com = Eigen::Map<const Eigen::Vector3d>(joint.body.com.data());
+    t.link.about_com = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(joint.body.about_com.data());
+    ASSERT_TRUE(tree.joints.try_push(t));
+  }
+  TreeDynamics ours(model.tree, {0.3, -0.2, -9.7});
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  model::TreeScratch scratch;
+  for (int trial = 0; trial < 50; ++trial) {
+    model::TreeVector q(3), v(3), dv(3), tau(3);
+    for (int j = 0; j < 3; ++j) q[j] = uniform(random), v[j] = uniform(random), dv[j] = uniform(random);
+    JointMatrix M{};
+    JointVector bias{}, inverse{};
+    ours.set_positions(q.data());
+    ours.mass_matrix(M);
+    ours.bias(v.data(), bias);
+    ours.inverse_dynamics(v.data(), dv.data(), inverse);
+    model::TreeMatrix M_ref(3, 3);
+    crba(tree, q, scratch, M_ref);
+    rnea(tree, q, v, dv, scratch, tau);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(inverse[static_cast<std::size_t>(i)], tau[i], 1e-12) << "seed 7, trial " << trial;
+      for (int j = 0; j <= i; ++j) EXPECT_NEAR(M[static_cast<std::size_t>(i * kMaxJoints + j)], M_ref(i, j), 1e-13);
+    }
+    rnea(tree, q, v, model::TreeVector::Zero(3), scratch, tau);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(bias[static_cast<std::size_t>(i)], tau[i], 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

@@ -1,0 +1,63 @@
+// One time step of the whole robot, shared by simulation (the tree moves) and replay (the tree follows the recording).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "tools/diagnose/sim/command_path.h"
+#include "tools/diagnose/sim/transmission.h"
+#include "tools/diagnose/sim/tree_dynamics.h"
+
+namespace sanso::diagnose {
+
+struct RobotState {
+  JointVector q{}, dq{};                       // link side, rad, rad/s
+  std::array<InnerState, kMaxJoints> inner{};
+};
+
+/// Torques of the step just taken, by joint.
+struct StepTorques {
+  std::array<ServoOutput, kMaxJoints> servo{};
+  JointVector friction{}, passive{};           // N m, mean over the step
+};
+
+class Integrator {
+ public:
+  Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed);
+
+  /// Starts anew at any instant (payloads that come late are looked up for it).
+  void restart(double t);
+  /// Advances from t by h. False when the motion diverged (state unchanged).
+  bool step(double t, double h, RobotState& state, StepTorques& out);
+  /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are computed.
+  void follow(double t, double h, const double* dq_end, RobotState& state, StepTorques& out);
+
+ private:
+  void prepare(double t, double h, RobotState& state, StepTorques& out);
+  double warming_of(int j, double t, const InnerState& inner) const;
+  void update_bodies(double t);
+  void solve_free(double h, const RobotState& state);
+  void solve_friction();
+  void finish(double h, const JointVector& dq_end, RobotState& state, StepTorques& out);
+
+  const SimParams& params_;
+  const Drive& drive_;
+  CommandPath commands_;
+  std::unique_ptr<TreeDynamics> tree_;
+  int n_;
+  int payloads_on_ = -1;
+  bool any_sag_;
+  bool thermal_;
+  std::vector<double> first_temperature_;  // by joint, NaN: none recorded
+  mutable std::vector<std::size_t> temperature_cursor_;
+
+  // scratch of the step
+  JointMatrix M_{}, inverse_{};
+  JointVector bias_{}, q_half_{}, dq_mid_{}, dq_end_{}, change_{}, friction_{};
+  std::array<JointPart, kMaxJoints> part_{};
+  std::array<JointInstant, kMaxJoints> instant_{};
+  double supply_current_ = 0.0;  // A, of the step before
+};
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,238 @@
+#include "tools/diagnose/sim/simulator.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "tools/diagnose/sim/integrator.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// Runs one window and writes each joint's channels at the instants its sensor samples.
+class WindowRun {
+ public:
+  WindowRun(const SimParams& params, const Drive& drive, const SimOptions& options, Integrator& integrator)
+      : params_(params), drive_(drive), options_(options), integrator_(integrator), n_(params.size()) {
+    for (const JointParams& joint : params.joints) {
+      delay_.push_back(joint.nominal.sensor_delay_s + joint.sensor_delay);
+      longest_delay_ = std::max(longest_delay_, delay_.back());
+    }
+  }
+
+  Prediction run(const Window& window, const std::array<InnerState, kMaxJoints>* inner) {
+    assert(window.first <= window.last && window.last < drive_.rows());
+    rows_ = window.last - window.first + 1;
+    prediction_ = Prediction{};
+    prediction_.first = window.first;
+    prediction_.rows = rows_;
+    for (auto* channel : {&prediction_.q, &prediction_.dq, &prediction_.tau, &prediction_.i, &prediction_.pwm}) {
+      channel->assign(static_cast<std::size_t>(n_) * rows_, 0.0);
+    }
+    prediction_.volt.assign(rows_, 0.0);
+    next_.assign(static_cast<std::size_t>(n_), 0);
+    place(window, inner);
+
+    double t = drive_.t[window.first] - longest_delay_;
+    integrator_.restart(t);
+    if (longest_delay_ == 0.0) {  // row `first` is the start itself
+      emit_start(window);
+    } else {
+      advance(t, drive_.t[window.first]);
+      t = drive_.t[window.first];
+    }
+    for (std::size_t k = window.first; k < window.last; ++k) advance(drive_.t[k], drive_.t[k + 1]);
+    emit_until(drive_.t[window.last] + 1.0);  // rounding may leave the last sample
+    return std::move(prediction_);
+  }
+
+ private:
+  /// Start of the window: measured coordinates back to the joints, `delay` seconds before the first row.
+  void place(const Window& window, const std::array<InnerState, kMaxJoints>* inner) {
+    state_ = RobotState{};
+    if (inner != nullptr) state_.inner = *inner;
+    for (int j = 0; j < n_; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      const JointParams& joint = params_.joints[k];
+      const double early = longest_delay_ - delay_[k];
+      const double side = position_for_reading(joint, window.q[k] - early * window.dq[k]);
+      const double speed = window.dq[k] / (1.0 + joint.encoder_scale);
+      InnerState& in = state_.inner[k];
+      state_.q[k] = joint.encoder_at_motor ? side - in.motor_offset : side;
+      state_.dq[k] = joint.encoder_at_motor ? speed - in.motor_speed_offset : speed;
+      if (inner == nullptr || joint.velocity_filter == 0.0) in.velocity_channel = speed;
+    }
+    before_ = state_;
+    t_before_ = t_now_ = drive_.t[window.first] - longest_delay_;
+  }
+
+  void advance(double from, double until) {
+    const double span = until - from;
+    if (!(span > 0.0)) return;
+    const int steps = std::max(1, static_cast<int>(std::ceil(span / options_.max_step_s - 1e-9)));
+    const double h = span / steps;
+    for (int s = 0; s < steps; ++s) {
+      before_ = state_;
+      t_before_ = from + s * h;
+      t_now_ = s + 1 == steps ? until : from + (s + 1) * h;
+      if (!diverged_) diverged_ = !integrator_.step(t_before_, h, state_, torques_);
+      emit_until(t_now_);
+    }
+  }
+
+  /// First row without any sensor delay: the given state, and what the servo does in the first instant.
+  void emit_start(const Window& window) {
+    if (window.last > window.first) {  // a probing step for the torques; the state stays
+      RobotState probe = state_;
+      const double h = std::min(options_.max_step_s, drive_.t[window.first + 1] - drive_.t[window.first]);
+      integrator_.step(drive_.t[window.first], h, probe, torques_);
+      integrator_.restart(drive_.t[window.first]);
+    }
+    emit_until(drive_.t[window.first]);
+  }
+
+  /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached, by cubic interpolation.
+  void emit_until(double t) {
+    const double h = t_now_ - t_before_;
+    for (int j = 0; j < n_; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      for (std::size_t& row = next_[k]; row < rows_; ++row) {
+        const double instant = drive_.t[prediction_.first + row] - delay_[k];
+        if (instant > t) break;
+        emit(j, row, h > 0.0 ? std::clamp((instant - t_before_) / h, 0.0, 1.0) : 1.0, h);
+      }
+    }
+  }
+
+  void emit(int j, std::size_t row, double s, double h) {
+    const auto k = static_cast<std::size_t>(j);
+    const JointParams& joint = params_.joints[k];
+    const auto side = [&](const RobotState& x) { return x.q[k] + (joint.encoder_at_motor ? x.inner[k].motor_offset : 0.0); };
+    double position = side(state_), velocity = state_.inner[k].velocity_channel;
+    if (s < 1.0) {
+      // the step is a parabola in position and a line in velocity
+      const double dq0 = before_.dq[k] + (joint.encoder_at_motor ? before_.inner[k].motor_speed_offset : 0.0);
+      const double dq1 = state_.dq[k] + (joint.encoder_at_motor ? state_.inner[k].motor_speed_offset : 0.0);
+      position = side(before_) + h * s * (dq0 + 0.5 * s * (dq1 - dq0));
+      velocity = (1.0 - s) * before_.inner[k].velocity_channel + s * velocity;
+    }
+    const std::size_t at = k * rows_ + row;
+    prediction_.q[at] = encoder_reading(joint, position);
+    prediction_.dq[at] = velocity * (1.0 + joint.encoder_scale);
+    prediction_.tau[at] = torques_.servo[k].torque;
+    prediction_.i[at] = torques_.servo[k].current;
+    prediction_.pwm[at] = torques_.servo[k].duty;
+    if (j == 0) prediction_.volt[row] = torques_.servo[0].volt;
+  }
+
+  const SimParams& params_;
+  const Drive& drive_;
+  const SimOptions& options_;
+  Integrator& integrator_;
+  int n_;
+  std::vector<double> delay_;
+  double longest_delay_ = 0.0;
+
+  std::size_t rows_ = 0;
+  Prediction prediction_;
+  std::vector<std::size_t> next_;  // by joint, the next row to write
+  RobotState state_, before_;
+  StepTorques torques_;
+  double t_before_ = 0.0, t_now_ = 0.0;
+  bool diverged_ = false;
+
+ public:
+  void reset() { diverged_ = false; }
+};
+
+bool any_memory(const SimParams& params) {
+  return std::any_of(params.joints.begin(), params.joints.end(), has_memory);
+}
+
+/// Follows the recording and calls at_row(row, state, torques) at every row up to the last.
+template <class AtRow>
+void follow_recording(const SimParams& params, const Drive& drive, const MeasuredMotion& motion, const SimOptions& options,
+                      std::size_t last, Integrator& integrator, AtRow&& at_row) {
+  const auto n = static_cast<std::size_t>(params.size());
+  RobotState state;
+  StepTorques torques;
+  const auto snap = [&](std::size_t row) {
+    for (std::size_t j = 0; j < n; ++j) {
+      const JointParams& joint = params.joints[j];
+      const InnerState& in = state.inner[j];
+      const double side = position_for_reading(joint, motion.q[j][row]);
+      const double speed = motion.dq[j][row] / (1.0 + joint.encoder_scale);
+      state.q[j] = joint.encoder_at_motor ? side - in.motor_offset : side;
+      state.dq[j] = joint.encoder_at_motor ? speed - in.motor_speed_offset : speed;
+    }
+  };
+  integrator.restart(drive.t.front());
+  snap(0);
+  for (std::size_t j = 0; j < n; ++j) state.inner[j].velocity_channel = state.dq[j];
+  at_row(std::size_t{0}, state, torques);
+  for (std::size_t row = 0; row < last; ++row) {
+    const double span = drive.t[row + 1] - drive.t[row];
+    const int steps = std::max(1, static_cast<int>(std::ceil(span / options.max_step_s - 1e-9)));
+    const double h = span / steps;
+    JointVector end{};
+    for (int s = 0; s < steps; ++s) {
+      const double share = (s + 1.0) / steps;
+      for (std::size_t j = 0; j < n; ++j) end[j] = (1 - share) * motion.dq[j][row] + share * motion.dq[j][row + 1];
+      integrator.follow(drive.t[row] + s * h, h, end.data(), state, torques);
+    }
+    snap(row + 1);
+    at_row(row + 1, state, torques);
+  }
+}
+
+}  // namespace
+
+std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
+                                 const SimOptions& options) {
+  Integrator integrator(params, drive, options.random_seed);
+  std::vector<Prediction> predictions;
+  predictions.reserve(windows.size());
+  if (windows.empty()) return predictions;
+
+  // inner states at the starts, from following the recording up to there
+  std::vector<std::array<InnerState, kMaxJoints>> inner;
+  if (options.motion != nullptr && any_memory(params)) {
+    inner.resize(windows.size());
+    std::size_t next = 0;
+    follow_recording(params, drive, *options.motion, options, windows.back().first, integrator,
+                     [&](std::size_t row, const RobotState& state, const StepTorques&) {
+                       for (; next < windows.size() && windows[next].first == row; ++next) inner[next] = state.inner;
+                     });
+  }
+  WindowRun run(params, drive, options, integrator);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    run.reset();
+    predictions.push_back(run.run(windows[w], inner.empty() ? nullptr : &inner[w]));
+  }
+  return predictions;
+}
+
+ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
+                             const SimOptions& options) {
+  Integrator integrator(params, drive, options.random_seed);
+  const auto n = static_cast<std::size_t>(params.size());
+  ReplayTorques out;
+  out.rows = drive.rows();
+  for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty}) v->assign(n * out.rows, 0.0);
+  follow_recording(params, drive, motion, options, drive.rows() - 1, integrator,
+                   [&](std::size_t row, const RobotState&, const StepTorques& torques) {
+                     for (std::size_t j = 0; j < n; ++j) {
+                       const std::size_t at = j * out.rows + row;
+                       const JointParams& joint = params.joints[j];
+                       const double viscous = joint.nominal.viscous + joint.viscous;
+                       out.motor[at] = torques.servo[j].torque;
+                       out.friction[at] = torques.friction[j] - viscous * motion.dq[j][row];
+                       out.passive[at] = torques.passive[j];
+                       out.current[at] = torques.servo[j].current;
+                       out.duty[at] = torques.servo[j].duty;
+                     }
+                   });
+  return out;
+}
+
+}  // namespace sanso::diagnose

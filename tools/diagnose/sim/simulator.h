@@ -1,0 +1,65 @@
+// The simulator with switches: a fixed-base robot, its actuators and every effect of the library at its port.
+//
+//   command -> [delay, hold, loss] -> [profile, P I D, dead zone, filter] -> [supply, winding, limits] -> motor torque
+//   motor torque -> [play, compliance, friction, cogging] -> joint -> tree -> [encoder, delay, filter] -> predicted channels
+//
+// Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what stops the joint within
+// the step, clipped at what friction can give), so stiction, play and stiff gains need no tiny steps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tools/diagnose/sim/drive.h"
+#include "tools/diagnose/sim/sim_params.h"
+
+namespace sanso::diagnose {
+
+/// Rows [first, last] of a recording, and where the joints are at row `first`, as the recording's sensors show it.
+struct Window {
+  std::size_t first = 0, last = 0;
+  std::vector<double> q, dq;  // n each, rad, rad/s: measured coordinates (encoder errors and sensor delay are undone inside)
+};
+
+/// Predicted channels at rows first..last of one window; entry of joint j and row k at [j * rows + k - first].
+struct Prediction {
+  std::size_t first = 0, rows = 0;
+  std::vector<double> q, dq, tau, i, pwm;  // n x rows; tau: motor torque at the output, before friction
+  std::vector<double> volt;                // rows, at the driver of joint 0
+  std::span<const double> of(const std::vector<double>& channel, int joint) const {
+    return {channel.data() + static_cast<std::size_t>(joint) * rows, rows};
+  }
+};
+
+/// Smoothed motion of a recording, used to bring inner states (integrators, bristles, play) to the start of a window.
+struct MeasuredMotion {
+  std::vector<std::vector<double>> q, dq;  // by joint, by row
+};
+
+struct SimOptions {
+  double max_step_s = 1e-3;
+  const MeasuredMotion* motion = nullptr;  // null: inner states start at rest at every window
+  std::uint64_t random_seed = 0;           // not 0: lost commands are drawn instead of averaged
+};
+
+/// Simulates every window. Windows must be in order of `first`. Deterministic; no state is kept between calls.
+/// A motion that diverges is held at its last finite value. Precondition: drive made for the same joints.
+std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
+                                 const SimOptions& options = {});
+
+/// Torque by row that the model's actuators and friction give when the joints move as measured: n x rows (Prediction layout).
+struct ReplayTorques {
+  std::size_t rows = 0;
+  std::vector<double> motor;     // N m, at the output, before friction
+  std::vector<double> friction;  // N m, as it acts on the joint (opposes motion)
+  std::vector<double> passive;   // N m, springs, cogging, stops, drag
+  std::vector<double> current, duty;
+};
+ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
+                             const SimOptions& options = {});
+
+/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels that a recording lacks stay.
+void add_sensor_noise(const SimParams& params, std::uint64_t seed, Prediction& prediction);
+
+}  // namespace sanso::diagnose
