@@ -73,6 +73,7 @@ const char* to_string(TrialEnd end) {
     case TrialEnd::low_base: return "base too low";
     case TrialEnd::fault: return "controller fault";
     case TrialEnd::link_lost: return "no observations";
+    case TrialEnd::ended_early: return "ended early by the controller";
   }
   return "unknown";
 }

@@ -19,6 +19,7 @@ enum class TrialEnd : std::uint8_t {
   low_base = 3,    // base too far below the reference
   fault = 4,       // the controller latched a fault (number in Episode::fault)
   link_lost = 5,   // no observation for too long
+  ended_early = 6, // the controller left the trial before its time (it lost the host, or was told to stop)
 };
 const char* to_string(TrialEnd end);
 

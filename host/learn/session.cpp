@@ -127,6 +127,7 @@ TrialSummary Session::run_one() {
 
   TrialSummary summary = summarize(episode, *rounded_middle);
   summary.sigma = setup.sigma;
+  if (task_.broken_clauses && !episode.failed()) summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
   summary.wall_s = wall_s() - begin;
   state_->history.push_back(summary);

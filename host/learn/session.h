@@ -19,6 +19,8 @@ struct Task {
   std::string name;
   policy::PrimitiveSet primitives;
   mpc::CostWeights weights;
+  /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold. May be absent.
+  std::function<std::vector<std::string>(const Episode&)> broken_clauses;
 };
 
 struct SessionSettings {

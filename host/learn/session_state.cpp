@@ -84,6 +84,8 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
     visit_summary(s, [&](const auto& v) { out.put(v); });
     out.put(static_cast<std::uint32_t>(s.update_ms.size()));
     for (float v : s.update_ms) out.put(v);
+    out.put(static_cast<std::uint32_t>(s.broken_clauses.size()));
+    for (const std::string& clause : s.broken_clauses) out.put(clause);
   }
   save_framed(path, kMagic, kVersion, out.bytes());
 }
@@ -99,6 +101,8 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
     visit_summary(s, [&](auto& v) { in.get(v); });
     s.update_ms.resize(in.read<std::uint32_t>());
     for (float& v : s.update_ms) in.get(v);
+    s.broken_clauses.resize(in.read<std::uint32_t>());
+    for (std::string& clause : s.broken_clauses) in.get(clause);
   }
 }
 

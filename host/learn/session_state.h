@@ -27,7 +27,10 @@ struct TrialSummary {
   std::uint64_t digest = 0;      // of the episode; equal for equal runs
   double wall_s = 0.0;           // measured: placing, settling, running and storing the trial
   std::vector<float> update_ms;  // measured: every policy update
+  std::vector<std::string> broken_clauses;  // of the motion's success, as texts
   bool failed() const { return end != TrialEnd::completed; }
+  /// Ran to its end under the cost limit and did what the motion is for.
+  bool succeeded() const { return !failed() && broken_clauses.empty(); }
 };
 
 struct SessionState {

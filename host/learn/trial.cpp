@@ -164,6 +164,10 @@ void Trial::mark_late_plans() {
 void Trial::finish() {
   if (running_ && episode_.end != TrialEnd::completed)
     (void)robot_.command({.kind = wire::CommandKind::stop, .trial_id = setup_.trial_id});  // best effort: the guard watches too
+  constexpr int kLastTicksMayBeLost = 3;
+  const int last_tick = episode_.ticks.empty() ? 0 : episode_.ticks.back().trial_tick;
+  if (episode_.end == TrialEnd::completed && last_tick < setup_.duration_ticks - 1 - kLastTicksMayBeLost)
+    episode_.end = TrialEnd::ended_early;
   mark_late_plans();
   for (const wire::Observation& o : episode_.ticks) {
     episode_.reference.emplace_back();

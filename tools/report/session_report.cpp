@@ -30,10 +30,15 @@ std::unique_ptr<SessionState> state_of(const fs::path& folder) {
   return state;
 }
 
+std::string outcome(const TrialSummary& t) {
+  if (t.failed()) return learn::to_string(t.end);
+  return t.succeeded() ? "no" : "no, but " + t.broken_clauses.front();
+}
+
 Table trial_table(const SessionState& state) {
   Table table{{"trial", "cost", "failed", "update p50 [ms]", "update max [ms]", "late updates", "bus errors", "time [s]"}, {}};
   for (const TrialSummary& t : state.history)
-    table.rows.push_back({fmt::format("{}", t.trial + 1), fmt::format("{:.2f}", t.cost), t.failed() ? to_string(t.end) : "no",
+    table.rows.push_back({fmt::format("{}", t.trial + 1), fmt::format("{:.2f}", t.cost), outcome(t),
                           fmt::format("{:.2f}", learn::percentile(t.update_ms, 0.5)), fmt::format("{:.2f}", learn::percentile(t.update_ms, 1.0)),
                           fmt::format("{}", t.late_updates), fmt::format("{}", t.bus_lost + t.bus_corrupt), fmt::format("{:.1f}", t.wall_s)});
   return table;
