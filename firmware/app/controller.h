@@ -3,6 +3,7 @@
 // for servo replies, and for those only until their deadline.
 #pragma once
 
+#include "firmware/app/posture.h"
 #include "firmware/app/supervisor.h"
 #include "firmware/app/trial.h"
 #include "firmware/board/board.h"
@@ -32,15 +33,36 @@ class Controller {
   const BusCounters& bus_counters() const { return bus_.counters(); }
 
  private:
+  // requests
   void take_requests();
-  void execute(const wire::Command& command);
+  Refusal execute(const wire::Command& command);
+  Refusal arm(const wire::Command& command);
+  Refusal start_trial(const wire::Command& command);
+  Refusal stop();
+  Refusal disarm();
+  Refusal clear_fault();
+  void end_trial();
+  // sensors, judgement
+  void note_lateness(Nanoseconds now);
+  bool bus_in_use() const;
   void read_sensors(Nanoseconds now);
   void judge(Nanoseconds now);
+  void enter_fault(Fault fault, std::uint16_t detail);
+  // state
+  void advance_state(Nanoseconds now);
+  void self_test(Nanoseconds now);
+  bool host_silent(Nanoseconds now) const;
+  // output
   model::Input choose_target();
-  void command_servos(const model::Input& target);
-  void advance_state();
-  void publish(Nanoseconds now);
+  void command_servos(const model::Input& wanted);
+  void arm_step();
+  void write_goals(const model::Input& legs);
+  void switch_torque(bool on);
   void react_to_fault();
+  // report
+  void publish(Nanoseconds now, Nanoseconds cpu_begin);
+  void report_supply(wire::Observation& o) const;
+  void report_layers(Nanoseconds now, wire::Observation& o);
 
   Settings settings_;
   board::Clock& clock_;
@@ -52,6 +74,7 @@ class Controller {
   Guard guard_;
   Supervisor supervisor_;
   Trial trial_;
+  Posture posture_;
 
   ServoReadings servos_;
   model::State x_ = model::neutral_state();
@@ -60,7 +83,13 @@ class Controller {
   model::Input output_ = model::Input::Zero();  // what was sent last
   wire::Observation observation_;
   LogRecord record_;
-  Nanoseconds tick_begin_ = 0;
+
+  bool start_pending_ = false;   // a start was accepted in this tick
+  int arming_tick_ = -1;         // 0..2 while torque is being switched on
+  int torque_ticks_ = 0;         // ticks since torque on; 0: off
+  int limp_writes_ = 0;
+  int slow_read_tick_ = 0;
+  Nanoseconds self_test_begin_ = 0;
   Nanoseconds previous_due_ = 0;
   std::uint32_t late_ticks_ = 0;
   int late_in_a_row_ = 0;

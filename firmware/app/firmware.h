@@ -1,4 +1,4 @@
-// The whole controller program without its threads: construct it over a board and call the four poll functions, from
+// The whole controller program without its threads: construct it on the heap (the tables of the layers take 7 MB) over a board and call the four poll functions, from
 // four threads on the robot (main.cpp) or one after the other in virtual time (in process). Not real-time as a whole:
 // only tick() is.
 #pragma once
@@ -25,18 +25,18 @@ struct Board {
 class Firmware {
  public:
   Firmware(const Settings& settings, const wire::Key& key, const Board& board)
-      : imu_(settings.imu, board.imu, handover_.imu),
-        pose_(board.pose, handover_.pose),
-        link_(key, board.link, handover_),
+      : imu_(settings.imu, board.imu, board.clock, handover_.imu),
+        pose_(board.pose, board.clock, handover_.pose),
+        link_(key, board.link, board.clock, handover_),
         controller_(settings, board.bus, board.clock, handover_) {}
 
   /// One tick, due at `now`: every 10 ms.
   void tick(Nanoseconds now) { controller_.tick(now); }
-  /// Takes the IMU's reports; returns at `deadline` at the latest. In process: poll_imu(now, now) before every tick.
-  void poll_imu(Nanoseconds now, Nanoseconds deadline) { imu_.poll(now, deadline); }
-  void poll_pose(Nanoseconds now, Nanoseconds deadline) { pose_.poll(now, deadline); }
+  /// Takes the IMU's reports; waits for the first until `deadline`. In process: poll_imu(0) before every tick.
+  void poll_imu(Nanoseconds deadline) { imu_.poll(deadline); }
+  void poll_pose(Nanoseconds deadline) { pose_.poll(deadline); }
   /// Takes the host's datagrams and sends what the tick has published. In process: before and after every tick.
-  void poll_link(Nanoseconds now, Nanoseconds deadline) { link_.poll(now, deadline); }
+  void poll_link(Nanoseconds deadline) { link_.poll(deadline); }
 
   const Controller& controller() const { return controller_; }
   Handover& handover() { return handover_; }

@@ -20,6 +20,8 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual Nanoseconds now() = 0;
+  /// CPU time that the calling thread has used. Virtual clocks say 0: results must not depend on the machine.
+  virtual Nanoseconds thread_cpu() { return 0; }
 };
 
 /// The half-duplex servo bus. Used by the tick thread only.
@@ -47,7 +49,7 @@ class HidSource {
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
 };
 
-/// Pose of the base from outside (tracking camera), as the bytes of firmware/imu/pose_report.h. May be absent.
+/// Pose of the base from outside (tracking camera), as the bytes of shared/base/pose_report.h. May be absent.
 class PoseSource {
  public:
   virtual ~PoseSource() = default;

@@ -1,0 +1,98 @@
+#include "firmware/app/posture.h"
+
+#include <algorithm>
+
+#include "firmware/lower/balance.h"
+
+namespace sanso::firmware {
+namespace {
+
+constexpr double kTick_s = to_seconds(kTickPeriod);
+constexpr double kBalanceRamp_s = 0.2;
+constexpr double kPoseRate_rad_s = 0.5;  // a newly uploaded first pose is approached at this speed while holding
+
+/// Moves `weight` towards `goal` by at most one tick's share of `ramp_s`.
+void ramp(double& weight, double goal, double ramp_s) {
+  const double step = ramp_s > kTick_s ? kTick_s / ramp_s : 1.0;
+  weight += std::clamp(goal - weight, -step, step);
+}
+
+}  // namespace
+
+model::Input crouch_pose() {
+  // right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll; left mirrored: q_left = -q_right
+  constexpr double kThigh = 60.0 * kRadPerDeg;
+  model::Input q = model::Input::Zero();
+  q[2] = kThigh;
+  q[3] = -2.0 * kThigh;
+  q[4] = -kThigh;
+  for (int j = 0; j < 6; ++j) q[6 + j] = -q[j];
+  return q;
+}
+
+void Posture::begin_stand_up(const ServoReadings& servos, const model::Input& first_pose) {
+  model::Input q;
+  for (int j = 0; j < model::kNumJoints; ++j) q[j] = servos.servo[static_cast<std::size_t>(j)].position_rad;
+  through_crouch_ = (q - first_pose).cwiseAbs().maxCoeff() > settings_.near_pose_rad;
+  lowering_ = false;
+  held_ = first_pose;
+  middle_weight_ = balance_weight_ = 0;
+  const double duration = through_crouch_ ? settings_.stand_up_s : settings_.approach_s;
+  blend_.start(q, duration);
+  for (std::size_t k = 0; k < kNumHeld; ++k) held_from_[k] = servos.servo[model::kNumJoints + k].position_rad;
+  held_fraction_ = 0;
+  held_step_ = kTick_s / duration;
+}
+
+void Posture::begin_soft_stop(const model::Input& output) {
+  lowering_ = through_crouch_ = false;
+  blend_.start(output, settings_.soft_stop_s);
+}
+
+void Posture::begin_lowering(const model::Input& output) {
+  lowering_ = true;
+  through_crouch_ = false;
+  blend_.start(output, settings_.lower_s);
+}
+
+void Posture::follow_first_pose(const model::Input& first_pose) {
+  const double step = kPoseRate_rad_s * kTick_s;
+  for (int j = 0; j < model::kNumJoints; ++j) held_[j] += std::clamp(first_pose[j] - held_[j], -step, step);
+}
+
+model::Input Posture::hold_target(Trial& trial, const model::State& x) {
+  follow_first_pose(trial.first_pose());
+  ramp(middle_weight_, 1.0, settings_.middle_ramp_s);
+  ramp(balance_weight_, 1.0, kBalanceRamp_s);
+  return held_ + middle_weight_ * trial.middle_at_start(x) + trial.reflex(x) +
+         balance_weight_ * balance_correction(x, settings_);
+}
+
+model::Input Posture::step(Trial& trial, const model::State& x) {
+  held_fraction_ = std::min(1.0, held_fraction_ + held_step_);
+  if (lowering_ || through_crouch_) {
+    const model::Input u = blend_.step(crouch_pose());
+    if (through_crouch_ && blend_.done()) {
+      through_crouch_ = false;
+      blend_.start(u, settings_.stand_up_s);
+    }
+    return u;
+  }
+  return blend_.step(hold_target(trial, x));
+}
+
+std::array<double, kNumHeld> Posture::held_targets() const {
+  std::array<double, kNumHeld> targets{};
+  const double s = minimum_jerk(held_fraction_);
+  for (std::size_t k = 0; k < kNumHeld; ++k) targets[k] = held_from_[k] + s * (kHeldServos[k].pose_rad - held_from_[k]);
+  return targets;
+}
+
+model::Input Posture::fade_balance(const model::State& x) {
+  middle_weight_ = 1.0;
+  ramp(balance_weight_, 0.0, kBalanceRamp_s);
+  if (balance_weight_ == 0.0) return model::Input::Zero();
+  return balance_weight_ * balance_correction(x, settings_);
+}
+
+}  // namespace sanso::firmware

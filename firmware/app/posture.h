@@ -1,0 +1,57 @@
+// The slow motions: standing up, holding the first pose, stopping softly, lowering. All are passages from where the
+// robot is to a pose that may itself move a little (reflex, middle layer, balance).
+#pragma once
+
+#include <array>
+
+#include "firmware/app/trial.h"
+#include "firmware/bus/readings.h"
+#include "firmware/config/settings.h"
+#include "firmware/lower/pose_blend.h"
+
+namespace sanso::firmware {
+
+/// Deep crouch with the soles under the hips, knees inside their limit: the way from and to torque off [rad].
+model::Input crouch_pose();
+
+class Posture {
+ public:
+  explicit Posture(const SupervisorSettings& settings) : settings_(settings) {}
+
+  /// From the joints as they are (`servos`) to the first pose: straight when near it, through the crouch when not.
+  void begin_stand_up(const ServoReadings& servos, const model::Input& first_pose);
+  /// From the targets sent last to the first pose.
+  void begin_soft_stop(const model::Input& output);
+  /// From the targets sent last into the crouch.
+  void begin_lowering(const model::Input& output);
+
+  /// Targets of this tick for a robot at x.
+  model::Input step(Trial& trial, const model::State& x);
+  /// The passage has reached its pose.
+  bool arrived() const { return blend_.done() && !through_crouch_; }
+  bool lowering() const { return lowering_; }
+  /// The pose held is the one in which the uploaded motion begins.
+  bool at_first_pose(const model::Input& first_pose) const { return (held_ - first_pose).cwiseAbs().maxCoeff() < 1e-9; }
+
+  /// Targets for arms and head [rad], moving to their pose during stand-up.
+  std::array<double, kNumHeld> held_targets() const;
+  /// Called once a tick while a trial runs: balance feedback gives way to the upper layer.
+  model::Input fade_balance(const model::State& x);
+
+ private:
+  model::Input hold_target(Trial& trial, const model::State& x);
+  void follow_first_pose(const model::Input& first_pose);
+
+  SupervisorSettings settings_;
+  PoseBlend blend_;
+  bool lowering_ = false;
+  bool through_crouch_ = false;
+  model::Input held_ = model::Input::Zero();
+  double middle_weight_ = 0;
+  double balance_weight_ = 0;
+  std::array<double, kNumHeld> held_from_{};
+  double held_fraction_ = 1;
+  double held_step_ = 1;
+};
+
+}  // namespace sanso::firmware

@@ -1,0 +1,241 @@
+#include "firmware/bus/bus_master.h"
+
+#include <algorithm>
+
+#include "shared/servo_bus/units.h"
+
+namespace sanso::firmware {
+namespace bus = servo_bus;
+namespace {
+
+constexpr Nanoseconds kSingleTimeout = 4 * kMillisecond;  // ping or register: under 50 bytes, plus USB latency
+constexpr std::uint16_t kSupplyAddress = 144, kSupplyBytes = 3;   // voltage u16, temperature u8
+constexpr std::uint16_t kTorqueAddress = 64, kTorqueBytes = 7;    // torque enable .. hardware error status
+
+}  // namespace
+
+BusMaster::BusMaster(const BusSettings& settings, board::SerialPort& port, board::Clock& clock)
+    : settings_(settings), port_(port), clock_(clock) {
+  for (std::size_t s = 0; s < order_.size(); ++s) order_[s] = static_cast<std::uint8_t>(s);
+}
+
+// --- requests and replies ----------------------------------------------------------------------------------------
+
+void BusMaster::drain() {
+  // Late replies and noise belong to no request: they must not be taken for an answer to the next one.
+  std::array<std::uint8_t, 256> waste;
+  for (int i = 0; i < 16; ++i) {
+    const Result<std::size_t> n = port_.read(waste, 0);
+    if (!n.ok() || *n == 0) break;
+    counters_.noise_bytes += static_cast<std::uint32_t>(*n);
+  }
+  parser_.reset();
+}
+
+Status BusMaster::send(Nanoseconds timeout) {
+  drain();
+  raw_.clear();
+  const Status status = port_.write(request_.view());
+  deadline_ = clock_.now() + bus::wire_time_ns(request_.size(), static_cast<std::int64_t>(settings_.byte_rate_baud)) + timeout;
+  return status;
+}
+
+/// Feeds arriving bytes to the parser until `on_packet` says done or the deadline passes.
+template <class OnPacket>
+Status BusMaster::collect(OnPacket&& on_packet) {
+  std::array<std::uint8_t, 512> chunk;
+  for (;;) {
+    const Result<std::size_t> n = port_.read(chunk, deadline_);
+    if (!n.ok()) return n.status();
+    if (*n == 0) return Status::timeout;
+    std::span<const std::uint8_t> bytes(chunk.data(), *n);
+    (void)raw_.try_append(bytes);
+    while (!bytes.empty()) {
+      const std::size_t taken = parser_.feed(bytes);
+      bytes = bytes.subspan(taken);
+      for (;;) {
+        const bus::ParseEvent event = parser_.next(packet_);
+        if (event == bus::ParseEvent::none) break;
+        if (event == bus::ParseEvent::crc_error) ++counters_.corrupt;
+        if (on_packet(event) == Wait::done) return Status::ok;
+      }
+      if (taken == 0) parser_.reset();  // a full buffer without a packet is noise
+    }
+  }
+}
+
+Status BusMaster::transact(std::uint8_t id) {
+  if (const Status sent = send(kSingleTimeout); sent != Status::ok) return sent;
+  return collect([&](bus::ParseEvent event) {
+    const bool answer = event == bus::ParseEvent::packet && packet_.is_status() && packet_.id == id;
+    return answer ? Wait::done : Wait::more;  // anything else is an echo, a late reply or noise
+  });
+}
+
+// --- cyclic read ---------------------------------------------------------------------------------------------------
+
+void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data, ServoReadings& readings) {
+  ServoReading& reading = readings.servo[static_cast<std::size_t>(slot)];
+  reading.alert = (error & bus::kAlertBit) != 0;
+  if (data.size() < bus::xm430::kFeedbackBytes) return;  // a status without data happens; its error byte still counts
+  const bus::xm430::Feedback raw = bus::xm430::decode_feedback(data);
+  reading.position_raw = raw.position_raw;
+  reading.current_raw = raw.current_raw;
+  reading.position_rad = bus::position_rad(raw.position_raw);
+  reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
+  reading.known = true;
+  reading.age_ticks = 0;
+  if (!got_[static_cast<std::size_t>(slot)]) ++readings.answered;
+  got_[static_cast<std::size_t>(slot)] = true;
+}
+
+bool BusMaster::take_status(int slots, ServoReadings& readings) {
+  const int slot = slot_of(packet_.id);
+  if (!packet_.is_status() || slot < 0 || slot >= slots) return false;
+  store(slot, packet_.error, packet_.parameters.view(), readings);
+  return true;
+}
+
+/// The merged reply, from the raw bytes: every block has its own CRC, so a reply that is damaged or cut short still
+/// gives the servos before the damage.
+void BusMaster::take_fast_reply(int slots, ServoReadings& readings) {
+  constexpr std::array<std::uint8_t, 5> kHeader = {0xFF, 0xFF, 0xFD, 0x00, bus::kBroadcastId};
+  const auto begin = std::search(raw_.begin(), raw_.end(), kHeader.begin(), kHeader.end());
+  bus::FastReplyReader reader({begin, raw_.end()});
+  for (int block = 0; block < slots; ++block) {
+    const Result<bus::FastBlock> reply = reader.next(bus::xm430::kFeedbackBytes);
+    if (!reply.ok()) return;
+    const int slot = slot_of(reply->id);
+    if (slot >= 0 && slot < slots) store(slot, reply->error, reply->data, readings);
+  }
+}
+
+void BusMaster::read_feedback(int slots, ServoReadings& readings) {
+  readings.asked = slots;
+  readings.answered = 0;
+  got_.fill(false);
+
+  std::array<std::uint8_t, kNumServos> ids;
+  int count = 0;
+  for (const std::uint8_t slot : order_)
+    if (slot < slots) ids[static_cast<std::size_t>(count++)] = kServoIds[slot];
+  const std::span<const std::uint8_t> asked(ids.data(), static_cast<std::size_t>(count));
+  if (fast_)
+    (void)bus::encode_fast_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes, asked);
+  else
+    (void)bus::encode_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes, asked);
+
+  Status status = send(from_seconds(settings_.reply_timeout_s));
+  if (status == Status::ok) {
+    status = collect([&](bus::ParseEvent event) {
+      if (fast_ && packet_.id == bus::kBroadcastId && packet_.is_status()) return Wait::done;
+      if (event == bus::ParseEvent::packet) take_status(slots, readings);
+      return readings.answered == slots ? Wait::done : Wait::more;
+    });
+    if (fast_) take_fast_reply(slots, readings);
+  }
+  readings.port_gone = status == Status::io_error;
+  age_the_silent(slots, readings);
+  if (readings.answered < slots && !readings.port_gone) order_silent_last(slots, readings);
+}
+
+void BusMaster::age_the_silent(int slots, ServoReadings& readings) {
+  for (int s = 0; s < slots; ++s) {
+    if (got_[static_cast<std::size_t>(s)]) continue;
+    ServoReading& reading = readings.servo[static_cast<std::size_t>(s)];
+    if (reading.age_ticks < 0xffff) ++reading.age_ticks;
+    ++counters_.lost;
+    ++counters_.lost_by_servo[static_cast<std::size_t>(s)];
+  }
+}
+
+/// A servo that stays silent blocks those asked after it: ask it last from now on.
+void BusMaster::order_silent_last(int slots, const ServoReadings& readings) {
+  if (readings.answered == 0) return;
+  // The first silent one in the order is the suspect; the others may only have been behind it.
+  const auto suspect = std::find_if(order_.begin(), order_.end(), [&](std::uint8_t s) { return s < slots && !got_[s]; });
+  if (suspect != order_.end()) std::rotate(suspect, suspect + 1, order_.end());
+}
+
+// --- goals, torque -------------------------------------------------------------------------------------------------
+
+Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
+  std::array<std::uint8_t, 4 * kNumServos> data;
+  for (std::size_t s = 0; s < goals_raw.size(); ++s) bus::put_le(data.data() + 4 * s, 4, goals_raw[s]);
+  (void)bus::encode_sync_write(request_, bus::xm430::kGoalPosition.address, 4,
+                               std::span(kServoIds).first(goals_raw.size()), std::span(data).first(4 * goals_raw.size()));
+  return port_.write(request_.view());
+}
+
+Status BusMaster::write_torque(bool on, ServoReadings& readings) {
+  std::array<std::uint8_t, kNumServos> data;
+  data.fill(on ? 1 : 0);
+  (void)bus::encode_sync_write(request_, bus::xm430::kTorqueEnable.address, 1, kServoIds, data);
+  for (ServoHealth& health : readings.health) health.torque_known = false;
+  return port_.write(request_.view());
+}
+
+// --- slow reads ----------------------------------------------------------------------------------------------------
+
+void BusMaster::slow_read_supply(int slot, ServoReadings& readings) {
+  const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot)];
+  (void)bus::encode_read(request_, id, kSupplyAddress, kSupplyBytes);
+  if (transact(id) != Status::ok || packet_.parameters.size() != kSupplyBytes) return;
+  ServoHealth& health = readings.health[static_cast<std::size_t>(slot)];
+  health.voltage_V = static_cast<float>(bus::voltage_V(bus::get_u16(packet_.parameters.view())));
+  health.temperature_C = packet_.parameters[2];
+}
+
+void BusMaster::slow_read_torque(int slot, ServoReadings& readings) {
+  const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot)];
+  (void)bus::encode_read(request_, id, kTorqueAddress, kTorqueBytes);
+  if (transact(id) != Status::ok || packet_.parameters.size() != kTorqueBytes) return;
+  ServoHealth& health = readings.health[static_cast<std::size_t>(slot)];
+  health.torque_on = packet_.parameters[0] != 0;
+  health.torque_known = true;
+  health.hardware_error = packet_.parameters[6];
+  if (health.hardware_error == 0) readings.servo[static_cast<std::size_t>(slot)].alert = false;
+}
+
+void BusMaster::slow_read(ServoReadings& readings) {
+  for (int s = 0; s < kNumServos; ++s) {
+    const bool explained = readings.health[static_cast<std::size_t>(s)].hardware_error != 0;
+    if (readings.servo[static_cast<std::size_t>(s)].alert && !explained) return slow_read_torque(s, readings);
+  }
+  const int slot = slow_turn_ / 2;
+  if (slow_turn_ % 2 == 0)
+    slow_read_supply(slot, readings);
+  else
+    slow_read_torque(slot, readings);
+  slow_turn_ = (slow_turn_ + 1) % (2 * kNumServos);
+}
+
+// --- single transactions -------------------------------------------------------------------------------------------
+
+Result<BusMaster::Identity> BusMaster::ping(std::uint8_t id) {
+  (void)bus::encode_ping(request_, id);
+  if (const Status status = transact(id); status != Status::ok) return status;
+  if (packet_.parameters.size() != 3) return Status::malformed;
+  return Identity{bus::get_u16(packet_.parameters.view()), packet_.parameters[2]};
+}
+
+Result<std::int64_t> BusMaster::read_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, bool is_signed) {
+  (void)bus::encode_read(request_, id, address, size);
+  if (const Status status = transact(id); status != Status::ok) return status;
+  if (packet_.status_error() != bus::StatusError::none || packet_.parameters.size() != size) return Status::rejected;
+  std::uint64_t value = 0;
+  for (std::size_t i = size; i-- > 0;) value = (value << 8) | packet_.parameters[i];
+  const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
+  if (is_signed && (value & sign) != 0) return static_cast<std::int64_t>(value) - static_cast<std::int64_t>(sign << 1);
+  return static_cast<std::int64_t>(value);
+}
+
+Status BusMaster::write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::int64_t value) {
+  std::array<std::uint8_t, 4> data{};
+  bus::put_le(data.data(), size, value);
+  (void)bus::encode_write(request_, id, address, std::span(data).first(size));
+  if (const Status status = transact(id); status != Status::ok) return status;
+  return packet_.status_error() == bus::StatusError::none ? Status::ok : Status::rejected;
+}
+
+}  // namespace sanso::firmware

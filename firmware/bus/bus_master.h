@@ -1,0 +1,81 @@
+// Master of the servo bus. Cyclic part: one (fast) sync read of current, velocity and position, one sync write of
+// goals, and one slow read of a single servo. Single transactions serve the start-up (bus_setup.h). Every wait has a
+// deadline; what arrives too late is drained before the next request.
+#pragma once
+
+#include <span>
+
+#include "firmware/board/board.h"
+#include "firmware/bus/readings.h"
+#include "firmware/config/settings.h"
+#include "shared/model/state_layout.h"
+#include "shared/servo_bus/encode.h"
+#include "shared/servo_bus/parser.h"
+#include "shared/servo_bus/xm430.h"
+
+namespace sanso::firmware {
+
+class BusMaster {
+ public:
+  BusMaster(const BusSettings& settings, board::SerialPort& port, board::Clock& clock);
+
+  // --- cyclic ---
+  /// Reads the first `slots` servos (12: legs; 20: all) and updates readings; a servo that does not answer keeps its last
+  /// values and grows older.
+  void read_feedback(int slots, ServoReadings& readings);
+  /// Sends goals to slots 0 .. goals_raw.size()-1.
+  Status write_goals(std::span<const std::int32_t> goals_raw);
+  /// Reads voltage, temperature, torque state and hardware error of one servo, taking turns; servos with an alert first.
+  void slow_read(ServoReadings& readings);
+  /// Switches the torque of all servos by one sync write (no reply).
+  Status write_torque(bool on, ServoReadings& readings);
+
+  // --- single transactions ---
+  struct Identity {
+    std::uint16_t model = 0;
+    std::uint8_t firmware = 0;
+  };
+  Result<Identity> ping(std::uint8_t id);
+  /// Register value, sign-extended. timeout, io_error, or rejected (the device answered with an error).
+  Result<std::int64_t> read_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, bool is_signed = false);
+  Status write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::int64_t value);
+
+  /// Fast sync read from now on (all servos are known to understand it).
+  void use_fast_read(bool on) { fast_ = on; }
+  bool fast_read() const { return fast_; }
+  const BusCounters& counters() const { return counters_; }
+  /// Tries to get a lost port back. May block: not while torque is commanded.
+  Status reopen() { return port_.reopen(); }
+
+ private:
+  enum class Wait : std::uint8_t { more, done };
+
+  Status send(Nanoseconds timeout);
+  template <class OnPacket>
+  Status collect(OnPacket&& on_packet);
+  Status transact(std::uint8_t id);  // sends request_, leaves the status of `id` in packet_
+  void drain();
+  bool take_status(int slots, ServoReadings& readings);
+  void take_fast_reply(int slots, ServoReadings& readings);
+  void store(int slot, std::uint8_t error, std::span<const std::uint8_t> data, ServoReadings& readings);
+  void age_the_silent(int slots, ServoReadings& readings);
+  void order_silent_last(int slots, const ServoReadings& readings);
+  void slow_read_supply(int slot, ServoReadings& readings);
+  void slow_read_torque(int slot, ServoReadings& readings);
+
+  BusSettings settings_;
+  board::SerialPort& port_;
+  board::Clock& clock_;
+  servo_bus::PacketBuffer request_;
+  servo_bus::PacketParser parser_;
+  servo_bus::Packet packet_;
+  servo_bus::PacketBuffer raw_;  // bytes received since the request
+  Nanoseconds deadline_ = 0;
+  bool fast_ = false;
+  int slow_turn_ = 0;
+  std::array<std::uint8_t, kNumServos> order_{};  // slots in the order of asking
+  std::array<bool, kNumServos> got_{};
+  BusCounters counters_;
+};
+
+}  // namespace sanso::firmware

@@ -1,0 +1,58 @@
+#include "firmware/estimate/leg_kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/model/op3_table.h"
+
+namespace sanso::firmware {
+namespace {
+
+using math::Mat3;
+using math::Vec3;
+
+Mat3 axis_rotation(int axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+  Mat3 R = Mat3::Identity();
+  R(j, j) = c;
+  R(k, k) = c;
+  R(j, k) = -s;
+  R(k, j) = s;
+  return R;
+}
+
+double inward(Leg leg) { return leg == kLeftLeg ? 1.0 : -1.0; }  // sign of y of the left foot's figures
+
+}  // namespace
+
+SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
+  SoleKinematics sole;
+  std::array<Vec3, kJointsPerLeg> p_base_joint, axis_in_base;
+  Vec3 p = Vec3::Zero();
+  Mat3 R = Mat3::Identity();
+  for (int j = 0; j < kJointsPerLeg; ++j) {
+    const model::JointGeometry& joint = model::kOp3Joints[leg * kJointsPerLeg + j];
+    p += R * Vec3(joint.origin[0], joint.origin[1], joint.origin[2]);
+    p_base_joint[static_cast<std::size_t>(j)] = p;
+    axis_in_base[static_cast<std::size_t>(j)] = joint.sign * R.col(joint.axis);
+    R = R * axis_rotation(joint.axis, joint.sign * q[j]);
+  }
+  const Vec3 p_foot_sole(0.5 * (model::kSoleFront + model::kSoleBack),
+                         inward(leg) * 0.5 * (model::kSoleOuter + model::kSoleInner), model::kSoleHeight);
+  sole.p_base_sole = p + R * p_foot_sole;
+  sole.R_base_sole = R;
+  for (std::size_t j = 0; j < kJointsPerLeg; ++j)
+    sole.v_sole_in_base += dq[j] * axis_in_base[j].cross(sole.p_base_sole - p_base_joint[j]);
+  return sole;
+}
+
+double lowest_corner(Leg, const SoleKinematics& sole, const Mat3& R_world_base) {
+  const double half_length = 0.5 * (model::kSoleFront - model::kSoleBack);
+  const double half_width = 0.5 * (model::kSoleOuter - model::kSoleInner);
+  const Eigen::RowVector3d z_world = R_world_base.row(2);
+  const Eigen::RowVector3d z_in_sole = z_world * sole.R_base_sole;
+  return z_world.dot(sole.p_base_sole) - half_length * std::abs(z_in_sole[0]) - half_width * std::abs(z_in_sole[1]);
+}
+
+}  // namespace sanso::firmware

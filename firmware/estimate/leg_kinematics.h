@@ -1,0 +1,25 @@
+// Where a sole is and how it moves, seen from the base. Only what the estimator needs of the robot model; geometry from
+// shared/model/op3_table.h. tests/firmware compares it with the general kinematics.
+#pragma once
+
+#include "shared/math/so3.h"
+#include "shared/model/state_layout.h"
+
+namespace sanso::firmware {
+
+enum Leg : int { kRightLeg = 0, kLeftLeg = 1 };
+inline constexpr int kJointsPerLeg = 6;
+
+struct SoleKinematics {
+  math::Vec3 p_base_sole = math::Vec3::Zero();   // sole centre, base axes  m
+  math::Mat3 R_base_sole = math::Mat3::Identity();
+  math::Vec3 v_sole_in_base = math::Vec3::Zero();  // velocity relative to the base by joint rates, base axes  m/s
+};
+
+/// q, dq: the six angles and rates of the leg, hip_yaw .. ank_roll.
+SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq);
+
+/// Height of the sole's lowest corner relative to the base origin, along world z [m] (negative).
+double lowest_corner(Leg leg, const SoleKinematics& sole, const math::Mat3& R_world_base);
+
+}  // namespace sanso::firmware

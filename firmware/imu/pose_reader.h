@@ -1,0 +1,28 @@
+// The pose thread's work: take the tracker's reports and hand the newest to the tick.
+#pragma once
+
+#include "firmware/board/board.h"
+#include "firmware/imu/samples.h"
+#include "firmware/link/mailbox.h"
+
+namespace sanso::firmware {
+
+class PoseReader {
+ public:
+  PoseReader(board::PoseSource* source, board::Clock& clock, Mailbox<PoseSample>& out)
+      : source_(source), clock_(clock), out_(out) {}
+  /// Takes every report there is; waits for the first until `deadline`. Nothing happens without a source.
+  void poll(Nanoseconds deadline);
+  std::uint32_t bad_reports() const { return bad_reports_; }
+  bool present() const { return source_ != nullptr; }
+
+ private:
+  static constexpr int kMaxReportsAtOnce = 64;
+  board::PoseSource* source_;
+  board::Clock& clock_;
+  Mailbox<PoseSample>& out_;
+  std::uint32_t samples_ = 0;
+  std::uint32_t bad_reports_ = 0;
+};
+
+}  // namespace sanso::firmware
