@@ -1,0 +1,78 @@
+// A motion as the rest of the program uses it, and the library that holds the shipped ones.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/motion/recipe.h"
+#include "host/motion/success.h"
+#include "host/mpc/cost.h"
+#include "shared/policy/primitives.h"
+
+namespace sanso::motion {
+
+/// A motion file that cannot be used: file, line, value, expected.
+struct MotionError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Where a motion comes from; the licence of the clip asks for it.
+struct ClipSource {
+  std::string credit;   // who to name
+  std::string licence;
+  std::string changes;  // what was done to it
+};
+
+/// When a trial ends early and counts as failed.
+struct StopRule {
+  double cost_limit = 350.0;      // J_th (paper)
+  double tilt_limit_rad = 0.698;  // 40 deg between the base's vertical and the reference's
+  double drop_limit_m = 0.09;     // base below its reference
+};
+
+struct Motion {
+  std::string name;
+  std::string title;
+  ClipSource source;
+  Recipe recipe;
+  mpc::CostWeights weights;
+  StopRule stop;
+  Window window;
+  std::vector<Clause> success;
+  policy::PrimitiveSet primitives;
+
+  double duration_s() const { return primitives.duration_s; }
+  /// x_DMP at every 10 ms tick, first and last included.
+  Trajectory reference() const;
+  /// The same at every upper period (60 ms).
+  std::vector<model::State> reference_per_upper_period() const;
+};
+
+/// Reads and writes a motion file (TOML, docs/motions.md). Reading refuses unknown keys and invalid primitives.
+Motion read_motion(const std::filesystem::path& path);
+Motion parse_motion(const std::string& text, const std::string& name_for_messages);
+std::string to_toml(const Motion& motion);
+/// Atomic: the file is either the old or the new one. Throws MotionError naming the file.
+void write_motion(const std::filesystem::path& path, const Motion& motion);
+
+/// A folder of motion files: the shipped library unless SANSO_MOTIONS names another.
+class MotionLibrary {
+ public:
+  MotionLibrary();
+  explicit MotionLibrary(std::filesystem::path folder);
+  const std::filesystem::path& folder() const { return folder_; }
+  /// In alphabetical order.
+  std::vector<std::string> names() const;
+  /// Throws MotionError naming the motions there are.
+  Motion load(const std::string& name) const;
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Verdict of an episode of this motion.
+Verdict evaluate(const Motion& motion, const MotionEpisode& episode);
+
+}  // namespace sanso::motion

@@ -1,0 +1,51 @@
+#include <algorithm>
+#include <cstdlib>
+
+#include "host/motion/dmp_fit.h"
+#include "host/motion/motion.h"
+#include "shared/base/time.h"
+
+namespace sanso::motion {
+
+Trajectory Motion::reference() const { return play(primitives); }
+
+std::vector<model::State> Motion::reference_per_upper_period() const {
+  std::vector<model::State> states;
+  const Trajectory ticks = reference();
+  for (std::size_t k = 0; k < ticks.x.size(); k += kTicksPerUpper) states.push_back(ticks.x[k]);
+  return states;
+}
+
+MotionLibrary::MotionLibrary() {
+  const char* chosen = std::getenv("SANSO_MOTIONS");
+  folder_ = chosen && *chosen ? chosen : SANSO_MOTION_LIBRARY;
+}
+
+MotionLibrary::MotionLibrary(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+std::vector<std::string> MotionLibrary::names() const {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+    if (entry.path().extension() == ".toml") found.push_back(entry.path().stem().string());
+  }
+  if (error) throw MotionError(folder_.string() + ": " + error.message() + "; set SANSO_MOTIONS to a folder of motion files");
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Motion MotionLibrary::load(const std::string& name) const {
+  const auto known = names();
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    std::string list;
+    for (const auto& n : known) list += (list.empty() ? "" : ", ") + n;
+    throw MotionError("no motion named '" + name + "' in " + folder_.string() + "; there are: " + list);
+  }
+  return read_motion(folder_ / (name + ".toml"));
+}
+
+Verdict evaluate(const Motion& motion, const MotionEpisode& episode) {
+  return evaluate(motion.success, episode, motion.reference(), motion.window);
+}
+
+}  // namespace sanso::motion

@@ -1,0 +1,61 @@
+#include "host/motion/success.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+
+#include "host/motion/measures.h"
+
+namespace sanso::motion {
+
+std::string ClauseResult::text() const {
+  char buffer[160];
+  std::string out = clause.measure;
+  std::snprintf(buffer, sizeof buffer, " %.4g", value);
+  out += value == value ? buffer : " not measured";
+  if (clause.at_least) {
+    std::snprintf(buffer, sizeof buffer, ", at least %.4g", *clause.at_least);
+    out += buffer;
+  }
+  if (clause.at_most) {
+    std::snprintf(buffer, sizeof buffer, ", at most %.4g", *clause.at_most);
+    out += buffer;
+  }
+  return out + (holds ? ": holds" : ": failed");
+}
+
+bool Verdict::succeeded() const {
+  return std::all_of(clauses.begin(), clauses.end(), [](const ClauseResult& c) { return c.holds; });
+}
+
+std::vector<std::string> Verdict::failures() const {
+  std::vector<std::string> texts;
+  for (const auto& c : clauses) {
+    if (!c.holds) texts.push_back(c.text());
+  }
+  return texts;
+}
+
+std::vector<MeasureInfo> known_measures() {
+  std::vector<MeasureInfo> infos;
+  for (const Measure& m : measures()) infos.push_back({m.name, m.meaning});
+  return infos;
+}
+
+Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode, const Trajectory& reference,
+                 const Window& window) {
+  const MeasureInput input{episode, reference, window};
+  Verdict verdict;
+  for (const Clause& clause : clauses) {
+    const Measure* measure = find_measure(clause.measure);
+    if (!measure) throw std::invalid_argument("no measure named '" + clause.measure + "'");
+    ClauseResult result{clause, EpisodeSample::kUnknown, false};
+    if (!episode.samples.empty() && !reference.x.empty()) result.value = measure->of(input);
+    result.holds = result.value == result.value && (!clause.at_least || result.value >= *clause.at_least) &&
+                   (!clause.at_most || result.value <= *clause.at_most);
+    verdict.clauses.push_back(result);
+  }
+  return verdict;
+}
+
+}  // namespace sanso::motion

@@ -1,0 +1,67 @@
+// What "succeeded" means for a motion: named measures of an episode against bounds that stand in the motion's file.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/motion/trajectory.h"
+
+namespace sanso::motion {
+
+/// One moment of a trial as somebody outside the controller saw it (an emulated world, a tracking system). Fields that
+/// nobody measured stay NaN; a clause that needs them then says so and counts as failed.
+struct EpisodeSample {
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  model::State x = model::neutral_state();                       // true state, in the frame of the reference
+  std::array<double, 2> foot_clearance_m = {kUnknown, kUnknown};  // lowest sole corner above the ground, right and left
+  std::array<double, 2> foot_load_N = {kUnknown, kUnknown};       // normal force
+  std::array<Eigen::Vector2d, 2> foot_m = {Eigen::Vector2d::Constant(kUnknown), Eigen::Vector2d::Constant(kUnknown)};
+  double support_margin_m = kUnknown;  // centre of pressure inside the hull of the soles on the ground; negative outside
+};
+
+struct MotionEpisode {
+  double dt_s = 0.01;
+  double cost = 0.0;                    // J of the trial
+  bool completed = false;               // ran to its last tick
+  std::vector<EpisodeSample> samples;   // sample k at k * dt_s of the motion
+};
+
+/// The part of a motion in which it moves, without the standing before and after.
+struct Window {
+  double from_s = 0.0, to_s = std::numeric_limits<double>::infinity();
+};
+
+/// `measure` has to be at least or at most a bound (either or both).
+struct Clause {
+  std::string measure;
+  std::optional<double> at_least, at_most;
+};
+
+struct ClauseResult {
+  Clause clause;
+  double value = 0.0;    // NaN: could not be measured
+  bool holds = false;
+  std::string text() const;  // "depth_share 0.62, at least 0.7: failed"
+};
+
+struct Verdict {
+  std::vector<ClauseResult> clauses;
+  bool succeeded() const;
+  /// Text of the clauses that failed; empty when the motion succeeded.
+  std::vector<std::string> failures() const;
+};
+
+/// Names, units and meaning of all measures, for documentation and error messages.
+struct MeasureInfo {
+  std::string name, meaning;
+};
+std::vector<MeasureInfo> known_measures();
+
+/// Evaluates every clause. Throws std::invalid_argument for a measure that does not exist (the loader has checked).
+Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode, const Trajectory& reference,
+                 const Window& window);
+
+}  // namespace sanso::motion
