@@ -1,4 +1,5 @@
-// The layout of state, tangent and input of the controlled OP3: the only place where the orders are written.
+// The layout of state, tangent and input of the controlled OP3: the only place where the orders are written
+// (sizes and offsets as constants: dimensions.h).
 //
 // State x   (37) [p_world_base 0..2 | quat_world_base wxyz 3..6 | q 7..18 | v_base_in_world 19..21 |
 //                 w_base_in_base 22..24 | dq 25..36]                      m, -, rad, m/s, rad/s, rad/s
@@ -10,20 +11,9 @@
 #include <Eigen/Core>
 
 #include "shared/math/so3.h"
+#include "shared/model/dimensions.h"
 
 namespace sanso::model {
-
-inline constexpr int kNumJoints = 12;
-inline constexpr int kNq = 7 + kNumJoints;       // configuration
-inline constexpr int kNv = 6 + kNumJoints;       // velocity
-inline constexpr int kNx = kNq + kNv;            // state, 37
-inline constexpr int kNdx = 2 * kNv;             // tangent, 36
-inline constexpr int kNu = kNumJoints;           // input
-
-// Offsets in the state.
-inline constexpr int kXPos = 0, kXQuat = 3, kXJoint = 7, kXVel = 19, kXOmega = 22, kXJointRate = 25;
-// Offsets in the tangent.
-inline constexpr int kDPos = 0, kDTheta = 3, kDJoint = 6, kDVel = 18, kDOmega = 21, kDJointRate = 24;
 
 using State = Eigen::Matrix<double, kNx, 1>;
 using Tangent = Eigen::Matrix<double, kNdx, 1>;

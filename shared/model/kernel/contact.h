@@ -1,0 +1,171 @@
+// Contact of the eight sole corners on velocity level, solved in the six-dimensional twist space of each foot.
+// Per corner, with v+ the velocity at the end of the step and lambda the impulse over the step [N s]:
+//   normal    lambda_n >= 0,  u_n + gap/h >= 0,  complementary (gap scaled by `recovery` inside the ground)
+//   tangents  |lambda_x| <= mu_forward lambda_n,  |lambda_y| <= mu_sideways lambda_n, opposing u_x, u_y
+// The gap stands inside the constraint, so that contacts to come are seen and differences stay finite.
+#pragma once
+
+#include "shared/model/kernel/block_solve.h"
+#include "shared/model/kernel/ground_lanes.h"
+
+namespace sanso::model::SANSO_ISA {
+
+inline constexpr double kSoleCentreX = 0.5 * (kSoleFront + kSoleBack), kSoleHalfLength = 0.5 * (kSoleFront - kSoleBack);
+inline constexpr double kSoleCentreY = 0.5 * (kSoleOuter + kSoleInner), kSoleHalfWidth = 0.5 * (kSoleOuter - kSoleInner);
+/// Corner order: front outer, back outer, back inner, front inner; signs of the half length and half width (left foot).
+inline constexpr double kCornerX[kCornersPerFoot] = {1, -1, -1, 1};
+inline constexpr double kCornerY[kCornersPerFoot] = {1, 1, -1, -1};
+
+/// Contact frame of a foot: origin in the sole's centre, axes 0 along the foot (in the surface), 1 across, 2 normal.
+template <class T>
+struct FootContact {
+  T axis[3][3];                   // [axis][component]: contact axes in base axes
+  T p_base_sole[3];               // m
+  T corner[kCornersPerFoot][3];   // m, corners from the sole's centre, contact axes
+  T gap[kCornersPerFoot];         // m, distance of the corner along the normal, negative inside
+  T X[6][6];                      // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
+  T G[6][6];                      // [base][twist]: transposed Jacobian of the base, then reduced by the leg
+  T twist[6];                     // m/s, rad/s: velocity of the sole's centre, contact axes
+  T impulse[6];                   // N s, N m s: sum over the corners
+  T column[kCornersPerFoot][3][6];        // response of the foot's twist to a unit impulse at a corner
+  T inverse_diagonal[kCornersPerFoot][3]; // 1 / (regularised diagonal)
+  T softness[kCornersPerFoot][3];         // regularisation x diagonal
+};
+
+/// Contact frame, corners and gaps. R_world_base[row][column].
+template <class T>
+inline void foot_geometry(const Ground& ground, const T* p_world_base, const T (&R_world_base)[3][3],
+                          const LegFrames<T>& frames, double side, FootContact<T>& foot) {
+  const auto& R = frames.R_base_foot;
+  T half_x[3], half_y[3];
+  for (int i = 0; i < 3; ++i) {
+    foot.p_base_sole[i] = frames.origin[5][i] + kSoleCentreX * R[0][i] + (side * kSoleCentreY) * R[1][i] + kSoleHeight * R[2][i];
+    half_x[i] = kSoleHalfLength * R[0][i];
+    half_y[i] = (side * kSoleHalfWidth) * R[1][i];
+  }
+  const auto& W = R_world_base;
+  const T x_sole = p_world_base[0] + dot(W[0], foot.p_base_sole), z_sole = p_world_base[2] + dot(W[2], foot.p_base_sole);
+  const GroundPoint<T> below = ground_at(ground, x_sole);
+  // normal in world axes is (-sin, 0, cos); into base axes
+  T* n = foot.axis[2];
+  for (int i = 0; i < 3; ++i) n[i] = below.cos_slope * W[2][i] - below.sin_slope * W[0][i];
+  // across the foot: n x (foot x); a foot that stands on its toe has no forward direction: then n x (foot z)
+  T* across = foot.axis[1];
+  T by_z[3];
+  cross(n, R[0], across);
+  cross(n, R[2], by_z);
+  const T length2 = dot(across, across);
+  for (int i = 0; i < 3; ++i) across[i] = select_less(length2, T(1e-4), by_z[i], across[i]);
+  const T scale = 1.0 / sqrt_of(max_of(dot(across, across), T(1e-12)));
+  for (int i = 0; i < 3; ++i) across[i] = across[i] * scale;
+  cross(across, n, foot.axis[0]);
+
+  T lx[3], ly[3];  // half sides in contact axes
+  for (int i = 0; i < 3; ++i) {
+    lx[i] = dot(foot.axis[i], half_x);
+    ly[i] = dot(foot.axis[i], half_y);
+  }
+  const T x_along = dot(W[0], half_x), x_across = dot(W[0], half_y);
+  const T z_along = dot(W[2], half_x), z_across = dot(W[2], half_y);
+  for (int k = 0; k < kCornersPerFoot; ++k) {
+    for (int i = 0; i < 3; ++i) foot.corner[k][i] = kCornerX[k] * lx[i] + kCornerY[k] * ly[i];
+    const T x = x_sole + kCornerX[k] * x_along + kCornerY[k] * x_across;
+    const T z = z_sole + kCornerX[k] * z_along + kCornerY[k] * z_across;
+    foot.gap[k] = (z - ground_at(ground, x).z) * below.cos_slope;
+  }
+}
+
+/// Transposed Jacobian of the sole's centre in contact axes, and the present twist.
+template <class T>
+inline void foot_jacobian(const LegFrames<T>& frames, const T* rate, const T* v_base_in_base, const T* w_base,
+                          FootContact<T>& foot) {
+  const T* p = foot.p_base_sole;
+  for (int i = 0; i < 3; ++i) {
+    T p_cross_axis[3];
+    cross(p, foot.axis[i], p_cross_axis);
+    for (int c = 0; c < 3; ++c) {
+      foot.G[c][i] = foot.axis[i][c];
+      foot.G[c][3 + i] = T(0.0);
+      foot.G[3 + c][i] = p_cross_axis[c];
+      foot.G[3 + c][3 + i] = foot.axis[i][c];
+    }
+    foot.twist[i] = dot(foot.axis[i], v_base_in_base) + dot(p_cross_axis, w_base);
+    foot.twist[3 + i] = dot(foot.axis[i], w_base);
+  }
+  for (int j = 0; j < kLegJoints; ++j) {
+    T arm[3], lever[3];
+    for (int i = 0; i < 3; ++i) arm[i] = p[i] - frames.origin[j][i];
+    cross(frames.axis[j], arm, lever);
+    for (int i = 0; i < 3; ++i) {
+      foot.X[j][i] = dot(foot.axis[i], lever);
+      foot.X[j][3 + i] = dot(foot.axis[i], frames.axis[j]);
+      foot.twist[i] += foot.X[j][i] * rate[j];
+      foot.twist[3 + i] += foot.X[j][3 + i] * rate[j];
+    }
+  }
+}
+
+/// Wrench of a force at r: force and r x force.
+template <class T>
+inline void add_wrench(const T* r, const T* f, T* wrench) {
+  wrench[0] += f[0];
+  wrench[1] += f[1];
+  wrench[2] += f[2];
+  wrench[3] += r[1] * f[2] - r[2] * f[1];
+  wrench[4] += r[2] * f[0] - r[0] * f[2];
+  wrench[5] += r[0] * f[1] - r[1] * f[0];
+}
+
+/// Columns and diagonals of the corner rows from the foot's 6 x 6 inverse inertia A.
+template <class T>
+inline void contact_columns(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
+  for (int k = 0; k < kCornersPerFoot; ++k) {
+    const T *r = foot.corner[k];
+    for (int i = 0; i < 6; ++i) {
+      foot.column[k][0][i] = A[i][0] + r[2] * A[i][4] - r[1] * A[i][5];
+      foot.column[k][1][i] = A[i][1] - r[2] * A[i][3] + r[0] * A[i][5];
+      foot.column[k][2][i] = A[i][2] + r[1] * A[i][3] - r[0] * A[i][4];
+    }
+    const auto& c = foot.column[k];
+    const T diagonal[3] = {c[0][0] + r[2] * c[0][4] - r[1] * c[0][5], c[1][1] - r[2] * c[1][3] + r[0] * c[1][5],
+                           c[2][2] + r[1] * c[2][3] - r[0] * c[2][4]};
+    for (int i = 0; i < 3; ++i) {
+      foot.softness[k][i] = regularization * diagonal[i];
+      foot.inverse_diagonal[k][i] = 1.0 / (diagonal[i] + foot.softness[k][i]);
+    }
+  }
+}
+
+/// One Gauss-Seidel pass over the corners of a foot; the foot's own twist follows at once. The change of its impulse is
+/// added to `change`.
+template <class T>
+inline void sweep_foot(const T* target, double mu_forward, double mu_sideways, FootContact<T>& foot,
+                       T (*lambda)[3], T* change) {
+  T* t = foot.twist;
+#pragma GCC unroll 4
+  for (int k = 0; k < kCornersPerFoot; ++k) {
+    const T* r = foot.corner[k];
+    T step[3];
+    {
+      const T u_n = t[2] + t[3] * r[1] - t[4] * r[0];
+      const T next = max_of(lambda[k][2] - (u_n + target[k] + foot.softness[k][2] * lambda[k][2]) * foot.inverse_diagonal[k][2],
+                            T(0.0));
+      step[2] = next - lambda[k][2];
+      lambda[k][2] = next;
+      for (int i = 0; i < 6; ++i) t[i] += foot.column[k][2][i] * step[2];
+    }
+    const T limit[2] = {mu_forward * lambda[k][2], mu_sideways * lambda[k][2]};
+#pragma GCC unroll 2
+    for (int a = 0; a < 2; ++a) {
+      const T u = a == 0 ? t[0] + t[4] * r[2] - t[5] * r[1] : t[1] + t[5] * r[0] - t[3] * r[2];
+      const T wanted = lambda[k][a] - (u + foot.softness[k][a] * lambda[k][a]) * foot.inverse_diagonal[k][a];
+      const T next = min_of(max_of(wanted, -limit[a]), limit[a]);
+      step[a] = next - lambda[k][a];
+      lambda[k][a] = next;
+      for (int i = 0; i < 6; ++i) t[i] += foot.column[k][a][i] * step[a];
+    }
+    add_wrench(r, step, change);
+  }
+}
+
+}  // namespace sanso::model::SANSO_ISA

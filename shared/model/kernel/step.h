@@ -1,0 +1,324 @@
+// One implicit step of the whole body: x' = f_A(x, u, theta). Written for one double and for lanes alike.
+//   (M + armature + h D + h^2 K) v' = (M + armature) v + h (K (u - q) - bias) + J' lambda
+// Servo spring and damping act with the velocity at the end of the step, or 60 ms would explode; contact works on the
+// same effective inertia. Base velocities are in base axes inside (orientation frozen at the start of the step).
+#pragma once
+
+#include "shared/model/kernel/contact.h"
+
+namespace sanso::model::SANSO_ISA {
+
+/// What a step leaves behind, and what the next may start from.
+template <class T>
+struct StepScratch {
+  T lambda[kNumFeet][kCornersPerFoot][3] = {};  // N s: impulses of the last substep; contact axes (forward, across, normal)
+  T gap[kNumFeet][kCornersPerFoot] = {};        // m, at the beginning of the last substep
+  T corner_velocity[kNumFeet][kCornersPerFoot][3] = {};  // m/s at its end, contact axes
+  bool warm_start = false;                      // begin the contact solver from `lambda` instead of from zero
+};
+
+template <class T>
+struct StepWork {
+  T R_world_base[3][3];  // [row][column]
+  T v_base[3], w_base[3];
+  Leg<T> leg[kNumFeet];
+  LegFrames<T> frames;
+  FootContact<T> foot[kNumFeet];
+  T inverse_d[kNumFeet][6], base_inverse_d[6];
+  T base[6][6];          // effective inertia of the base, then its factor
+  T rhs_leg[kNumFeet][6], rhs_base[6];
+  T A[kNumFeet][6][6], A_cross[6][6];  // inverse inertias of the soles; A_cross: right rows, left columns
+};
+
+constexpr double side_of(int leg) { return leg == 0 ? -1.0 : 1.0; }
+
+template <class T>
+inline void rotation_from_quat(const T* q, T (&R)[3][3]) {
+  const T w = q[0], x = q[1], y = q[2], z = q[3];
+  R[0][0] = 1.0 - 2.0 * (y * y + z * z);
+  R[0][1] = 2.0 * (x * y - w * z);
+  R[0][2] = 2.0 * (x * z + w * y);
+  R[1][0] = 2.0 * (x * y + w * z);
+  R[1][1] = 1.0 - 2.0 * (x * x + z * z);
+  R[1][2] = 2.0 * (y * z - w * x);
+  R[2][0] = 2.0 * (x * z - w * y);
+  R[2][1] = 2.0 * (y * z + w * x);
+  R[2][2] = 1.0 - 2.0 * (x * x + y * y);
+}
+
+/// Base velocities in base axes; joint angles and rates about the positive coordinate axes.
+template <class T>
+inline void read_state(const T* x, StepWork<T>& w) {
+  rotation_from_quat(x + kXQuat, w.R_world_base);
+  for (int i = 0; i < 3; ++i) {
+    w.v_base[i] = w.R_world_base[0][i] * x[kXVel] + w.R_world_base[1][i] * x[kXVel + 1] + w.R_world_base[2][i] * x[kXVel + 2];
+    w.w_base[i] = x[kXOmega + i];
+  }
+  for (int leg = 0; leg < kNumFeet; ++leg)
+    for (int j = 0; j < kLegJoints; ++j) {
+      const double sign = kOp3Joints[leg * kLegJoints + j].sign;
+      sincos(sign * x[kXJoint + leg * kLegJoints + j], w.leg[leg].s[j], w.leg[leg].c[j]);
+      w.leg[leg].rate[j] = sign * x[kXJointRate + leg * kLegJoints + j];
+    }
+}
+
+/// Mass matrix and bias forces of both legs and the base.
+template <class T>
+inline void rigid_body(const StepModel& model, StepWork<T>& w) {
+  // Galilean invariance: the base's own velocity does not enter. Gravity as an acceleration of the base upwards.
+  LinkMotion<T> base;
+  for (int i = 0; i < 3; ++i) {
+    base.w[i] = w.w_base[i];
+    base.alpha[i] = T(0.0);
+    base.a[i] = -(w.R_world_base[0][i] * model.gravity_world[0] + w.R_world_base[1][i] * model.gravity_world[1] +
+                  w.R_world_base[2][i] * model.gravity_world[2]);
+  }
+  Wrench<T> f;
+  newton_euler(model.body[0], base.w, base.alpha, base.a, f);
+  T h[3], I[6];
+  for (int i = 0; i < 3; ++i) h[i] = model.body[0].first_moment[i];
+  for (int i = 0; i < 6; ++i) I[i] = model.body[0].inertia[i];
+#pragma GCC unroll 1
+  for (int l = 0; l < kNumFeet; ++l) {
+    Leg<T>& leg = w.leg[l];
+    const StepModel::Body* bodies = model.body + 1 + kLegJoints * l;
+    leg_bias<0>(bodies, side_of(l), base, leg, leg.bias_on_base);
+    leg_mass_matrix<0>(bodies, side_of(l), leg, leg.composite);
+    for (int i = 0; i < 3; ++i) {
+      f.force[i] += leg.bias_on_base.force[i];
+      f.moment[i] += leg.bias_on_base.moment[i];
+      h[i] += leg.composite.h[i];
+    }
+    for (int i = 0; i < 6; ++i) I[i] += leg.composite.I[i];
+  }
+  for (int i = 0; i < 3; ++i) {
+    w.rhs_base[i] = f.force[i];
+    w.rhs_base[3 + i] = f.moment[i];
+    for (int j = 0; j < 3; ++j) {
+      w.base[i][j] = T(i == j ? model.body[0].subtree_mass : 0.0);
+      w.base[3 + i][3 + j] = I[sym(i, j)];
+    }
+  }
+  w.base[3][0] = w.base[4][1] = w.base[5][2] = T(0.0);
+  w.base[3][1] = -h[2];
+  w.base[3][2] = h[1];
+  w.base[4][0] = h[2];
+  w.base[4][2] = -h[0];
+  w.base[5][0] = -h[1];
+  w.base[5][1] = h[0];
+}
+
+/// Adds the implicit servo to the diagonal and writes the right-hand sides of the velocity change.
+/// Full duty is a secant stiffness, K min(1, limit / |K e|): continuous in the error, and with the back-EMF in the damping
+/// it is the motor's torque-speed line. Dry friction likewise is a secant damping, coulomb / max(|rate|, 0.05 rad/s).
+template <class T>
+inline void servo(const StepModel& model, const T* x, const T* u, double h, StepWork<T>& w) {
+  constexpr double kFrictionRate = 0.05;  // rad/s, about two steps of the servo's velocity register
+  for (int l = 0; l < kNumFeet; ++l)
+    for (int j = 0; j < kLegJoints; ++j) {
+      const int joint = l * kLegJoints + j;
+      const ServoParameters& p = model.servo[joint];
+      const double sign = kOp3Joints[joint].sign;
+      const T error = u[joint] - x[kXJoint + joint];
+      const T limited = p.torque_limit / max_of(abs_of(p.stiffness * error), T(p.torque_limit));
+      const T stiffness = p.stiffness * limited;
+      const T rate = w.leg[l].rate[j];
+      const T damping = p.damping + p.coulomb / max_of(abs_of(rate), T(kFrictionRate));
+      const T implicit = h * damping + (h * h) * stiffness;
+      w.rhs_leg[l][j] = h * (sign * stiffness * error - w.leg[l].bias[j]) - implicit * rate;
+      w.leg[l].M[j][j] += implicit + p.armature;
+    }
+  for (int i = 0; i < 6; ++i) w.rhs_base[i] = -h * w.rhs_base[i];
+}
+
+/// Eliminates the legs, factorizes the base, and forms the inverse inertias of the soles.
+template <class T>
+inline void factorize(StepWork<T>& w) {
+  for (int l = 0; l < kNumFeet; ++l) {
+    Leg<T>& leg = w.leg[l];
+    FootContact<T>& foot = w.foot[l];
+    factorize6(leg.M, w.inverse_d[l]);
+    forward6<6>(leg.M, leg.F);
+    forward6<6>(leg.M, foot.X);
+    forward6(leg.M, w.rhs_leg[l]);
+    subtract_product<true>(leg.F, w.inverse_d[l], leg.F, w.base);
+    subtract_product<false>(leg.F, w.inverse_d[l], foot.X, foot.G);
+    for (int k = 0; k < 6; ++k) {
+      const T scaled = w.inverse_d[l][k] * w.rhs_leg[l][k];
+      for (int i = 0; i < 6; ++i) w.rhs_base[i] -= leg.F[k][i] * scaled;
+    }
+  }
+  factorize6(w.base, w.base_inverse_d);
+  forward6(w.base, w.rhs_base);
+  for (int l = 0; l < kNumFeet; ++l) forward6<6>(w.base, w.foot[l].G);
+}
+
+/// A += Y' D^-1 Z and, for a symmetric product, the lower triangle mirrored afterwards by the caller.
+template <class T>
+inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6], T (&A)[6][6]) {
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k)
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) {
+      const T scaled = Y[k][i] * inverse_d[k];
+#pragma GCC unroll 6
+      for (int j = 0; j < 6; ++j) A[i][j] += scaled * Z[k][j];
+    }
+}
+
+/// Inverse inertia of each sole and of the pair, and the soles' twists after the step without contact.
+template <class T>
+inline void sole_response(StepWork<T>& w) {
+  for (int l = 0; l < kNumFeet; ++l) {
+    FootContact<T>& foot = w.foot[l];
+    for (auto& row : w.A[l])
+      for (T& entry : row) entry = T(0.0);
+    add_weighted_product(foot.X, w.inverse_d[l], foot.X, w.A[l]);
+    add_weighted_product(foot.G, w.base_inverse_d, foot.G, w.A[l]);
+    for (int k = 0; k < 6; ++k) {
+      const T leg_part = w.inverse_d[l][k] * w.rhs_leg[l][k], base_part = w.base_inverse_d[k] * w.rhs_base[k];
+      for (int i = 0; i < 6; ++i) foot.twist[i] += foot.X[k][i] * leg_part + foot.G[k][i] * base_part;
+    }
+  }
+  for (auto& row : w.A_cross)
+    for (T& entry : row) entry = T(0.0);
+  add_weighted_product(w.foot[0].G, w.base_inverse_d, w.foot[1].G, w.A_cross);
+}
+
+/// twist of the other foot += A_cross (or its transpose) x impulse.
+template <bool FromLeft, class T>
+inline void couple(const T (&A_cross)[6][6], const T* impulse, T* twist) {
+  for (int i = 0; i < 6; ++i)
+    for (int k = 0; k < 6; ++k) twist[i] += (FromLeft ? A_cross[i][k] : A_cross[k][i]) * impulse[k];
+}
+
+/// Contact impulses by projected Gauss-Seidel with a fixed number of sweeps: the same work in every state.
+template <class T>
+inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
+  const ContactSettings& s = model.contact;
+  T target[kNumFeet][kCornersPerFoot];
+  for (int l = 0; l < kNumFeet; ++l) {
+    FootContact<T>& foot = w.foot[l];
+    contact_columns(w.A[l], s.regularization, foot);
+    for (T& f : foot.impulse) f = T(0.0);
+    for (int k = 0; k < kCornersPerFoot; ++k) {
+      const T gap = foot.gap[k];
+      target[l][k] = max_of(gap, s.recovery * gap) * (1.0 / h);
+      scratch.gap[l][k] = gap;
+      if (scratch.warm_start) {
+        add_wrench(foot.corner[k], scratch.lambda[l][k], foot.impulse);
+      } else {
+        for (T& component : scratch.lambda[l][k]) component = T(0.0);
+      }
+    }
+  }
+  if (scratch.warm_start) {
+    for (int l = 0; l < kNumFeet; ++l)
+      for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 6; ++k) w.foot[l].twist[i] += w.A[l][i][k] * w.foot[l].impulse[k];
+    couple<false>(w.A_cross, w.foot[0].impulse, w.foot[1].twist);
+    couple<true>(w.A_cross, w.foot[1].impulse, w.foot[0].twist);
+  }
+#pragma GCC unroll 1
+  for (int sweep = 0; sweep < s.sweeps; ++sweep) {
+    // the other foot must know at once: telling both at the end of the sweep (Jacobi) diverges when the base is light
+    T right[6] = {}, left[6] = {};
+    sweep_foot(target[0], model.friction_forward, model.friction_sideways, w.foot[0], scratch.lambda[0], right);
+    couple<false>(w.A_cross, right, w.foot[1].twist);
+    sweep_foot(target[1], model.friction_forward, model.friction_sideways, w.foot[1], scratch.lambda[1], left);
+    couple<true>(w.A_cross, left, w.foot[0].twist);
+    for (int i = 0; i < 6; ++i) {
+      w.foot[0].impulse[i] += right[i];
+      w.foot[1].impulse[i] += left[i];
+    }
+  }
+  for (int l = 0; l < kNumFeet; ++l)
+    for (int k = 0; k < kCornersPerFoot; ++k) {
+      const T *t = w.foot[l].twist, *r = w.foot[l].corner[k];
+      scratch.corner_velocity[l][k][0] = t[0] + t[4] * r[2] - t[5] * r[1];
+      scratch.corner_velocity[l][k][1] = t[1] + t[5] * r[0] - t[3] * r[2];
+      scratch.corner_velocity[l][k][2] = t[2] + t[3] * r[1] - t[4] * r[0];
+    }
+}
+
+/// Velocity change from free motion and contact impulses: substitutes back through base and legs.
+template <class T>
+inline void velocity_change(StepWork<T>& w, T* dv_base, T (&d_rate)[kNumFeet][6]) {
+  for (int l = 0; l < kNumFeet; ++l)
+    for (int k = 0; k < 6; ++k)
+      for (int i = 0; i < 6; ++i) {
+        w.rhs_leg[l][k] += w.foot[l].X[k][i] * w.foot[l].impulse[i];
+        w.rhs_base[k] += w.foot[l].G[k][i] * w.foot[l].impulse[i];
+      }
+  T b[6];
+  for (int k = 0; k < 6; ++k) b[k] = w.base_inverse_d[k] * w.rhs_base[k];
+  backward6(w.base, b);
+  for (int l = 0; l < kNumFeet; ++l) {
+    for (int k = 0; k < 6; ++k) {
+      T rest = w.rhs_leg[l][k];
+      for (int i = 0; i < 6; ++i) rest -= w.leg[l].F[k][i] * b[i];
+      d_rate[l][k] = w.inverse_d[l][k] * rest;
+    }
+    backward6(w.leg[l].M, d_rate[l]);
+  }
+  for (int i = 0; i < 6; ++i) dv_base[i] = b[i];
+}
+
+/// x_next = x integrated over h with the velocities at its end.
+template <class T>
+inline void integrate(const T* x, double h, const StepWork<T>& w, const T* dv_base, const T (&d_rate)[kNumFeet][6],
+                      T* x_next) {
+  T turn[3];
+  for (int i = 0; i < 3; ++i) {
+    const T v = x[kXVel + i] + dot(w.R_world_base[i], dv_base);
+    const T omega = x[kXOmega + i] + dv_base[3 + i];
+    x_next[kXVel + i] = v;
+    x_next[kXOmega + i] = omega;
+    x_next[kXPos + i] = x[kXPos + i] + h * v;
+    turn[i] = h * omega;
+  }
+  quat_plus(x + kXQuat, turn, x_next + kXQuat);
+  for (int l = 0; l < kNumFeet; ++l)
+    for (int j = 0; j < kLegJoints; ++j) {
+      const int joint = l * kLegJoints + j;
+      const T rate = x[kXJointRate + joint] + static_cast<double>(kOp3Joints[joint].sign) * d_rate[l][j];
+      x_next[kXJointRate + joint] = rate;
+      x_next[kXJoint + joint] = x[kXJoint + joint] + h * rate;
+    }
+}
+
+/// One implicit step of length h [s]; x and x_next may be the same array.
+template <class T>
+inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, T* x_next,
+                        StepScratch<T>& scratch) {
+  StepWork<T> w;
+  read_state(x, w);
+  rigid_body(model, w);
+#pragma GCC unroll 1
+  for (int l = 0; l < kNumFeet; ++l) {
+    T R[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    leg_frames<0>(w.leg[l], side_of(l), R, w.frames);
+    foot_geometry(ground, x + kXPos, w.R_world_base, w.frames, side_of(l), w.foot[l]);
+    foot_jacobian(w.frames, w.leg[l].rate, w.v_base, w.w_base, w.foot[l]);
+  }
+  servo(model, x, u, h, w);
+  factorize(w);
+  sole_response(w);
+  solve_contact(model, h, w, scratch);
+  T dv_base[6], d_rate[kNumFeet][6];
+  velocity_change(w, dv_base, d_rate);
+  integrate(x, h, w, dv_base, d_rate, x_next);
+}
+
+/// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps. Shapes: x (37), u (12).
+/// Needs a unit quaternion in x. Fixed work, no allocation. Fails never; far outside its domain it stays finite or not,
+/// the caller checks.
+template <class T>
+inline void analytical_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, int substeps,
+                            T* x_next, StepScratch<T>& scratch) {
+  const double part = h / substeps;
+  single_step(model, ground, x, u, part, x_next, scratch);
+  for (int i = 1; i < substeps; ++i) single_step(model, ground, x_next, u, part, x_next, scratch);
+}
+
+}  // namespace sanso::model::SANSO_ISA

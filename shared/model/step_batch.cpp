@@ -1,0 +1,65 @@
+#include "shared/model/step_batch.h"
+
+#include <atomic>
+#include <cstring>
+
+namespace sanso::model {
+
+using GroupStep = void (*)(const StepModel&, const Ground&, const StateLanes&, const InputLanes&, const BatchStep&,
+                           StateLanes&, ContactLanes*);
+#define SANSO_DECLARE_GROUP_STEP(isa)                                                                          \
+  namespace isa {                                                                                              \
+  void step_group(const StepModel&, const Ground&, const StateLanes&, const InputLanes&, const BatchStep&,     \
+                  StateLanes&, ContactLanes*);                                                                 \
+  }
+SANSO_DECLARE_GROUP_STEP(baseline)
+#ifdef SANSO_HAVE_X86_UNITS
+SANSO_DECLARE_GROUP_STEP(avx2)
+SANSO_DECLARE_GROUP_STEP(avx512)
+#endif
+
+namespace {
+
+struct Unit {
+  const char* name;
+  GroupStep step;
+  bool (*runs_here)();
+};
+
+constexpr Unit kUnits[] = {
+#ifdef SANSO_HAVE_X86_UNITS
+    {"avx512", avx512::step_group,
+     [] { return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("fma"); }},
+    {"avx2", avx2::step_group, [] { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }},
+#endif
+    {"portable", baseline::step_group, [] { return true; }},
+};
+
+const Unit* best_unit() {
+  for (const Unit& unit : kUnits)
+    if (unit.runs_here()) return &unit;
+  return nullptr;  // never: the last unit runs everywhere
+}
+
+std::atomic<const Unit*> active_unit{best_unit()};
+
+}  // namespace
+
+void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
+                const BatchStep& step, StateLanes* x_next, ContactLanes* contact, int groups) {
+  const GroupStep run = active_unit.load(std::memory_order_relaxed)->step;
+  for (int g = 0; g < groups; ++g) run(model, ground, x[g], u[g], step, x_next[g], contact ? contact + g : nullptr);
+}
+
+const char* batch_isa() { return active_unit.load(std::memory_order_relaxed)->name; }
+
+bool select_batch_isa(const char* name) {
+  for (const Unit& unit : kUnits)
+    if (std::strcmp(unit.name, name) == 0 && unit.runs_here()) {
+      active_unit.store(&unit, std::memory_order_relaxed);
+      return true;
+    }
+  return false;
+}
+
+}  // namespace sanso::model

@@ -1,0 +1,35 @@
+// The whole-body step for groups of eight states at once. Memory is the same on every machine (structure of arrays, eight
+// lanes); the instructions are chosen at run time: AVX-512, AVX2 or the baseline of the build.
+#pragma once
+
+#include "shared/model/ground.h"
+#include "shared/model/step_model.h"
+
+namespace sanso::model {
+
+inline constexpr int kLanes = 8;
+
+/// Eight states, inputs, contact solutions: [component][lane].
+struct alignas(64) StateLanes { double v[kNx][kLanes]; };
+struct alignas(64) InputLanes { double v[kNu][kLanes]; };
+/// Contact impulses [N s], order foot, corner, (forward, across, normal).
+struct alignas(64) ContactLanes { double v[kNumContactRows][kLanes]; };
+
+struct BatchStep {
+  double h;           // s
+  int substeps = 1;   // equal parts of h
+  bool warm_start = false;  // begin the contact solver from `contact`; otherwise from zero
+};
+
+/// x_next[g] = f_A(x[g], u[g]) for `groups` groups of eight lanes; fixed work, no allocation, safe from several threads on
+/// disjoint groups. `contact` (may be null when not warm_start) receives the impulses of the last substep.
+/// Arrays are aligned to 64 bytes; x_next may alias x.
+void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
+                const BatchStep& step, StateLanes* x_next, ContactLanes* contact, int groups);
+
+/// What step_batch uses on this machine: "avx512", "avx2" or "portable".
+const char* batch_isa();
+/// For tests and benchmarks: use this one instead. False (and no change) when the machine or the build lacks it.
+bool select_batch_isa(const char* name);
+
+}  // namespace sanso::model

@@ -1,0 +1,50 @@
+#include "shared/model/step_model.h"
+
+namespace sanso::model {
+namespace {
+
+constexpr ServoParameters kXm430{
+    .stiffness = 13.2,     // 4.1 N m x 560 / 128 x 651.9 / 885 duty per rad   [XM430 data sheet, P gain 560]
+    .damping = 1.0,        // 0.85 back-EMF (4.1 N m at stall, 4.82 rad/s without load) + 0.15 viscous
+    .armature = 0.03,      // middle of the plausible interval 0.012 .. 0.045
+    .coulomb = 0.0,        // dry friction switches sign inside a step: left to the residual model by default
+    .torque_limit = 4.1};  // stall at 12 V
+
+// Inertia about the link origin from inertia about the centre of mass (parallel-axis theorem).
+StepModel::Body about_origin(const BodyInertia& b) {
+  const double m = b.mass, x = b.com[0], y = b.com[1], z = b.com[2];
+  return {.mass = m,
+          .first_moment = {m * x, m * y, m * z},
+          .inertia = {b.inertia[0] + m * (y * y + z * z), b.inertia[1] - m * x * y, b.inertia[2] - m * x * z,
+                      b.inertia[3] + m * (x * x + z * z), b.inertia[4] - m * y * z, b.inertia[5] + m * (x * x + y * y)},
+          .subtree_mass = m};
+}
+
+}  // namespace
+
+ModelParameters nominal_parameters() {
+  ModelParameters theta{};
+  for (int i = 0; i < kNumBodies; ++i) theta.body[i] = kOp3Bodies[i];
+  for (auto& servo : theta.servo) servo = kXm430;
+  theta.friction_forward = theta.friction_sideways = 0.8;  // rubber sole on wood
+  return theta;
+}
+
+StepModel make_step_model(const ModelParameters& theta) {
+  StepModel model{};
+  for (int i = 0; i < kNumBodies; ++i) model.body[i] = about_origin(theta.body[i]);
+  // each leg is a chain: add from the foot upwards, then both legs to the base
+  for (int leg = 0; leg < kNumFeet; ++leg) {
+    const int hip = 1 + 6 * leg;
+    for (int i = hip + 4; i >= hip; --i) model.body[i].subtree_mass += model.body[i + 1].subtree_mass;
+    model.body[0].subtree_mass += model.body[hip].subtree_mass;
+  }
+  for (int j = 0; j < kNumJoints; ++j) model.servo[j] = theta.servo[j];
+  model.friction_forward = theta.friction_forward;
+  model.friction_sideways = theta.friction_sideways;
+  model.gravity_world[2] = -9.81;
+  model.contact = ContactSettings{};
+  return model;
+}
+
+}  // namespace sanso::model

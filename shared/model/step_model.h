@@ -1,0 +1,56 @@
+// What the one-step model needs to know: parameters theta (masses, servos, friction) and their derived, constant form.
+// Plain data without functions of its own, so that units compiled for different instruction sets may share it.
+#pragma once
+
+#include "shared/model/dimensions.h"
+#include "shared/model/op3_table.h"
+
+namespace sanso::model {
+
+/// One P-controlled servo at its output shaft.
+struct ServoParameters {
+  double stiffness;     // N m/rad, torque per position error
+  double damping;       // N m s/rad, back-EMF and viscous friction: the torque-speed line of the motor
+  double armature;      // kg m^2, rotor inertia seen at the output
+  double coulomb;       // N m, dry friction
+  double torque_limit;  // N m, stall torque at full duty
+};
+
+/// theta: what identification may change. The geometry is fixed.
+struct ModelParameters {
+  BodyInertia body[kNumBodies];
+  ServoParameters servo[kNumJoints];
+  double friction_forward;  // along the foot's x axis (rolling direction of a skate), -
+  double friction_sideways; // across it, -
+};
+
+/// OP3 figures; XM430-W350 at 12 V with the position gain register at 560.
+/// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
+ModelParameters nominal_parameters();
+
+/// Fixed-work contact solver.
+struct ContactSettings {
+  int sweeps = 24;              // Gauss-Seidel sweeps over all corners
+  double regularization = 0.01; // added to the diagonal of the contact matrix, relative: makes the forces unique
+  double recovery = 0.3;        // share of a penetration that one step removes
+};
+
+/// Derived constants of one set of parameters. Build with make_step_model, then never change it.
+struct StepModel {
+  struct Body {
+    double mass;             // kg
+    double first_moment[3];  // kg m, mass x com, link axes
+    double inertia[6];       // kg m^2 about the link origin: xx xy xz yy yz zz
+    double subtree_mass;     // kg, this body and all it carries
+  };
+  Body body[kNumBodies];
+  ServoParameters servo[kNumJoints];
+  double friction_forward;
+  double friction_sideways;
+  double gravity_world[3];  // m/s^2
+  ContactSettings contact;
+};
+
+StepModel make_step_model(const ModelParameters& theta);
+
+}  // namespace sanso::model
