@@ -47,7 +47,6 @@ struct Truth {
 struct Placement {
   std::array<double, kNumServos> q{};  // rad, index = servo id - 1
   double x_m = 0, y_m = 0, yaw_rad = 0;
-  double pitch_rad = 0;  // trunk, positive leans forward
 };
 
 /// The maker's standing pose.
@@ -59,7 +58,8 @@ Placement with_legs(const std::array<double, 12>& leg_angles_rad);
 
 class EmulatedRobot {
  public:
-  /// Standing in walkready, servo power and torque off, held upright by a stand until torque is first enabled.
+  /// Standing in walkready, servo power and torque off, held upright by a person who lets go one second after all leg
+  /// servos hold torque (or at hold(false)).
   EmulatedRobot(const plant::World& world, std::uint64_t seed, std::int64_t baud = 2'000'000);
   ~EmulatedRobot();
   EmulatedRobot(EmulatedRobot&&) noexcept;
@@ -72,7 +72,9 @@ class EmulatedRobot {
   // Servo bus. Bytes written at now() travel at the baud rate; replies arrive byte by byte in virtual time.
   void bus_write(std::span<const std::uint8_t> bytes);
   std::size_t bus_read(std::span<std::uint8_t> out);  // what has arrived by now(); 0 = nothing
-  Nanoseconds next_bus_byte() const;                  // when the next byte arrives; kNever when none is under way
+  /// When to look again: arrival of the next reply byte, or of an instruction at the devices; kNever when the line is
+  /// quiet.
+  Nanoseconds next_bus_byte() const;
 
   // IMU as a HID device: input reports (id 1 accelerometer, 2 gyro, 3 orientation), silent until set_feature asks.
   std::size_t imu_read(std::span<std::uint8_t> out);  // one report, 0 = none waiting

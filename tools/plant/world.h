@@ -32,6 +32,7 @@ struct ServoParameters {
   double load_friction = 0.0;  // friction per transmitted torque
   double viscous_Nms_rad = 0.0;
   double spread = 0.0;              // relative standard deviation between servos, on friction, backlash, torque
+  std::uint64_t spread_seed = 1;    // draws the spread; one robot keeps it for life
   double p_divisor = 128.0;         // PWM counts per position count = P gain / divisor (undisclosed: 128 or 256)
   double loop_period_s = 0.001;     // of the position loop
   double command_delay_s = 0.0;     // from the last byte of a goal to the loop using it

@@ -1,0 +1,75 @@
+// Physics of the emulated robot: MuJoCo's rigid bodies and contacts, and a gear train of our own for every servo.
+// Fixed step of 0.5 ms; the same calls give the same bits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "tools/plant/gear_train.h"
+#include "tools/plant/world.h"
+
+namespace sanso::plant {
+
+inline constexpr int kNumServos = 20;  // index = servo id - 1
+
+struct BaseMotion {
+  Vec3 p_world_base{};
+  Quat quat_world_base{1, 0, 0, 0};
+  Vec3 v_base_in_world{};
+  Vec3 w_base_in_base{};
+};
+
+struct FootLoad {
+  Vec3 force_in_world{};  // ground on foot, N
+  int contacts = 0;       // touching sole points
+};
+
+class Plant {
+ public:
+  explicit Plant(const World& world);
+  ~Plant();
+  Plant(Plant&&) noexcept;
+  Plant& operator=(Plant&&) noexcept;
+
+  /// Bridge of a servo: duty -1..1, or open.
+  void set_duty(int servo, double duty);
+  void set_coast(int servo);
+  /// Overrides the supply (brown-out); a negative value gives it back to the battery.
+  void override_supply(double volt);
+
+  /// One step of kPhysicsStep_s.
+  void step();
+  std::int64_t steps() const;
+
+  /// At rest with these joint angles [rad], feet flat on the ground at (x, y), heading yaw.
+  void place(const std::array<double, kNumServos>& q, double x_m, double y_m, double yaw_rad);
+  /// Keeps the base where it is now, until false.
+  void hold(bool held);
+  bool held() const;
+
+  /// Wrench at the torso's origin, world axes, until changed.
+  void set_push(const Vec3& force_in_world, const Vec3& torque_in_world);
+
+  BaseMotion base() const;
+  double link_angle(int servo) const;
+  double link_rate(int servo) const;
+  const GearTrain& gear(int servo) const;
+  /// What the parameters are for this servo, after the spread.
+  const GearTrainParameters& gear_parameters(int servo) const;
+  double supply_V() const;
+  std::array<FootLoad, 2> feet() const;  // right, left
+  int other_contacts() const;            // contacts of anything but feet
+
+  double mass_kg() const;
+  Vec3 center_of_mass() const;         // world
+  Vec3 linear_momentum() const;        // world
+  Vec3 angular_momentum() const;       // about the centre of mass, world axes; links only, without rotors
+  double mechanical_energy_J() const;  // links: kinetic and potential
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sanso::plant
