@@ -82,15 +82,15 @@ TEST(ModelFolder, RefusesByKeyAndLine) {
     int line;
     const char* key;
   };
-  for (const Case& c : {Case{"[robot]\n", "missing key", 1, "format"},  //
-                        Case{"format = 2\n", "unknown format", 1, "format"},
-                        Case{"format = 1\nspeed = 2\n", "unknown key", 2, "speed"},
-                        Case{"format = 1\n[joint.c]\nkp = 1\n", "unknown joint", 2, "joint.c"},
-                        Case{"format = 1\n[joint.a]\nkpp = 1\n", "unknown key", 3, "joint.a.kpp"},
-                        Case{"format = 1\n[joint_default]\nduty_limit = 1.5\n", "out of range", 3, "joint_default.duty_limit"},
-                        Case{"format = 1\n[robot]\nbase = \"loose\"\n", "unknown base", 3, "robot.base"},
-                        Case{"format = 1\n[[effect]]\nwhere = []\n", "missing key", 2, "effect.id"},
-                        Case{"format = 1\n[[effect]]\nid = \"x\"\nwidth = \"wide\"\n", "not a number", 4, "effect.width"}}) {
+  for (const Case& c :
+       {Case{"[robot]\n", "missing key", 1, "format"},  //
+        Case{"format = 2\n", "unknown format", 1, "format"}, Case{"format = 1\nspeed = 2\n", "unknown key", 2, "speed"},
+        Case{"format = 1\n[joint.c]\nkp = 1\n", "unknown joint", 2, "joint.c"},
+        Case{"format = 1\n[joint.a]\nkpp = 1\n", "unknown key", 3, "joint.a.kpp"},
+        Case{"format = 1\n[joint_default]\nduty_limit = 1.5\n", "out of range", 3, "joint_default.duty_limit"},
+        Case{"format = 1\n[robot]\nbase = \"loose\"\n", "unknown base", 3, "robot.base"},
+        Case{"format = 1\n[[effect]]\nwhere = []\n", "missing key", 2, "effect.id"},
+        Case{"format = 1\n[[effect]]\nid = \"x\"\nwidth = \"wide\"\n", "not a number", 4, "effect.width"}}) {
     try {
       parse_model(c.text, kUrdf, "model.toml");
       FAIL() << c.text;
@@ -103,9 +103,9 @@ TEST(ModelFolder, RefusesByKeyAndLine) {
 }
 
 TEST(ModelFolder, RefusesRobotsThatAreNone) {
-  for (const char* urdf :
-       {"", "<robot name='x'/>", "<robot name='x'><link name='a'/></robot>", "not xml",
-        "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='floating'><parent link='a'/><child link='b'/></joint></robot>"}) {
+  for (const char* urdf : {"", "<robot name='x'/>", "<robot name='x'><link name='a'/></robot>", "not xml",
+                           "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='floating'><parent "
+                           "link='a'/><child link='b'/></joint></robot>"}) {
     EXPECT_THROW(parse_model("format = 1\n", urdf, "model.toml"), recording::InputError) << urdf;
   }
 }
@@ -113,9 +113,10 @@ TEST(ModelFolder, RefusesRobotsThatAreNone) {
 TEST(ModelFolder, SidecarSettingsWinOverTheModel) {
   const ModelFolder m = parse_model(kToml, kUrdf, "model.toml");
   recording::Recording r;
-  recording::parse_sidecar("[joint.b]\nviscous = 0.5\n[joint_default]\nviscous = 0.1\n"
-                           "[robot]\ngravity = [1, 0, 0]\n[[payload]]\nlink = \"box\"\nmass = 4\ncom = [0, 0, 0.1]\n",
-                           "r.toml", r);
+  recording::parse_sidecar(
+      "[joint.b]\nviscous = 0.5\n[joint_default]\nviscous = 0.1\n"
+      "[robot]\ngravity = [1, 0, 0]\n[[payload]]\nlink = \"box\"\nmass = 4\ncom = [0, 0, 0.1]\n",
+      "r.toml", r);
   const ModelFolder changed = with_overrides(m, r);
   EXPECT_EQ(changed.joints[0].viscous, 0.1);
   EXPECT_EQ(changed.joints[1].viscous, 0.5);

@@ -60,21 +60,21 @@ TEST_P(CsvReaderRefuses, NamingFileLineAndColumn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, CsvReaderRefuses,
-                         testing::Values(BadCase{"", "empty file", 0, ""},                                //
-                                         BadCase{"\n\n", "empty file", 0, ""},                            //
-                                         BadCase{"t,q:a\n", "header only", 0, ""},                        //
-                                         BadCase{"t,q:a\n0,nan\n", "NaN or infinity", 2, "q:a"},          //
-                                         BadCase{"t,q:a\n0,1\n1,-inf\n", "NaN or infinity", 3, "q:a"},    //
-                                         BadCase{"t,q:a\n0,1e999\n", "number out of range", 2, "q:a"},    //
-                                         BadCase{"t,q:a\n0,0.1x\n", "not a number", 2, "q:a"},            //
-                                         BadCase{"t,q:a\n,1\n", "time missing", 2, "t"},                  //
-                                         BadCase{"t,q:a\n0,1,2\n", "wrong number of cells", 2, ""},       //
-                                         BadCase{"t,q:a\n0\n", "wrong number of cells", 2, ""},           //
-                                         BadCase{"t,q:a\n0,1\n\n1,1\n", "blank line", 3, ""},             //
-                                         BadCase{"t,q:a,q:a\n0,1,1\n", "column given twice", 1, "q:a"},   //
-                                         BadCase{"t,,q:a\n0,1,1\n", "column without a name", 1, ""},      //
-                                         BadCase{"q:a\n1\n", "no time column", 1, "t"},                   //
-                                         BadCase{"0,1\n1,2\n", "no header", 1, ""},                       //
+                         testing::Values(BadCase{"", "empty file", 0, ""},                               //
+                                         BadCase{"\n\n", "empty file", 0, ""},                           //
+                                         BadCase{"t,q:a\n", "header only", 0, ""},                       //
+                                         BadCase{"t,q:a\n0,nan\n", "NaN or infinity", 2, "q:a"},         //
+                                         BadCase{"t,q:a\n0,1\n1,-inf\n", "NaN or infinity", 3, "q:a"},   //
+                                         BadCase{"t,q:a\n0,1e999\n", "number out of range", 2, "q:a"},   //
+                                         BadCase{"t,q:a\n0,0.1x\n", "not a number", 2, "q:a"},           //
+                                         BadCase{"t,q:a\n,1\n", "time missing", 2, "t"},                 //
+                                         BadCase{"t,q:a\n0,1,2\n", "wrong number of cells", 2, ""},      //
+                                         BadCase{"t,q:a\n0\n", "wrong number of cells", 2, ""},          //
+                                         BadCase{"t,q:a\n0,1\n\n1,1\n", "blank line", 3, ""},            //
+                                         BadCase{"t,q:a,q:a\n0,1,1\n", "column given twice", 1, "q:a"},  //
+                                         BadCase{"t,,q:a\n0,1,1\n", "column without a name", 1, ""},     //
+                                         BadCase{"q:a\n1\n", "no time column", 1, "t"},                  //
+                                         BadCase{"0,1\n1,2\n", "no header", 1, ""},                      //
                                          BadCase{"t;q:a\n0;1\n", "wrong separator", 1, ""}));
 
 TEST(CsvReader, RefusesWhatIsLargerThanItsMemory) {

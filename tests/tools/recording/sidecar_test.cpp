@@ -70,8 +70,7 @@ TEST(Sidecar, RefusesByKeyAndLine) {
                         Case{"[robot]\nurdf = \"x\"\n", "unknown key", 2, "robot.urdf"},
                         Case{"[[payload]]\nmass = 1\n", "missing key", 1, "payload.link"},
                         Case{"payload = 3\n", "not a list of tables", 1, "payload"},
-                        Case{"joint = 3\n", "not a table", 1, "joint"},
-                        Case{"a = \n", "not valid TOML", 1, ""}}) {
+                        Case{"joint = 3\n", "not a table", 1, "joint"}, Case{"a = \n", "not valid TOML", 1, ""}}) {
     Recording r;
     try {
       parse_sidecar(c.text, "a.toml", r);

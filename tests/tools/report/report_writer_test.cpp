@@ -14,7 +14,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST(Ticks, AreRoundAndInside) {
-  EXPECT_THAT(ticks(0.0, 1.0, 5, false), testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}));
+  EXPECT_THAT(ticks(0.0, 1.0, 5, false),
+              testing::Pointwise(testing::DoubleNear(1e-12), {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}));
   for (double v : ticks(-0.37, 12.2, 6, false)) {
     EXPECT_GE(v, -0.37);
     EXPECT_LE(v, 12.2);
@@ -32,7 +33,10 @@ TEST(Range, OfNothingAndOfEqualValuesIsDrawable) {
 }
 
 TEST(LineChart, NanBreaksTheLineAndNeverReachesTheMarkup) {
-  LineChart chart{.title = "a < b", .x_label = "t [s]", .y_label = "y", .series = {{"s", {0, 1, 2, 3, 4}, {0, 1, std::nan(""), 3, 4}}}};
+  LineChart chart{.title = "a < b",
+                  .x_label = "t [s]",
+                  .y_label = "y",
+                  .series = {{"s", {0, 1, 2, 3, 4}, {0, 1, std::nan(""), 3, 4}}}};
   const std::string out = svg(chart);
   EXPECT_THAT(out, HasSubstr("a &lt; b"));
   EXPECT_THAT(out, Not(HasSubstr("nan")));
