@@ -1,0 +1,184 @@
+// The library: every effect is the nominal model at its null, bit for bit, and something else at its probes.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/effects/joint_scale.h"
+#include "tools/diagnose/effects/table.h"
+#include "tools/recording/input_error.h"
+
+namespace sanso::diagnose {
+namespace {
+
+Drive lively_drive(const ModelFolder& model) {
+  Drive drive = test::make_test_drive(model, 2.0, 0.01, [](int j, double t) { return (j == 2 ? 0.1 : 0.6) * std::sin(5 * t + j) + (t > 1 ? 0.2 : 0.0); });
+  for (JointData& joint : drive.joints) {
+    for (double t : drive.t) joint.temp.push_back(25 + 5 * t);
+  }
+  return drive;
+}
+
+MeasuredMotion lively_motion(const Drive& drive) {
+  MeasuredMotion motion;
+  for (std::size_t j = 0; j < drive.joints.size(); ++j) {
+    motion.q.emplace_back();
+    motion.dq.emplace_back();
+    for (double t : drive.t) {
+      motion.q[j].push_back(0.3 * std::sin(5 * t));
+      motion.dq[j].push_back(1.5 * std::cos(5 * t));
+    }
+  }
+  return motion;
+}
+
+std::vector<Prediction> run(const SimParams& params, const Drive& drive, const MeasuredMotion& motion) {
+  const std::vector<Window> windows{{0, 120, {0.1, -0.2, 0.02}, {0.5, 0.1, 0}}, {80, 200, {0.1, 0.2, 0.0}, {1, -1, 0.1}}};
+  SimOptions options;
+  options.motion = &motion;
+  return simulate(params, drive, windows, options);
+}
+
+bool identical(const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
+  for (std::size_t w = 0; w < a.size(); ++w) {
+    if (a[w].q != b[w].q || a[w].dq != b[w].dq || a[w].tau != b[w].tau || a[w].i != b[w].i || a[w].pwm != b[w].pwm || a[w].volt != b[w].volt) return false;
+  }
+  return true;
+}
+
+const char* const kSettings = "armature = 0.02\nviscous = 0.05\ncoulomb = 0.04\ncurrent_limit = 2.0\n";
+
+class EveryEffect : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryEffect, IsTheNominalModelAtItsNull) {
+  const Effect& effect = *find_effect(GetParam());
+  for (const char* actuator : {"dc_servo", "position_pd", "torque"}) {
+    const ModelFolder model = test::arm("actuator = \"" + std::string(actuator) + "\"\nkp = 12\nkd = 0.5\n" + kSettings);
+    const Drive drive = lively_drive(model);
+    const MeasuredMotion motion = lively_motion(drive);
+    const auto nominal = run(make_params(model), drive, motion);
+    for (const JointScale& scale : {JointScale{}, joint_scales(make_params(model), std::vector{drive})[1]}) {
+      SimParams params = make_params(model);
+      std::vector<double> theta;
+      for (const EffectParameter& p : effect.parameters) theta.push_back(scaled(p, scale).null);
+      for (int j = 0; j < 3; ++j) effect.apply(params, j, theta);
+      EXPECT_TRUE(identical(run(params, drive, motion), nominal)) << effect.id << " with " << actuator;
+    }
+  }
+}
+
+TEST_P(EveryEffect, ChangesThePredictionAtEveryProbe) {
+  const Effect& effect = *find_effect(GetParam());
+  // hot, saturated, slow and fast: every effect finds something to act on
+  const ModelFolder model = test::arm(std::string("actuator = \"dc_servo\"\np_gain = 20\n") + kSettings);
+  Drive drive = lively_drive(model);
+  const MeasuredMotion motion = lively_motion(drive);
+  const auto nominal = run(make_params(model), drive, motion);
+  auto probes = effect.probes;
+  if (probes.empty()) probes = {{5, 0, 0, 0.5, 0.5}};  // external_push has no probe of its own: its instant comes from the data
+  for (const auto& theta : probes) {
+    SimParams params = make_params(model);
+    effect.apply(params, 1, theta);
+    auto changed = run(params, drive, motion);
+    if (effect.id == "timing_jitter") {  // changes the scatter of readings, not their mean
+      auto plain = nominal;
+      add_sensor_noise(params, 1, changed[0]);
+      add_sensor_noise(make_params(model), 1, plain[0]);
+      EXPECT_NE(changed[0].q, plain[0].q);
+    } else if (effect.id == "voltage_limit" && theta[1] < kOff) {
+      continue;  // the torque-speed line is for actuators without a motor model
+    } else if (effect.id == "joint_stop") {
+      continue;  // the motion stays inside; see JointStop.Stops
+    } else {
+      EXPECT_FALSE(identical(changed, nominal)) << effect.id;
+    }
+    for (double q : changed[1].q) ASSERT_TRUE(std::isfinite(q)) << effect.id;
+  }
+}
+
+std::vector<std::string> testable_ids() {
+  std::vector<std::string> ids;
+  for (const Effect& e : library()) {
+    if (e.testable_on_fixed_base()) ids.emplace_back(e.id);
+  }
+  return ids;
+}
+INSTANTIATE_TEST_SUITE_P(Library, EveryEffect, testing::ValuesIn(testable_ids()), [](const auto& p) { return p.param; });
+
+TEST(Library, IsConsistent) {
+  EXPECT_EQ(library().size(), 56u);
+  std::set<std::string_view> ids;
+  int simulated = 0;
+  for (const Effect& e : library()) {
+    EXPECT_TRUE(ids.insert(e.id).second) << e.id;
+    EXPECT_EQ(static_cast<bool>(e.apply), e.testable_on_fixed_base()) << e.id;
+    simulated += e.apply ? 1 : 0;
+    for (const EffectParameter& p : e.parameters) {
+      EXPECT_LE(p.low, p.null) << e.id;
+      EXPECT_LE(p.null, p.high) << e.id;
+      EXPECT_LT(p.low, p.high) << e.id;
+      EXPECT_GT(p.typical, 0.0) << e.id;
+    }
+    for (const auto& theta : e.probes) {
+      ASSERT_EQ(theta.size(), e.parameters.size()) << e.id;
+      EXPECT_NE(theta, e.null()) << e.id;
+      for (std::size_t k = 0; k < theta.size(); ++k) {
+        EXPECT_LE(e.parameters[k].low, theta[k]) << e.id;
+        EXPECT_LE(theta[k], e.parameters[k].high) << e.id;
+      }
+    }
+    for (std::string_view other : e.confounders) EXPECT_NE(find_effect(other), nullptr) << e.id << " names " << other;
+  }
+  EXPECT_EQ(simulated, 48);  // 56 without 6 of the ground and 2 of the IMU
+}
+
+TEST(JointStop, Stops) {
+  const ModelFolder model = test::pendulum("actuator = \"passive\"\n");
+  const Drive drive = test::make_test_drive(model, 1.0, 0.005, [](int, double) { return 0.0; });
+  SimParams params = make_params(model);
+  find_effect("joint_stop")->apply(params, 0, std::vector<double>{200, 0.3, 1});
+  const auto out = simulate(params, drive, std::vector{test::whole(drive, {-0.8}, {0})});
+  // half the swing's energy m g l (1 - cos .8) at most goes into 1/2 k x^2: x < sqrt(2 * 0.15 / 200) = 0.039
+  EXPECT_LT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.34);
+  EXPECT_GT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.30);
+}
+
+TEST(EffectsOfAModel, AreCheckedAndComeBack) {
+  const auto with = [](const std::string& effect) {
+    return parse_model("format = 1\n[[effect]]\n" + effect, test::kArmUrdf, "model.toml");
+  };
+  const auto instances = instances_of(with("id = \"backlash\"\nwhere = [\"a\", \"b\"]\nwidth = 0.01\n"));
+  ASSERT_EQ(instances.size(), 1u);
+  EXPECT_EQ(instances[0].theta, (std::vector<double>{0.01, 0}));
+  EXPECT_EQ(entry_of(instances[0]).parameters.at("width"), 0.01);
+  const SimParams params = params_with_effects(with("id = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n"));
+  EXPECT_EQ(params.tree.joints[1].body.mass, 0.75);
+  for (const char* bad : {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n", "id = \"backlash\"\nwhere = [\"z\"]\n",
+                          "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n", "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
+    EXPECT_THROW(instances_of(with(bad)), recording::InputError) << bad;
+  }
+}
+
+/// The page with the text between <!-- begin NAME --> and <!-- end NAME --> replaced.
+std::string with_section(const std::string& page, const std::string& name, const std::string& text) {
+  const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";
+  const auto from = page.find(begin), to = page.find(end);
+  if (from == std::string::npos || to == std::string::npos) return "no section " + name;
+  return page.substr(0, from + begin.size()) + text + page.substr(to);
+}
+
+TEST(ModelFolderPage, HoldsTheCurrentTables) {
+  std::ifstream in("docs/model-folder.md");
+  std::stringstream page;
+  page << in.rdbuf();
+  const std::string wanted = with_section(with_section(page.str(), "settings", settings_table_markdown()), "effects", effect_table_markdown());
+  if (std::getenv("SANSO_UPDATE_DOCS") != nullptr) std::ofstream("docs/model-folder.md") << wanted;
+  EXPECT_TRUE(page.str() == wanted) << "docs/model-folder.md is not what the library says: run this test with SANSO_UPDATE_DOCS=1";
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

@@ -1,0 +1,105 @@
+// One hypothesis about missing physics: a small struct that changes simulation parameters at one port, and everything a
+// diagnosis must know about it. At its null value it changes nothing, bit for bit.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/diagnose/sim/sim_params.h"
+
+namespace sanso::diagnose {
+
+enum class Family { friction, transmission, mass, electrical, timing, sensor, contact, external };
+enum class Port { clock, command_path, firmware, electrical, transmission, rigid_body, contact, external, sensor };
+enum class Scope { joint, link, robot };  // what `where` names: joints, links, nothing
+std::string_view to_string(Family family);
+std::string_view to_string(Port port);
+std::string_view to_string(Scope scope);
+
+/// Bounds and typical sizes in the library are those of an XM430-W350 (4.1 N m, 4.8 rad/s). For another joint they are
+/// multiplied by what the joint is in comparison.
+enum class Unit {
+  none, torque, speed, acceleration, viscous, drag, inertia, angle, stiffness, compliance, per_torque, per_angle, current,
+  length, force
+};
+
+/// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it; never scaled.
+inline constexpr double kOff = 1e6;
+
+struct EffectParameter {
+  std::string_view name;
+  std::string_view unit;       // SI; for prismatic joints read m for rad, N for N m, kg for kg m^2
+  double null = 0.0;           // nothing changes
+  double low = 0.0, high = 0.0;
+  double typical = 1.0;        // a step at which it matters: the scale of the fit's coordinate
+  Unit scale = Unit::none;
+  bool structural = false;     // not fitted by derivatives: stays what the probe says
+};
+
+/// Residuals of the method page (3.3) that an effect changes.
+enum Residual : unsigned { kR1 = 1, kR2 = 2, kR3 = 4, kR4 = 8, kR5 = 16, kR6 = 32, kR7 = 64, kR8 = 128 };
+
+/// Kinds of missing information that make an effect untestable.
+enum Need : unsigned {
+  kCommand = 1,         // an actuator that follows a command
+  kPositionLoop = 2,    // dc_servo or position_pd
+  kMotorModel = 4,      // dc_servo
+  kTorqueLimit = 8,     // dc_servo, or a torque_limit in the model
+  kTemperature = 16,    // temperature recorded, or dc_servo (its heating is then estimated)
+  kVelocity = 32,       // a dq: column
+  kTwoJoints = 64,      // at least two joints
+  kGround = 128,        // floating base and ground contact
+  kImu = 256,           // imu columns on a floating base
+};
+
+/// Something a person can do to separate this effect from its look-alikes; settings come before motions.
+struct Experiment {
+  enum class Kind { setting, channel, motion } kind;
+  std::string_view what;
+};
+
+struct Effect {
+  std::string_view id;         // stable
+  std::string_view code;       // row of the method page, "F1"
+  std::string_view name;       // in words
+  std::string_view form;       // formula in the names of the parameters
+  Family family;
+  Port port;
+  Scope scope;
+  std::vector<EffectParameter> parameters;
+  bool smooth = true;          // derivatives at the null say something; otherwise only probes do
+  std::vector<std::vector<double>> probes;      // parameter vectors (library units) whose signature is looked for
+  int sign = 0;                // +1: only values above the null are possible, -1: only below, 0: both
+  unsigned residuals = kR2;    // Residual bits it must change
+  unsigned needs = 0;          // Need bits
+  std::string_view cluster;    // letters A..J of look-alikes
+  std::vector<std::string_view> confounders;    // ids
+  std::vector<std::string_view> regimes;        // where in the motion it shows
+  std::string_view signature;  // in words, for the report
+  std::vector<Experiment> experiments;
+  /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() == parameters.size().
+  std::function<void(SimParams&, int where, std::span<const double> theta)> apply;
+
+  bool testable_on_fixed_base() const { return (needs & (kGround | kImu)) == 0; }
+  std::vector<double> null() const;
+};
+
+/// Every effect, in the order of the method page.
+const std::vector<Effect>& library();
+/// nullptr when there is no effect of this id.
+const Effect* find_effect(std::string_view id);
+
+/// How a joint compares with the library's servo; all 1 for the XM430-W350.
+struct JointScale {
+  double torque = 1.0, speed = 1.0, inertia = 1.0, angle = 1.0, current = 1.0, length = 1.0;
+  double of(Unit unit) const;
+};
+
+/// Parameter with null, bounds and typical step as they are for this joint.
+EffectParameter scaled(const EffectParameter& parameter, const JointScale& scale);
+std::vector<std::vector<double>> scaled_probes(const Effect& effect, const JointScale& scale);
+
+}  // namespace sanso::diagnose

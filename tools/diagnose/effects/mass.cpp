@@ -1,0 +1,93 @@
+// Rigid bodies: M1 to M5 of the method page.
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/effects/families.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// Rotation by small angles about two axes perpendicular to `axis` (exact rotation by their resultant).
+Vec3 tilted(const Vec3& axis, double about_1, double about_2) {
+  // two unit vectors perpendicular to the axis, fixed by the axis alone
+  const Vec3 helper = std::abs(axis[0]) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const auto cross = [](const Vec3& a, const Vec3& b) {
+    return Vec3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  };
+  const auto unit = [](Vec3 v) {
+    const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (double& c : v) c /= n;
+    return v;
+  };
+  const Vec3 e1 = unit(cross(axis, helper)), e2 = cross(axis, e1);
+  const Vec3 moved{axis[0] + about_1 * e1[0] + about_2 * e2[0], axis[1] + about_1 * e1[1] + about_2 * e2[1],
+                   axis[2] + about_1 * e1[2] + about_2 * e2[2]};
+  return unit(moved);
+}
+
+void add_inertia(SimParams& p, int j, double share) {
+  BodyInertia& b = body(p, j);
+  if (share < 0.0) {
+    for (double& i : b.about_com) i *= 1.0 + share;
+    return;
+  }
+  // as a share of the body's inertia about its joint, alike about all axes: a body without own inertia can still gain some
+  const Vec3& c = b.com;
+  const double about_joint = b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
+  for (std::size_t k : {0u, 4u, 8u}) b.about_com[k] += share * about_joint;
+}
+
+void lengthen(SimParams& p, int j, double length, double tilt_1, double tilt_2) {
+  TreeJoint& t = p.tree.joints[static_cast<std::size_t>(j)];
+  const Vec3& r = t.p_parent_joint;
+  const double distance = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  if (length != 0.0 && distance > 0.0) {
+    for (double& c : t.p_parent_joint) c *= 1.0 + length / distance;
+  }
+  if (tilt_1 != 0.0 || tilt_2 != 0.0) t.axis = tilted(t.axis, tilt_1, tilt_2);
+}
+
+}  // namespace
+
+std::vector<Effect> mass_effects() {
+  constexpr Family F = Family::mass;
+  constexpr Port P = Port::rigid_body;
+  constexpr Scope L = Scope::link;
+  constexpr unsigned R = kR2 | kR3 | kR5;
+  return {
+      {"link_mass", "M1", "link mass", "mass and inertia times 1 + share", F, P, L,
+       {{"share", "-", 0, -0.5, 0.5, 0.1}},
+       true, {{0.1}}, 0, R, 0, "A", {"servo_p_gain", "torque_constant", "battery_drift", "payload", "link_com"},
+       {"high load", "accelerating"}, "gravity and inertia together", {kAddPayload, kTilt},
+       [](SimParams& p, int j, Theta x) {
+         body(p, j).mass *= 1.0 + x[0];
+         for (double& i : body(p, j).about_com) i *= 1.0 + x[0];
+       }},
+      {"link_com", "M2", "centre of mass of a link", "com + (x, y, z)", F, P, L,
+       {{"x", "m", 0, -0.03, 0.03, 0.005, Unit::length}, {"y", "m", 0, -0.03, 0.03, 0.005, Unit::length}, {"z", "m", 0, -0.03, 0.03, 0.005, Unit::length}},
+       true, {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}}, 0, R, 0, "E", {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring", "link_mass"},
+       {"standstill", "high load"}, "static error that follows the posture", {kTilt, kPostures},
+       [](SimParams& p, int j, Theta x) {
+         for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
+       }},
+      {"link_inertia", "M3", "rotational inertia of a link", "+share of the inertia about its joint", F, P, L,
+       {{"share", "-", 0, -0.6, 0.6, 0.1}},
+       true, {{0.1}}, 0, R, 0, "F", {"rotor_inertia", "link_mass"}, {"accelerating"}, "fast motion", {kAddPayload, kChirp},
+       [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); }},
+      {"payload", "M4", "payload", "mass at (x, y, z) of the link from the instant `from` on", F, P, L,
+       {{"mass", "kg", 0, 0, 1, 0.1, Unit::torque}, {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length}, {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+        {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length}, {"from", "s", 0, 0, 1e4, 1, Unit::none, true}},
+       false, {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}}, 1, R, 0, "J",
+       {"link_mass", "external_push", "tether"}, {"high load", "late"}, "a step in time", {kTilt},
+       [](SimParams& p, int j, Theta x) {
+         if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
+       }},
+      {"link_geometry", "M5", "link length or joint axis", "joint origin + length along its own direction, axis tilted", F, P, Scope::joint,
+       {{"length", "m", 0, -0.005, 0.005, 0.001, Unit::length}, {"tilt_1", "rad", 0, -0.035, 0.035, 0.01}, {"tilt_2", "rad", 0, -0.035, 0.035, 0.01}},
+       true, {{0.005, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}, 0, kR2 | kR3 | kR6, 0, "", {"encoder_offset", "link_com"}, {"high load"},
+       "position of the link, many postures", {kOutsideSensor, kPostures},
+       [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); }},
+  };
+}
+
+}  // namespace sanso::diagnose
