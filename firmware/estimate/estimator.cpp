@@ -105,7 +105,7 @@ void Estimator::correct_by_legs() {
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec3 p_base_sole_in_world = R_world_base_ * sole_[i].p_base_sole;
     // a loaded sole stands still: 0 = v_base + R (w x p + v_sole)
-    const Vec3 v_base = -(R_world_base_ * (w_base_in_base_.cross(sole_[i].p_base_sole) + sole_[i].v_sole_in_base));
+    const Vec3 v_base = -(R_world_base_ * (math::skew(w_base_in_base_) * sole_[i].p_base_sole + sole_[i].v_sole_in_base));
     const int sole = AxisFilter::kRightSole + static_cast<int>(i);
     for (int a = 0; a < 3; ++a) {
       AxisFilter& axis = axis_[static_cast<std::size_t>(a)];

@@ -1,0 +1,79 @@
+#include "firmware/log/flight_recorder.h"
+
+#include <cinttypes>
+#include <cstdio>
+
+#include "shared/model/joints.h"
+
+namespace sanso::firmware {
+namespace {
+
+void write_header(std::FILE* file) {
+  std::fprintf(file, "t,tick,state,fault,fault_detail,limits,trial_tick,tick_cpu_us,late_ticks,bus_lost,bus_corrupt,volt");
+  for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",base_p:%s", axis);
+  for (const char* part : {"w", "x", "y", "z"}) std::fprintf(file, ",base_q:%s", part);
+  for (const char* what : {"q", "u", "i"})
+    for (const model::JointInfo& joint : model::kJoints) std::fprintf(file, ",%s:%s", what, joint.name);
+  for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",imu_acc:%s", axis);
+  std::fprintf(file, "\n");
+}
+
+void write_row(std::FILE* file, const LogRecord& record) {
+  const wire::Observation& o = record.observation;
+  std::fprintf(file, "%.6f,%" PRIu64 ",%d,%d,%d,%u,%d,%.1f,%u,%u,%u,%.1f", to_seconds(o.time), o.tick, static_cast<int>(o.state),
+               o.fault, record.fault_detail, o.limits, o.trial_tick, o.tick_cpu_ns * 1e-3, o.late_ticks, o.bus_lost,
+               o.bus_corrupt, static_cast<double>(o.voltage_V));
+  for (int i = 0; i < 7; ++i) std::fprintf(file, ",%.6f", o.x[i]);
+  for (int j = 0; j < model::kNumJoints; ++j) std::fprintf(file, ",%.6f", o.x[model::kXJoint + j]);
+  for (int j = 0; j < model::kNumJoints; ++j) std::fprintf(file, ",%.6f", o.u_out[j]);
+  for (const std::int16_t current : o.current_raw) std::fprintf(file, ",%.5f", current * 2.69e-3);
+  for (const double a : o.imu_acc) std::fprintf(file, ",%.5f", a);
+  std::fprintf(file, "\n");
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(Handover& handover, std::string directory)
+    : handover_(handover), directory_(std::move(directory)), ring_(kTicksKept) {}
+
+bool FlightRecorder::poll() {
+  LogRecord record;
+  bool due = false;
+  while (handover_.log.pop(record)) {
+    ring_[next_] = record;
+    next_ = (next_ + 1) % kTicksKept;
+    if (count_ < kTicksKept) ++count_;
+    const std::uint16_t fault = record.observation.fault;
+    if (fault != 0 && latched_ == 0) until_write_ = kTicksAfterFault;
+    latched_ = fault;
+    if (until_write_ >= 0 && until_write_-- == 0) due = true;
+  }
+  if (!due || directory_.empty()) return false;
+  const LogRecord last = ring_[(next_ + kTicksKept - 1) % kTicksKept];
+  return write(directory_ + "/F" + std::to_string(last.observation.fault) + "-tick" + std::to_string(last.observation.tick) + ".csv");
+}
+
+std::vector<LogRecord> FlightRecorder::records() const {
+  std::vector<LogRecord> out;
+  out.reserve(count_);
+  for (std::size_t i = 0; i < count_; ++i) out.push_back(ring_[(next_ + kTicksKept - count_ + i) % kTicksKept]);
+  return out;
+}
+
+bool FlightRecorder::write(const std::string& path) {
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (file == nullptr) {
+    error_ = path + ": cannot be written";
+    return false;
+  }
+  write_header(file);
+  for (const LogRecord& record : records()) write_row(file, record);
+  if (std::fclose(file) != 0) {
+    error_ = path + ": not written completely";
+    return false;
+  }
+  last_file_ = path;
+  return true;
+}
+
+}  // namespace sanso::firmware
