@@ -4,10 +4,16 @@
 #include <optional>
 
 #include "host/model/residual_network.h"
+#include "shared/model/ground.h"
+#include "shared/model/step_model.h"
 
 namespace sanso::host {
 
 struct AugmentedModel {
+  model::StepModel analytical = model::make_step_model(model::nominal_parameters());
+  model::Ground ground = model::make_plane();
+  int substeps = 1;                         // implicit steps within one model step; chosen in docs/results
+  double residual_dt_s = 0.06;              // step length the residual was trained on; shorter steps take their share
   std::optional<ResidualNetwork> residual;  // empty until the first learning of the model, or switched off
 };
 

@@ -35,16 +35,8 @@ struct BackwardOutput {
   double (*variance_weight)[kNdx] = nullptr;  // [stages] diag(Vxx) of the knot after the stage: prices the noise
 };
 
-/// One instruction set's pass. `value` is scratch and ends as the value function of the first knot.
+/// One instruction set's pass (lane_kernels.h has them all). `value` is scratch and ends as the value function of the
+/// first knot.
 using BackwardPassFn = BackwardSummary (*)(const BackwardInput&, const BackwardOutput&, Value& value);
-
-/// The fastest pass this processor runs.
-BackwardPassFn backward_pass();
-/// Every pass this processor runs, for tests and benchmarks. Null-terminated names and functions.
-struct NamedBackwardPass {
-  const char* name;
-  BackwardPassFn run;
-};
-int available_backward_passes(NamedBackwardPass* out, int capacity);
 
 }  // namespace sanso::mpc

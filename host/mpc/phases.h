@@ -34,6 +34,8 @@ class Phases {
   virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) = 0;
   /// All lanes start in nominal.x[0]. Lane i uses step length steps[i]. A lane that leaves the finite numbers gets an infinite cost.
   virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;
+  /// The lane of the last roll-out that becomes the nominal trajectory: what it knows may start the next linearisation.
+  virtual void lane_taken(int lane) { (void)lane; }
 };
 
 }  // namespace sanso::mpc

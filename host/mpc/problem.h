@@ -4,12 +4,12 @@
 #pragma once
 
 #include "host/mpc/mpc_settings.h"
+#include "shared/model/dimensions.h"
 
 namespace sanso::mpc {
 
-// The sizes of shared/model/state_layout.h; solver.cpp asserts that they are equal.
-inline constexpr int kNx = 37, kNdx = 36, kNu = 12;
-inline constexpr int kTheta = 3;  // offset of the orientation block in the tangent
+using model::kNdx, model::kNu, model::kNx;
+inline constexpr int kTheta = model::kDTheta;
 inline constexpr int kColumns = kNdx + kNu;        // columns of [A | B]: 36 tangent directions, 12 inputs
 inline constexpr int kMaxStages = kMaxHorizon - 1;  // steps between the states of the horizon
 inline constexpr int kNxPadded = 40, kNuPadded = 16;

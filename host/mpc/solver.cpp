@@ -5,11 +5,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "shared/model/state_layout.h"
+#include "host/mpc/lane_kernels.h"
 
 namespace sanso::mpc {
-
-static_assert(kNx == model::kNx && kNdx == model::kNdx && kNu == model::kNu && kTheta == model::kDTheta);
 
 namespace {
 
@@ -38,7 +36,7 @@ Nanoseconds steady_now() {
 }
 
 Solver::Solver(const SolverSettings& settings, Phases& phases)
-    : settings_(settings), phases_(phases), backward_pass_(backward_pass()), work_(std::make_unique<Workspace>()) {
+    : settings_(settings), phases_(phases), backward_pass_(lane_kernels().backward_pass), work_(std::make_unique<Workspace>()) {
   std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));  // touched here, so no page fault in solve()
 }
 
@@ -147,6 +145,7 @@ double Solver::noise_price(double sigma) const {
 }
 
 void Solver::take_lane(int lane) {
+  phases_.lane_taken(lane);
   cost_ = work_->lanes.cost[lane];
   noise_cost_ = work_->lanes.noise_cost[lane];
   const int stages = phases_.stages();

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "host/mpc/lane_kernels.h"
+
 namespace sanso::mpc {
 namespace {
 
@@ -82,9 +84,15 @@ struct Pass {
   }
 };
 
-std::vector<NamedBackwardPass> passes() {
-  NamedBackwardPass all[3];
-  return {all, all + available_backward_passes(all, 3)};
+struct NamedPass {
+  const char* name;
+  BackwardPassFn run;
+};
+std::vector<NamedPass> passes() {
+  const LaneKernels* all[3];
+  std::vector<NamedPass> out;
+  for (int i = 0; i < available_lane_kernels(all, 3); ++i) out.push_back({all[i]->name, all[i]->backward_pass});
+  return out;
 }
 
 TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
@@ -147,7 +155,7 @@ TEST(BackwardPass, NoiseShrinksGainsAndRaisesTheCostOfUsingInput) {
   p.fill();
   double last_norm = 1e9, last_gain = -1e9;
   for (const double sigma : {0.0, 0.1, 0.7, 2.0}) {
-    const Pass result(backward_pass(), p.input(sigma));
+    const Pass result(lane_kernels().backward_pass, p.input(sigma));
     double norm = 0;
     for (int k = 0; k < LinearProblem::kStages; ++k) norm += result.gain_norm(k);
     EXPECT_LT(norm, last_norm) << "sigma " << sigma;
@@ -161,10 +169,10 @@ TEST(BackwardPass, NoiseShrinksGainsAndRaisesTheCostOfUsingInput) {
 
 TEST(BackwardPass, AnInputPushedAgainstItsLimitIsHeld) {
   LinearProblem p(6);
-  const Pass freely(backward_pass(), p.input(0.0));
+  const Pass freely(lane_kernels().backward_pass, p.input(0.0));
   const int j = 5;
   p.u[10][j] = freely.gains[10].k[j] > 0 ? 1.0 : -1.0;  // at the limit it wants to cross
-  const Pass held(backward_pass(), p.input(0.0));
+  const Pass held(lane_kernels().backward_pass, p.input(0.0));
   EXPECT_EQ(held.gains[10].k[j], 0.0);
   for (int i = 0; i < kNdx; ++i) EXPECT_EQ(held.gains[10].K[j][i], 0.0);
   EXPECT_NE(held.gains[10].k[(j + 1) % kNu], 0.0);
@@ -179,7 +187,7 @@ TEST(BackwardPass, RefusesWhatIsNotFinite) {
 TEST(BackwardPass, SummaryPredictsTheChangeOfCost) {
   // on a linear problem the cost along alpha is exactly quadratic: checked by rolling the linear system out
   const LinearProblem p(8);
-  const Pass result(backward_pass(), p.input(0.0));
+  const Pass result(lane_kernels().backward_pass, p.input(0.0));
   const auto cost = [&](double alpha) {
     VectorXd dx = VectorXd::Zero(kNdx);
     double sum = 0;

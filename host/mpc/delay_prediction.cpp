@@ -1,0 +1,44 @@
+#include "host/mpc/delay_prediction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/model/op3_step.h"
+
+namespace sanso::mpc {
+
+model::State reference_at(const TrialContext& context, double tick) {
+  const double last = static_cast<double>(context.reference.size()) - 1.0;
+  const double position = std::clamp(tick, 0.0, last);
+  const auto i = static_cast<std::size_t>(position);
+  const double s = position - static_cast<double>(i);
+  if (s == 0.0) return context.reference[i];
+  return model::interpolate(context.reference[i], context.reference[i + 1], s);
+}
+
+model::State DelayPrediction::predict(const host::AugmentedModel& model, const ResidualWeights* residual,
+                                      const TrialContext& context, const PlanRequest& request) {
+  model::State x = request.x_observed;
+  const double tick_s = to_seconds(kTickPeriod);
+  model::StepScratch scratch;
+  for (std::int32_t tick = request.observed_tick; tick < request.plan_tick; ++tick) {
+    const model::State reference = reference_at(context, tick);
+    const model::Input u = policy::layer_outputs(request.in_use, context.middle, model::joints(reference), context.u_rest,
+                                                 tick, x, context.on, context.reflex, scratch_)
+                               .sum();
+    model::State next;
+    model::analytical_step(model.analytical, model.ground, x.data(), u.data(), tick_s, 1, next.data(), scratch);
+    if (residual != nullptr) {
+      // eight equal lanes: one evaluation costs the kernel no less
+      alignas(64) double xs[kNx][8], us[kNu][8], nexts[kNx][8];
+      for (int i = 0; i < kNx; ++i) std::fill_n(xs[i], 8, x[i]), std::fill_n(nexts[i], 8, next[i]);
+      for (int i = 0; i < kNu; ++i) std::fill_n(us[i], 8, u[i]);
+      kernels_.add_residual(*residual, tick_s / model.residual_dt_s, xs, us, nexts);
+      for (int i = 0; i < kNx; ++i) next[i] = nexts[i][0];
+    }
+    x = next;
+  }
+  return x;
+}
+
+}  // namespace sanso::mpc

@@ -1,0 +1,27 @@
+// From the observed state through the delay: one model step per 10 ms tick, with the sum that the controller really forms.
+// Halves the error of a single 60 ms step with one held input.
+#pragma once
+
+#include "host/model/augmented_model.h"
+#include "host/mpc/lane_kernels.h"
+#include "host/mpc/trial_context.h"
+
+namespace sanso::mpc {
+
+class DelayPrediction {
+ public:
+  DelayPrediction() : kernels_(lane_kernels()) {}
+
+  /// x at request.plan_tick. `residual` may be null; its training step length is `model.residual_dt_s`. No allocation.
+  model::State predict(const host::AugmentedModel& model, const ResidualWeights* residual, const TrialContext& context,
+                       const PlanRequest& request);
+
+ private:
+  const LaneKernels& kernels_;
+  policy::Knot scratch_;
+};
+
+/// Reference at a trial tick (fractional between ticks), held at both ends. Needs a reference.
+model::State reference_at(const TrialContext& context, double tick);
+
+}  // namespace sanso::mpc

@@ -1,0 +1,69 @@
+// The arithmetic around the dynamics step, eight lanes at a time: one table of functions per instruction set.
+// Lane arrays are [component][lane].
+#pragma once
+
+#include "host/mpc/backward_pass.h"
+#include "host/mpc/phases.h"
+#include "host/mpc/stage_context.h"
+
+namespace sanso::mpc {
+
+using LaneArray = double[kLineSearchLanes];
+
+/// Policy of one stage of the line search: u_up = clamp(ū + step k + K (x ⊖ x̄)).
+struct LineStage {
+  const double* x_nominal;                // null without gains
+  const double* u_nominal;
+  const StageGains* gains;                // null: u_up = ū
+  const StageDerivatives* derivatives;    // null: noise is not priced
+  const double* variance_weight;
+  const double* steps;
+  double sigma;
+  double input_limit_rad;
+};
+
+/// Evaluations of one stage for its differences. Evaluation 0 is the nominal point, 1 the same without u_up; evaluation
+/// e >= 2 steps along column e of [A | B]. Columns 0 and 1 (base x and y) need no evaluation where the ground is the same
+/// everywhere along them; along_x holds one when it is not.
+inline constexpr int kEvaluationGroups = kColumns / kLineSearchLanes;
+struct alignas(64) StageEvaluations {
+  double x[kEvaluationGroups][kNx][kLineSearchLanes];  // states, replaced by the steps' results
+  double u[kEvaluationGroups][kNu][kLineSearchLanes];
+};
+
+struct StageFinish {
+  const StageEvaluations* evaluations;
+  const double* x;                        // nominal state of the stage
+  const double* u_total;                  // nominal input of the step
+  const double* u_without_upper;
+  const double (*layer_slope)[kNdxPadded];  // d (middle + reflex) / dx (nu x ndx)
+  const double* along_x;                  // result of the step along base x, null: exactly (1, 0, ..)
+  const ResidualWeights* residual;
+  double difference_step;
+};
+
+struct LaneKernels {
+  const char* name;  // "avx512", "avx2", "baseline"
+  BackwardPassFn backward_pass;
+  /// u_up of all lanes; adds the price of their noise to noise_cost.
+  void (*line_inputs)(const LineStage&, const LaneArray* x, LaneArray* u_upper, double* noise_cost);
+  /// Sum of the layers.
+  void (*layer_inputs)(const StageContext&, const ReflexContext&, const LaneArray* x, const LaneArray* u_upper,
+                       LaneArray* u);
+  /// x_next <- x_next ⊕ share f_NN(x, u).
+  void (*add_residual)(const ResidualWeights&, double share, const LaneArray* x, const LaneArray* u, LaneArray* x_next);
+  /// cost += ||x ⊖ x_ref||²_Wx (+ ||u_up||²_Wu when u_upper is given).
+  void (*add_cost)(const ProblemContext&, int knot, const LaneArray* x, const LaneArray* u_upper, double* cost);
+  /// Nominal point and its perturbations.
+  void (*spread)(const double* x, const double* u_total, const double* u_without_upper, double difference_step,
+                 StageEvaluations&);
+  /// Differences, residual network, slope of the other layers, noise direction.
+  void (*finish_stage)(const StageFinish&, StageDerivatives&);
+};
+
+/// The fastest table this processor runs.
+const LaneKernels& lane_kernels();
+/// All tables this processor runs.
+int available_lane_kernels(const LaneKernels** out, int capacity);
+
+}  // namespace sanso::mpc

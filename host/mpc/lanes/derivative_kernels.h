@@ -1,0 +1,184 @@
+// Implementation of lane_kernels.h: perturbed states of a stage, their differences, and what is added analytically
+// (residual network, slope of middle layer and reflex). Per instruction set.
+#pragma once
+
+#include "host/mpc/lanes/stage_kernels.h"
+
+namespace sanso::mpc::SANSO_ISA {
+
+inline void spread(const double* x, const double* u_total, const double* u_without_upper, double eps,
+                   StageEvaluations& out) {
+  constexpr int kLanesPerGroup = kLineSearchLanes;
+  for (int g = 0; g < kEvaluationGroups; ++g) {
+    for (int i = 0; i < kNx; ++i) store(out.x[g][i], Lanes(x[i]));
+    for (int i = 0; i < kNu; ++i) store(out.u[g][i], Lanes(u_total[i]));
+  }
+  for (int i = 0; i < kNu; ++i) out.u[0][i][1] = u_without_upper[i];
+  for (int e = 2; e < kColumns; ++e) {
+    auto& xs = out.x[e / kLanesPerGroup];
+    const int lane = e % kLanesPerGroup;
+    if (e >= kNdx) {
+      out.u[e / kLanesPerGroup][e - kNdx][lane] += eps;
+    } else if (e >= kTheta && e < kTheta + 3) {
+      double d[3] = {0, 0, 0}, quat[4];
+      d[e - kTheta] = eps;
+      kernel::quat_plus(x + model::kXQuat, d, quat);
+      for (int i = 0; i < 4; ++i) xs[model::kXQuat + i][lane] = quat[i];
+    } else {
+      xs[e < kTheta ? e : e + 1][lane] += eps;
+    }
+  }
+}
+
+/// AB <- (f(x perturbed) ⊖ f(x)) / eps, column by column in lanes.
+inline void difference(const StageFinish& f, const double* next, StageDerivatives& out) {
+  Lanes nominal[kNx], d[kNdx], xs[kNx];
+  for (int i = 0; i < kNx; ++i) nominal[i] = next[i];
+  const double scale = 1.0 / f.difference_step;
+  for (int g = 0; g < kEvaluationGroups; ++g) {
+    load_state(f.evaluations->x[g], xs);
+    for (int i = 0; i < 3; ++i) d[i] = xs[i] - nominal[i];
+    quat_minus_small(xs + 3, nominal + 3, d + 3);
+    for (int i = 6; i < kNdx; ++i) d[i] = xs[i + 1] - nominal[i + 1];
+    for (int i = 0; i < kNdx; ++i) store(&out.AB[i][8 * g], scale * d[i]);
+  }
+  for (int i = 0; i < kNdx; ++i) out.AB[i][0] = out.AB[i][1] = 0;  // lanes of the nominal point and of the noise term
+  out.AB[0][0] = out.AB[1][1] = 1;
+  if (f.along_x) {
+    double column[kNdx];
+    state_minus(f.along_x, next, column);
+    for (int i = 0; i < kNdx; ++i) out.AB[i][0] = scale * column[i];
+  }
+}
+
+inline void single_features(const double* x, const double* u, const double (&R)[3][3], float (&out)[kFeaturesPadded]) {
+  out[0] = static_cast<float>(x[2]);
+  for (int i = 0; i < 3; ++i) {
+    out[1 + i] = static_cast<float>(-R[2][i]);
+    out[16 + i] = static_cast<float>(R[0][i] * x[model::kXVel] + R[1][i] * x[model::kXVel + 1] + R[2][i] * x[model::kXVel + 2]);
+    out[19 + i] = static_cast<float>(x[model::kXOmega + i]);
+  }
+  for (int j = 0; j < kNu; ++j) {
+    out[4 + j] = static_cast<float>(x[model::kXJoint + j]);
+    out[22 + j] = static_cast<float>(x[model::kXJointRate + j]);
+    out[34 + j] = static_cast<float>(u[j]);
+  }
+  out[46] = out[47] = 0.0f;
+}
+
+/// Tangent in world axes of a network output in base axes.
+inline void to_tangent(const float* y, const double (&R)[3][3], double* d) {
+  for (int i = 0; i < kNdx; ++i) d[i] = static_cast<double>(y[i]);
+  for (const int block : {model::kDPos, model::kDVel})
+    for (int i = 0; i < 3; ++i)
+      d[block + i] = R[i][0] * static_cast<double>(y[block]) + R[i][1] * static_cast<double>(y[block + 1]) +
+                     R[i][2] * static_cast<double>(y[block + 2]);
+}
+
+inline void state_plus(double* x, const double* d) {
+  double quat[4];
+  kernel::quat_plus(x + model::kXQuat, d + kTheta, quat);
+  for (int i = 0; i < 3; ++i) x[i] += d[i];
+  for (int i = 0; i < 4; ++i) x[model::kXQuat + i] = quat[i];
+  for (int i = 6; i < kNdx; ++i) x[i + 1] += d[i];
+}
+
+/// row3 += J skew(c): what J times R'c gains when the base turns, since R'c then changes by skew(R'c) dtheta.
+inline void add_times_skew(const float* J, const double* c, double* row3) {
+  const double a = static_cast<double>(J[0]), b = static_cast<double>(J[1]), d = static_cast<double>(J[2]);
+  row3[0] += b * c[2] - d * c[1];
+  row3[1] += d * c[0] - a * c[2];
+  row3[2] += a * c[1] - b * c[0];
+}
+
+/// Derivative of the network's tangent with respect to tangent and input, added to AB; `d` is the tangent itself.
+inline void add_residual_derivative(const StageFinish& f, const double (&R)[3][3], const float (&features)[kFeaturesPadded],
+                                    const float (&y)[kOutputsPadded], const float (&J)[kOutputCount][kFeaturesPadded],
+                                    const double* d, StageDerivatives& out) {
+  // analytical orientation columns as seen from the corrected orientation: Exp(d)' A = A - d x A + ..
+  const double* t = d + kTheta;
+  for (int c = 0; c < kColumns; ++c) {
+    double a[3] = {out.AB[3][c], out.AB[4][c], out.AB[5][c]}, once[3], twice[3];
+    kernel::cross(t, a, once);
+    kernel::cross(t, once, twice);
+    for (int i = 0; i < 3; ++i) out.AB[3 + i][c] = a[i] - once[i] + 0.5 * twice[i];
+  }
+  double g[3], v[3];
+  for (int i = 0; i < 3; ++i) g[i] = static_cast<double>(features[1 + i]), v[i] = static_cast<double>(features[16 + i]);
+  alignas(64) double D[kNdx][kColumns];
+  for (int i = 0; i < kNdx; ++i) {
+    const float* row = J[i];
+    D[i][0] = D[i][1] = D[i][3] = D[i][4] = D[i][5] = 0;
+    D[i][2] = static_cast<double>(row[0]);
+    add_times_skew(row + 1, g, &D[i][kTheta]);
+    add_times_skew(row + 16, v, &D[i][kTheta]);
+    for (int j = 0; j < 3; ++j) {
+      D[i][model::kDVel + j] = static_cast<double>(row[16]) * R[j][0] + static_cast<double>(row[17]) * R[j][1] +
+                               static_cast<double>(row[18]) * R[j][2];
+      D[i][model::kDOmega + j] = static_cast<double>(row[19 + j]);
+    }
+    for (int j = 0; j < kNu; ++j) {
+      D[i][model::kDJoint + j] = static_cast<double>(row[4 + j]);
+      D[i][model::kDJointRate + j] = static_cast<double>(row[22 + j]);
+      D[i][kNdx + j] = static_cast<double>(row[34 + j]);
+    }
+  }
+  // orientation: the network's own change enters through the right Jacobian of Exp, 1 - skew(d)/2 + ..
+  for (int c = 0; c < kColumns; ++c) {
+    double a[3] = {D[3][c], D[4][c], D[5][c]}, once[3], twice[3];
+    kernel::cross(t, a, once);
+    kernel::cross(t, once, twice);
+    for (int i = 0; i < 3; ++i) D[3 + i][c] = a[i] - 0.5 * once[i] + twice[i] / 6.0;
+  }
+  for (const int block : {model::kDPos, model::kDVel}) {
+    // linear blocks: R y, and turning the base turns them: -R skew(y)
+    for (int i = 0; i < 3; ++i) {
+      const float unit[3] = {i == 0 ? 1.0f : 0.0f, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f};
+      const double yb[3] = {-static_cast<double>(y[block]), -static_cast<double>(y[block + 1]), -static_cast<double>(y[block + 2])};
+      add_times_skew(unit, yb, &D[block + i][kTheta]);
+    }
+    for (int c = 0; c < kColumns; ++c)
+      for (int i = 0; i < 3; ++i)
+        out.AB[block + i][c] += R[i][0] * D[block][c] + R[i][1] * D[block + 1][c] + R[i][2] * D[block + 2][c];
+  }
+  for (int i = 3; i < kNdx; ++i)
+    if (i < model::kDVel || i >= model::kDVel + 3)
+      for (int c = 0; c < kColumns; ++c) out.AB[i][c] += D[i][c];
+}
+
+/// A += B (d layers / dx).
+inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives& out) {
+  for (int i = 0; i < kNdx; ++i) {
+    alignas(64) double row[kNdxPadded] = {};
+    for (int c = 0; c < kNdxPadded; c += 8) {
+      Vector8 sum = load8(row + c);
+      for (int j = 0; j < kNu; ++j) sum += broadcast8(out.AB[i][kNdx + j]) * load8(slope[j] + c);
+      store8(row + c, sum);
+    }
+    for (int c = 0; c < kNdx; ++c) out.AB[i][c] += row[c];
+  }
+}
+
+inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
+  double next[kNx], without[kNx], R[3][3];
+  for (int i = 0; i < kNx; ++i) next[i] = f.evaluations->x[0][i][0], without[i] = f.evaluations->x[0][i][1];
+  difference(f, next, out);
+  if (f.residual) {
+    alignas(64) float features[kFeaturesPadded], y[kOutputsPadded], J[kOutputCount][kFeaturesPadded];
+    double d[kNdx];
+    kernel::rotation_from_quat(f.x + model::kXQuat, R);
+    single_features(f.x, f.u_total, R, features);
+    residual_jacobian(*f.residual, features, y, J);
+    to_tangent(y, R, d);
+    add_residual_derivative(f, R, features, y, J, d, out);
+    state_plus(next, d);
+    single_features(f.x, f.u_without_upper, R, features);
+    residual_single(*f.residual, features, y);
+    to_tangent(y, R, d);
+    state_plus(without, d);
+  }
+  state_minus(next, without, out.F);
+  add_layer_slope(f.layer_slope, out);
+}
+
+}  // namespace sanso::mpc::SANSO_ISA

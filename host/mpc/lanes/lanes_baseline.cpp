@@ -1,0 +1,2 @@
+#define SANSO_ISA baseline
+#include "host/mpc/lanes/lanes_unit.h"

@@ -1,0 +1,189 @@
+#include "host/mpc/op3_phases.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "shared/model/state_layout.h"
+
+namespace sanso::mpc {
+namespace {
+
+using model::Input;
+using model::State;
+using model::Tangent;
+
+Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const State>(x); }
+
+double zeta(double distance, double sharpness) { return 1.0 / (1.0 + std::exp(sharpness * distance)); }
+
+// A lane array of a roll-out seen as the batch step's argument: the same memory, [component][lane].
+model::StateLanes& as_lanes(double (*x)[kLineSearchLanes]) { return *reinterpret_cast<model::StateLanes*>(x); }
+model::InputLanes& as_input(double (*u)[kLineSearchLanes]) { return *reinterpret_cast<model::InputLanes*>(u); }
+
+}  // namespace
+
+static_assert(kLineSearchLanes == model::kLanes);
+
+Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool)
+    : settings_(settings), pool_(pool), kernels_(lane_kernels()), work_(std::make_unique<Workspace>()) {
+  std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));
+  set_model(model);
+}
+
+void Op3Phases::set_model(const host::AugmentedModel& model) {
+  model_ = model;
+  work_->residual.present = false;
+  if (model_.residual) fold(*model_.residual, work_->residual);
+}
+
+bool Op3Phases::ground_varies() const {
+  const model::GroundSegment& first = model_.ground.segment[0];
+  return model_.ground.num_segments > 1 || first.sin_slope != 0 || first.curvature != 0;
+}
+
+int Op3Phases::along_x_groups() const { return ground_varies() ? (stages() + model::kLanes - 1) / model::kLanes : 0; }
+
+void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) {
+  const Trajectory& nominal = *policy.nominal;
+  for (int i = 0; i < kNx; ++i)
+    for (int lane = 0; lane < kLineSearchLanes; ++lane) out.x[0][i][lane] = nominal.x[0][i];
+  std::memset(out.cost, 0, sizeof out.cost);
+  std::memset(out.noise_cost, 0, sizeof out.noise_cost);
+  model::InputLanes u;
+  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
+  for (int k = 0; k < stages(); ++k) {
+    const LineStage line{nominal.x[k],
+                         nominal.u[k],
+                         policy.gains ? policy.gains + k : nullptr,
+                         policy.derivatives ? policy.derivatives + k : nullptr,
+                         policy.variance_weight ? policy.variance_weight[k] : nullptr,
+                         steps,
+                         policy.sigma,
+                         policy.input_limit_rad};
+    kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
+    kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);
+    kernels_.add_cost(work_->context, k, out.x[k], out.u[k], out.cost);
+    model::step_batch(model_.analytical, model_.ground, &as_lanes(out.x[k]), &u, step, &as_lanes(out.x[k + 1]),
+                      &work_->rolled_contact[k], 1);
+    if (residual()) kernels_.add_residual(*residual(), 1.0, out.x[k], u.v, out.x[k + 1]);
+  }
+  kernels_.add_cost(work_->context, stages(), out.x[stages()], nullptr, out.cost);
+  for (double& cost : out.cost)
+    if (!std::isfinite(cost)) cost = std::numeric_limits<double>::infinity();
+}
+
+void Op3Phases::lane_taken(int lane) {
+  for (int k = 0; k < stages(); ++k)
+    for (int i = 0; i < model::kNumContactRows; ++i) work_->nominal_contact[k][i] = work_->rolled_contact[k].v[i][lane];
+}
+
+void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+  pool_.run(stages(), [&](int stage, int) { prepare_stage(nominal, stage); });
+  if (ground_varies()) prepare_along_x(nominal);
+  pool_.run(stages() * kEvaluationGroups + along_x_groups(), [&](int item, int) { evaluate_group(item); });
+  pool_.run(stages() + 1, [&](int knot, int) { finish_knot(nominal, knot, derivatives, costs); });
+}
+
+void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
+  const StageContext& c = work_->context.stage[stage];
+  const ReflexContext& reflex = work_->context.reflex;
+  Nominal& n = work_->nominal[stage];
+  const double* x = nominal.x[stage];
+  std::memset(n.layer_slope, 0, sizeof n.layer_slope);
+  for (int i = 0; i < kNu; ++i) n.u_without_upper[i] = c.u_fixed[i];
+  if (c.has_middle) {
+    const Tangent dx = model::minus(as_state(x), as_state(c.x_middle));
+    const math::Mat3 J = math::right_jacobian_inverse(dx.segment<3>(model::kDTheta));
+    for (int i = 0; i < kNu; ++i) {
+      for (int j = 0; j < kNdx; ++j) {
+        n.u_without_upper[i] += c.K_middle[i][j] * dx[j];
+        n.layer_slope[i][j] = c.K_middle[i][j];
+      }
+      for (int j = 0; j < 3; ++j)
+        n.layer_slope[i][kTheta + j] = c.K_middle[i][kTheta] * J(0, j) + c.K_middle[i][kTheta + 1] * J(1, j) +
+                                       c.K_middle[i][kTheta + 2] * J(2, j);
+    }
+  }
+  if (reflex.on) {
+    for (int i = 0; i < kNu; ++i) {
+      const double q = x[model::kXJoint + i];
+      const double below = zeta(q - reflex.lower[i], reflex.sharpness), above = zeta(reflex.upper[i] - q, reflex.sharpness);
+      n.u_without_upper[i] += reflex.gain * (below - above);
+      n.layer_slope[i][model::kDJoint + i] -=
+          reflex.gain * reflex.sharpness * (below * (1 - below) + above * (1 - above));
+    }
+  }
+  for (int i = 0; i < kNu; ++i) n.u_total[i] = n.u_without_upper[i] + nominal.u[stage][i];
+  kernels_.spread(x, n.u_total, n.u_without_upper, settings_.difference_step, work_->evaluations[stage]);
+}
+
+void Op3Phases::prepare_along_x(const Trajectory& nominal) {
+  for (int lane = 0; lane < along_x_groups() * model::kLanes; ++lane) {
+    const int stage = lane < stages() ? lane : 0, group = lane / model::kLanes, l = lane % model::kLanes;
+    for (int i = 0; i < kNx; ++i) work_->along_x[group].v[i][l] = nominal.x[stage][i];
+    work_->along_x[group].v[0][l] += settings_.difference_step;
+    for (int i = 0; i < kNu; ++i) work_->along_x_input[group].v[i][l] = work_->nominal[stage].u_total[i];
+  }
+}
+
+/// Every evaluation starts the contact solver from the nominal solution with the same number of sweeps, the nominal point
+/// too: otherwise the difference would contain what the sweeps left over.
+void Op3Phases::evaluate_group(int item) {
+  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
+  model::ContactLanes contact;
+  const int along = item - stages() * kEvaluationGroups;
+  if (along >= 0) {
+    for (int l = 0; l < model::kLanes; ++l) {
+      const int stage = along * model::kLanes + l < stages() ? along * model::kLanes + l : 0;
+      for (int i = 0; i < model::kNumContactRows; ++i) contact.v[i][l] = work_->nominal_contact[stage][i];
+    }
+    model::StateLanes& x = work_->along_x[along];
+    model::step_batch(model_.analytical, model_.ground, &x, &work_->along_x_input[along], step, &x, &contact, 1);
+    return;
+  }
+  const int stage = item / kEvaluationGroups, group = item % kEvaluationGroups;
+  for (int i = 0; i < model::kNumContactRows; ++i)
+    for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
+  StageEvaluations& e = work_->evaluations[stage];
+  model::step_batch(model_.analytical, model_.ground, &as_lanes(e.x[group]), &as_input(e.u[group]), step,
+                    &as_lanes(e.x[group]), &contact, 1);
+}
+
+void Op3Phases::finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs) {
+  const bool last = knot == stages();
+  cost_model(work_->context, knot, nominal.x[knot], last ? nullptr : nominal.u[knot], costs[knot]);
+  if (last) return;
+  const Nominal& n = work_->nominal[knot];
+  double along_x[kNx];
+  if (ground_varies())
+    for (int i = 0; i < kNx; ++i) along_x[i] = work_->along_x[knot / model::kLanes].v[i][knot % model::kLanes];
+  const StageFinish finish{&work_->evaluations[knot], nominal.x[knot],    n.u_total,
+                           n.u_without_upper,         n.layer_slope,      ground_varies() ? along_x : nullptr,
+                           residual(),                settings_.difference_step};
+  kernels_.finish_stage(finish, derivatives[knot]);
+}
+
+void cost_model(const ProblemContext& context, int knot, const double* x, const double* u, StageCost& out) {
+  const Tangent e = model::minus(as_state(x), as_state(context.x_ref[knot]));
+  const double* w = context.state_weight;
+  // e(x ⊕ d) = e + J d with J = identity but for the orientation, where it is the inverse right Jacobian of Exp
+  const math::Mat3 J = math::right_jacobian_inverse(e.segment<3>(kTheta));
+  const math::Vec3 w_theta(w[kTheta], w[kTheta + 1], w[kTheta + 2]);
+  for (int i = 0; i < kNdx; ++i) {
+    out.lx[i] = 2 * w[i] * e[i];
+    out.lxx_diagonal[i] = 2 * w[i];
+  }
+  const math::Vec3 slope = 2 * J.transpose() * w_theta.cwiseProduct(e.segment<3>(kTheta));
+  const math::Mat3 curvature = 2 * J.transpose() * w_theta.asDiagonal() * J;
+  for (int i = 0; i < 3; ++i) {
+    out.lx[kTheta + i] = slope[i];
+    for (int j = 0; j < 3; ++j) out.lxx_theta[i][j] = curvature(i, j);
+  }
+  for (int i = 0; i < kNu; ++i) {
+    out.lu[i] = u ? 2 * context.input_weight[i] * u[i] : 0;
+    out.luu_diagonal[i] = u ? 2 * context.input_weight[i] : 0;
+  }
+}
+
+}  // namespace sanso::mpc

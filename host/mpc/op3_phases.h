@@ -1,0 +1,67 @@
+// The solver's phases for the OP3: learned whole-body model, sum of the layers, tracking cost. Derivatives are forward
+// differences in SIMD lanes (why: docs/decisions), the residual network's part and the other layers' part are exact.
+#pragma once
+
+#include <memory>
+
+#include "host/model/augmented_model.h"
+#include "host/mpc/lane_kernels.h"
+#include "host/mpc/spin_pool.h"
+#include "shared/model/step_batch.h"
+
+namespace sanso::mpc {
+
+struct Op3PhasesSettings {
+  int horizon = 12;
+  double dt_s = 0.06;
+  double difference_step = 1e-4;
+};
+
+class Op3Phases : public Phases {
+ public:
+  Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool);
+
+  void set_model(const host::AugmentedModel& model);
+  /// Filled by the caller before every solve.
+  ProblemContext& context() { return work_->context; }
+  const ResidualWeights* residual() const { return work_->residual.present ? &work_->residual : nullptr; }
+
+  int stages() const override { return settings_.horizon - 1; }
+  void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) override;
+  void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) override;
+  void lane_taken(int lane) override;
+
+ private:
+  struct Nominal {  // of one stage
+    double u_total[kNuPadded], u_without_upper[kNuPadded];
+    double layer_slope[kNu][kNdxPadded];  // d (middle + reflex) / dx
+  };
+  struct Workspace {
+    ProblemContext context;
+    ResidualWeights residual;
+    StageEvaluations evaluations[kMaxStages];
+    Nominal nominal[kMaxStages];
+    model::ContactLanes rolled_contact[kMaxStages];   // of the last roll-out
+    double nominal_contact[kMaxStages][model::kNumContactRows];
+    model::StateLanes along_x[kMaxStages / model::kLanes + 1];  // lane = stage: steps along base x, on ground that needs them
+    model::InputLanes along_x_input[kMaxStages / model::kLanes + 1];
+  };
+
+  void prepare_stage(const Trajectory& nominal, int stage);
+  void prepare_along_x(const Trajectory& nominal);
+  void evaluate_group(int item);
+  void finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs);
+  bool ground_varies() const;
+  int along_x_groups() const;
+
+  Op3PhasesSettings settings_;
+  host::AugmentedModel model_;
+  SpinPool& pool_;
+  const LaneKernels& kernels_;
+  std::unique_ptr<Workspace> work_;
+};
+
+/// Second-order model of ||x ⊖ x_ref||²_Wx (and of ||u||²_Wu when u is given) on the tangent at x.
+void cost_model(const ProblemContext& context, int knot, const double* x, const double* u, StageCost& out);
+
+}  // namespace sanso::mpc

@@ -1,0 +1,25 @@
+// The residual network as the lane kernels read it: single precision, transposed (input by unit), standardisation folded
+// into the first and last layer, rows padded to whole packs of 16. Plain arrays: shared by all instruction sets.
+#pragma once
+
+namespace sanso::host {
+struct ResidualNetwork;
+}
+
+namespace sanso::mpc {
+
+inline constexpr int kFeatureCount = 46, kFeaturesPadded = 48, kHiddenUnits = 64, kOutputCount = 36, kOutputsPadded = 48;
+
+struct alignas(64) ResidualWeights {
+  bool present = false;
+  float W1[kFeatureCount][kHiddenUnits];            // [feature][unit]
+  float W1_by_unit[kHiddenUnits][kFeaturesPadded];  // the same, transposed: rows of the Jacobian
+  float W2[kHiddenUnits][kHiddenUnits];             // [unit below][unit above]
+  float W3[kHiddenUnits][kOutputsPadded];           // [unit][output]
+  float b1[kHiddenUnits], b2[kHiddenUnits], b3[kOutputsPadded];
+};
+
+/// `network` with its standardisation folded in.
+void fold(const host::ResidualNetwork& network, ResidualWeights& out);
+
+}  // namespace sanso::mpc
