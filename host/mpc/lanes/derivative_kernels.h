@@ -6,6 +6,8 @@
 
 namespace sanso::mpc::SANSO_ISA {
 
+inline constexpr int kLinearBlocks[2] = {model::kDPos, model::kDVel};  // blocks of a tangent in world axes
+
 inline void spread(const double* x, const double* u_total, const double* u_without_upper, double eps,
                    StageEvaluations& out) {
   constexpr int kLanesPerGroup = kLineSearchLanes;
@@ -69,7 +71,7 @@ inline void single_features(const double* x, const double* u, const double (&R)[
 /// Tangent in world axes of a network output in base axes.
 inline void to_tangent(const float* y, const double (&R)[3][3], double* d) {
   for (int i = 0; i < kNdx; ++i) d[i] = static_cast<double>(y[i]);
-  for (const int block : {model::kDPos, model::kDVel})
+  for (const int block : kLinearBlocks)
     for (int i = 0; i < 3; ++i)
       d[block + i] = R[i][0] * static_cast<double>(y[block]) + R[i][1] * static_cast<double>(y[block + 1]) +
                      R[i][2] * static_cast<double>(y[block + 2]);
@@ -92,7 +94,7 @@ inline void add_times_skew(const float* J, const double* c, double* row3) {
 }
 
 /// Derivative of the network's tangent with respect to tangent and input, added to AB; `d` is the tangent itself.
-inline void add_residual_derivative(const StageFinish& f, const double (&R)[3][3], const float (&features)[kFeaturesPadded],
+inline void add_residual_derivative(const double (&R)[3][3], const float (&features)[kFeaturesPadded],
                                     const float (&y)[kOutputsPadded], const float (&J)[kOutputCount][kFeaturesPadded],
                                     const double* d, StageDerivatives& out) {
   // analytical orientation columns as seen from the corrected orientation: Exp(d)' A = A - d x A + ..
@@ -130,7 +132,7 @@ inline void add_residual_derivative(const StageFinish& f, const double (&R)[3][3
     kernel::cross(t, once, twice);
     for (int i = 0; i < 3; ++i) D[3 + i][c] = a[i] - 0.5 * once[i] + twice[i] / 6.0;
   }
-  for (const int block : {model::kDPos, model::kDVel}) {
+  for (const int block : kLinearBlocks) {
     // linear blocks: R y, and turning the base turns them: -R skew(y)
     for (int i = 0; i < 3; ++i) {
       const float unit[3] = {i == 0 ? 1.0f : 0.0f, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f};
@@ -170,7 +172,7 @@ inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
     single_features(f.x, f.u_total, R, features);
     residual_jacobian(*f.residual, features, y, J);
     to_tangent(y, R, d);
-    add_residual_derivative(f, R, features, y, J, d, out);
+    add_residual_derivative(R, features, y, J, d, out);
     state_plus(next, d);
     single_features(f.x, f.u_without_upper, R, features);
     residual_single(*f.residual, features, y);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "host/mpc/problem.h"
-#include "shared/model/kernel/trig.h"
+#include "shared/model/kernel/step.h"
 
 namespace sanso::mpc::SANSO_ISA {
 
@@ -64,7 +64,7 @@ inline Lanes exp_of(Lanes a) {
   for (int k = 13; k >= 1; --k) sum = 1.0 + r * (1.0 / k) * sum;
   // 2^n: the exponent field of a double
   const auto bits = (__builtin_convertvector(n.v, Lanes::Mask) + 1023) << 52;
-  return sum * Lanes(reinterpret_cast<const Lanes::Lanes&>(bits));
+  return sum * Lanes(__builtin_bit_cast(Lanes::Lanes, bits));
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

@@ -25,7 +25,7 @@ inline Floats softplus(Floats a, Floats& slope) {
   Floats e = Floats{} + 1.0f;
   for (int k = 7; k >= 1; --k) e = 1.0f + r * (1.0f / static_cast<float>(k)) * e;
   const FloatBits bits = (__builtin_convertvector(n, FloatBits) + 127) << 23;
-  e *= reinterpret_cast<const Floats&>(bits);
+  e *= __builtin_bit_cast(Floats, bits);
   // log(1 + e) = 2 atanh(s), s = e / (2 + e) <= 1/3
   const Floats s = e / (2.0f + e), s2 = s * s;
   Floats log1p = Floats{} + 1.0f / 15;
