@@ -1,0 +1,39 @@
+#include "host/learn/identify.h"
+
+#include <stdexcept>
+
+#include "host/learn/parallel.h"
+
+namespace sanso::learn {
+
+Identification identify(const std::vector<PredictionWindow>& all_windows, const ParameterMap& map, const model::Ground& ground,
+                        const model::Tangent& weights, const IdentifySettings& settings, std::uint64_t seed,
+                        const Eigen::VectorXd& start_z, const std::function<bool(const CrossEntropyState&)>& after_generation) {
+  if (all_windows.empty()) {
+    throw std::invalid_argument("identification: no window of 0.72 s without a gap in the recordings; record longer trials");
+  }
+  const std::vector<PredictionWindow> windows = thinned(all_windows, static_cast<std::size_t>(settings.max_windows));
+  const auto loss_of = [&](const Eigen::VectorXd& z) {
+    return n_step_loss(windows, model::make_step_model(map.parameters(z)), ground, weights);
+  };
+  const double loss_initial = loss_of(Eigen::VectorXd::Zero(map.size()));
+  const double prior = settings.prior_weight * loss_initial / static_cast<double>(map.size());
+
+  const EvaluateCandidates evaluate = [&](const Eigen::MatrixXd& candidates) {
+    std::vector<double> losses(static_cast<std::size_t>(candidates.cols()));
+    parallel_for(losses.size(), settings.threads, [&](std::size_t c) {
+      const Eigen::VectorXd z = candidates.col(static_cast<Eigen::Index>(c));
+      losses[c] = loss_of(z) + prior * z.squaredNorm();
+    });
+    return losses;
+  };
+  const Eigen::VectorXd mean = start_z.size() == map.size() ? start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));
+  CrossEntropyState state = start_cross_entropy(mean, Eigen::VectorXd::Ones(map.size()), evaluate);
+  while (state.generation < settings.search.generations) {
+    advance_cross_entropy(state, settings.search, seed, evaluate);
+    if (after_generation && !after_generation(state)) break;
+  }
+  return {map.parameters(state.best), state.best, loss_initial, loss_of(state.best), state.generation};
+}
+
+}  // namespace sanso::learn

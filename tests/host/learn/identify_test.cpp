@@ -1,0 +1,167 @@
+#include "host/learn/identify.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "host/learn/pseudo_inertia.h"
+#include "shared/model/op3_step.h"
+
+namespace sanso::learn {
+namespace {
+
+constexpr std::uint64_t kSeed = 11;
+
+TEST(PseudoInertia, RoundTripOfEveryLink) {
+  const model::ModelParameters nominal = model::nominal_parameters();
+  for (int b = 0; b < model::kNumBodies; ++b) {
+    const model::BodyInertia& body = nominal.body[b];
+    const model::BodyInertia back = body_of(log_cholesky_of(body));
+    EXPECT_NEAR(back.mass, body.mass, 1e-12);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(back.com[i], body.com[i], 1e-12);
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(back.inertia[i], body.inertia[i], 1e-12) << "body " << b << " entry " << i;
+  }
+}
+
+TEST(PseudoInertia, EveryParameterVectorIsABodyThatCouldExist) {
+  std::mt19937_64 rng(kSeed);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 1000; ++k) {
+    LogCholesky p;
+    for (double& v : p) v = 2.0 * normal(rng);
+    const model::BodyInertia b = body_of(p);
+    Eigen::Matrix3d I;
+    I << b.inertia[0], b.inertia[1], b.inertia[2], b.inertia[1], b.inertia[3], b.inertia[4], b.inertia[2], b.inertia[4], b.inertia[5];
+    EXPECT_GT(b.mass, 0.0);
+    // positive density: the second moments about the centre of mass are positive semi-definite
+    const Eigen::Matrix3d second_moments = 0.5 * I.trace() * Eigen::Matrix3d::Identity() - I;
+    EXPECT_GE(second_moments.eigenvalues().real().minCoeff(), -1e-9 * I.trace()) << "seed " << kSeed << " draw " << k;
+  }
+}
+
+TEST(PseudoInertia, ImpossibleBodyIsRefused) {
+  EXPECT_THROW(log_cholesky_of({1.0, {0, 0, 0}, {1.0, 0, 0, 0.1, 0, 0.1}}), std::invalid_argument) << "1 > 0.1 + 0.1";
+}
+
+std::vector<double> bowl(const Eigen::MatrixXd& z) {
+  std::vector<double> losses;
+  for (Eigen::Index c = 0; c < z.cols(); ++c) {
+    const Eigen::Vector3d d = z.col(c) - Eigen::Vector3d(0.5, -1.0, 0.2);
+    losses.push_back(d[0] * d[0] + 10 * d[1] * d[1] + d[2] * d[2] + d[0] * d[1]);
+  }
+  return losses;
+}
+
+TEST(CrossEntropy, FindsTheBottomOfABowl) {
+  CrossEntropySettings settings;
+  settings.smallest_deviation = 1e-4;
+  auto state = start_cross_entropy(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), bowl);
+  for (int g = 0; g < 25; ++g) advance_cross_entropy(state, settings, kSeed, bowl);
+  EXPECT_LT((state.best - Eigen::Vector3d(0.5, -1.0, 0.2)).norm(), 0.02);
+}
+
+TEST(CrossEntropy, ContinuedSearchEqualsUninterrupted) {
+  const CrossEntropySettings settings;
+  auto whole = start_cross_entropy(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), bowl);
+  for (int g = 0; g < 6; ++g) advance_cross_entropy(whole, settings, kSeed, bowl);
+  auto first = start_cross_entropy(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), bowl);
+  for (int g = 0; g < 3; ++g) advance_cross_entropy(first, settings, kSeed, bowl);
+  CrossEntropyState stored = first;  // what a file would hold
+  for (int g = 0; g < 3; ++g) advance_cross_entropy(stored, settings, kSeed, bowl);
+  EXPECT_EQ(whole.mean, stored.mean);
+  EXPECT_EQ(whole.best, stored.best);
+}
+
+TEST(CrossEntropy, NotANumberIsWorst) {
+  const EvaluateCandidates holes = [](const Eigen::MatrixXd& z) {
+    std::vector<double> losses = bowl(z);
+    for (std::size_t i = 0; i < losses.size(); i += 2) losses[i] = std::nan("");
+    return losses;
+  };
+  auto state = start_cross_entropy(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones(), bowl);
+  for (int g = 0; g < 10; ++g) advance_cross_entropy(state, {}, kSeed, holes);
+  EXPECT_TRUE(state.best.allFinite());
+  EXPECT_LT(state.best_loss, 1.0);
+}
+
+// Windows of a robot that is the model with other parameters: standing with bent knees, targets moving about that pose.
+std::vector<PredictionWindow> windows_of_world(const model::ModelParameters& truth, int count) {
+  const model::StepModel step_model = model::make_step_model(truth);
+  const model::Ground ground = model::make_plane();
+  model::Input pose;
+  pose << 0, 0, 0.56, -1.13, -0.57, 0, 0, 0, -0.56, 1.13, 0.57, 0;  // upright, base 0.245 m (ROBOTIS kinematics)
+  std::mt19937_64 rng(kSeed);
+  std::normal_distribution<double> normal;
+  std::vector<PredictionWindow> windows;
+  model::StepScratch scratch;
+  for (int w = 0; w < count; ++w) {
+    PredictionWindow window;
+    window.trial = static_cast<std::uint32_t>(w);
+    model::State x = model::neutral_state();
+    x[2] = 0.245;
+    x.segment<model::kNumJoints>(model::kXJoint) = pose;
+    for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJointRate + j] = 0.3 * normal(rng);
+    window.x[0] = x;
+    for (int k = 0; k < kPredictionSteps; ++k) {
+      for (int j = 0; j < model::kNumJoints; ++j) window.u[k][j] = pose[j] + 0.08 * normal(rng);
+      model::analytical_step(step_model, ground, x.data(), window.u[k].data(), 0.06, 1, x.data(), scratch);
+      window.x[k + 1] = x;
+    }
+    windows.push_back(window);
+  }
+  return windows;
+}
+
+model::Tangent state_weights() {
+  model::Tangent w = model::Tangent::Constant(3.0);
+  w.segment<3>(0) << 300, 300, 1000;
+  w.segment<3>(3) << 60, 60, 20;
+  w.segment<12>(24).setConstant(0.02);
+  return w;
+}
+
+TEST(NStepLoss, IsZeroForTheModelThatMadeTheData) {
+  const auto windows = windows_of_world(model::nominal_parameters(), 11);  // not a multiple of the lanes
+  const auto model = model::make_step_model(model::nominal_parameters());
+  EXPECT_LT(n_step_loss(windows, model, model::make_plane(), state_weights()), 1e-12);
+}
+
+TEST(Identify, RecoversStiffnessAndCentreOfMass) {
+  model::ModelParameters truth = model::nominal_parameters();
+  for (auto& servo : truth.servo) servo.stiffness *= 0.7;
+  truth.body[0].com[0] += 0.015;
+  const auto windows = windows_of_world(truth, 64);
+  const ParameterMap map(model::nominal_parameters());
+  IdentifySettings settings;
+  settings.search.generations = 30;
+  settings.prior_weight = 0.005;
+  const Identification found = identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
+  EXPECT_LT(found.loss, 0.05 * found.loss_initial);
+  double mean_ratio = 0;
+  for (int j = 0; j < model::kNumJoints; ++j) mean_ratio += found.parameters.servo[j].stiffness / truth.servo[j].stiffness / 12;
+  EXPECT_NEAR(mean_ratio, 1.0, 0.05);
+  EXPECT_NEAR(found.parameters.body[0].com[0], truth.body[0].com[0], 0.004);
+}
+
+TEST(Identify, ThreadsDoNotChangeTheResult) {
+  model::ModelParameters truth = model::nominal_parameters();
+  truth.body[0].mass += 0.3;
+  const auto windows = windows_of_world(truth, 16);
+  const ParameterMap map(model::nominal_parameters());
+  IdentifySettings settings;
+  settings.search.generations = 2;
+  settings.threads = 1;
+  const auto one = identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
+  settings.threads = 3;
+  const auto three = identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
+  EXPECT_EQ(one.z, three.z);
+}
+
+TEST(Identify, NoDataIsAnError) {
+  const ParameterMap map(model::nominal_parameters());
+  EXPECT_THROW(identify({}, map, model::make_plane(), state_weights(), {}, kSeed), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace sanso::learn
