@@ -32,7 +32,8 @@ Eigen::MatrixXd samples_of(const CrossEntropyState& state, int population, std::
   Normal normal(derived_seed(seed, static_cast<std::uint64_t>(state.generation), Stream::identification));
   Eigen::MatrixXd candidates(state.mean.size(), population);
   for (Eigen::Index c = 0; c < population; ++c) {
-    for (Eigen::Index i = 0; i < state.mean.size(); ++i) candidates(i, c) = state.mean[i] + state.deviation[i] * normal();
+    for (Eigen::Index i = 0; i < state.mean.size(); ++i)
+      candidates(i, c) = state.mean[i] + state.deviation[i] * normal();
   }
   return candidates;
 }
@@ -41,7 +42,8 @@ Eigen::MatrixXd samples_of(const CrossEntropyState& state, int population, std::
 
 CrossEntropyState start_cross_entropy(const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation,
                                       const EvaluateCandidates& evaluate) {
-  if (mean.size() == 0 || mean.size() != deviation.size()) throw std::invalid_argument("cross-entropy: mean and deviation must have the same, non-zero size");
+  if (mean.size() == 0 || mean.size() != deviation.size())
+    throw std::invalid_argument("cross-entropy: mean and deviation must have the same, non-zero size");
   return {0, mean, deviation, mean, ranked(evaluate(mean).at(0))};
 }
 

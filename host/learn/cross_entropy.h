@@ -1,7 +1,7 @@
-// The cross-entropy method: minimises a function by sampling a Gaussian, keeping the best, and fitting the Gaussian to them.
-// [Kochenderfer and Wheeler 2019, "Algorithms for Optimization", section 8.4]
-// Every generation's samples depend only on the seed, its number and the distribution: a search that stops after any
-// generation continues from its state with the same numbers, and it does not matter who evaluates the candidates.
+// The cross-entropy method: minimises a function by sampling a Gaussian, keeping the best, and fitting the Gaussian to
+// them. [Kochenderfer and Wheeler 2019, "Algorithms for Optimization", section 8.4] Every generation's samples depend
+// only on the seed, its number and the distribution: a search that stops after any generation continues from its state
+// with the same numbers, and it does not matter who evaluates the candidates.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ struct CrossEntropySettings {
   int population = 64;
   int elites = 12;
   int generations = 15;
-  double smoothing = 0.7;       // share of the elites' statistics in the new distribution
+  double smoothing = 0.7;            // share of the elites' statistics in the new distribution
   double smallest_deviation = 0.02;  // of a standardised parameter: keeps the search alive
 
   constexpr void visit(auto&& field) {

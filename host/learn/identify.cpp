@@ -6,11 +6,13 @@
 
 namespace sanso::learn {
 
-Identification identify(const std::vector<PredictionWindow>& all_windows, const ParameterMap& map, const model::Ground& ground,
-                        const model::Tangent& weights, const IdentifySettings& settings, std::uint64_t seed,
-                        const Eigen::VectorXd& start_z, const std::function<bool(const CrossEntropyState&)>& after_generation) {
+Identification identify(const std::vector<PredictionWindow>& all_windows, const ParameterMap& map,
+                        const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
+                        std::uint64_t seed, const Eigen::VectorXd& start_z,
+                        const std::function<bool(const CrossEntropyState&)>& after_generation) {
   if (all_windows.empty()) {
-    throw std::invalid_argument("identification: no window of 0.72 s without a gap in the recordings; record longer trials");
+    throw std::invalid_argument(
+        "identification: no window of 0.72 s without a gap in the recordings; record longer trials");
   }
   const std::vector<PredictionWindow> windows = thinned(all_windows, static_cast<std::size_t>(settings.max_windows));
   const auto loss_of = [&](const Eigen::VectorXd& z) {
@@ -27,7 +29,8 @@ Identification identify(const std::vector<PredictionWindow>& all_windows, const 
     });
     return losses;
   };
-  const Eigen::VectorXd mean = start_z.size() == map.size() ? start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));
+  const Eigen::VectorXd mean =
+      start_z.size() == map.size() ? start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));
   CrossEntropyState state = start_cross_entropy(mean, Eigen::VectorXd::Ones(map.size()), evaluate);
   while (state.generation < settings.search.generations) {
     advance_cross_entropy(state, settings.search, seed, evaluate);

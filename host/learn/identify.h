@@ -1,5 +1,7 @@
-// Identification of the analytical model: parameters near the initial ones that predict the recordings best over N steps.
-// Cross-entropy method on the N-step loss in W_x (paper, eq. 6); every candidate is physically consistent.
+// Identification of the analytical model: parameters near the initial ones that predict the recordings best over N
+// steps. Cross-entropy method on the N-step loss in W_x (paper, eq. 6); every candidate is physically consistent. From
+// positions and velocities alone the common scale of all masses, stiffnesses and damping is not determined; the prior
+// keeps it near the initial model.
 #pragma once
 
 #include <functional>
@@ -12,8 +14,9 @@ namespace sanso::learn {
 
 struct IdentifySettings {
   CrossEntropySettings search;
-  double prior_weight = 0.02;      // of |z|^2 / size, relative to the loss of the initial model: ties go to the initial model
-  int max_windows = 240;           // recordings are thinned to so many windows
+  double prior_weight =
+      0.02;               // of |z|^2 / size, relative to the loss of the initial model: ties go to the initial model
+  int max_windows = 240;  // recordings are thinned to so many windows
   int threads = 2;
 
   constexpr void visit(auto&& field) {
@@ -26,17 +29,17 @@ struct IdentifySettings {
 
 struct Identification {
   model::ModelParameters parameters;
-  Eigen::VectorXd z;             // in prior deviations, order of ParameterMap::names()
-  double loss_initial = 0;       // N-step loss of the initial model on the windows used
-  double loss = 0;               // and of `parameters`
+  Eigen::VectorXd z;        // in prior deviations, order of ParameterMap::names()
+  double loss_initial = 0;  // N-step loss of the initial model on the windows used
+  double loss = 0;          // and of `parameters`
   int generations = 0;
 };
 
-/// Searches from `start_z` (empty: the initial model). `after_generation` sees the state (progress, storing); returning false
-/// stops the search there. Throws std::invalid_argument when there are no windows.
-Identification identify(const std::vector<PredictionWindow>& windows, const ParameterMap& map, const model::Ground& ground,
-                        const model::Tangent& weights, const IdentifySettings& settings, std::uint64_t seed,
-                        const Eigen::VectorXd& start_z = {},
+/// Searches from `start_z` (empty: the initial model). `after_generation` sees the state (progress, storing); returning
+/// false stops the search there. Throws std::invalid_argument when there are no windows.
+Identification identify(const std::vector<PredictionWindow>& windows, const ParameterMap& map,
+                        const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
+                        std::uint64_t seed, const Eigen::VectorXd& start_z = {},
                         const std::function<bool(const CrossEntropyState&)>& after_generation = {});
 
 }  // namespace sanso::learn

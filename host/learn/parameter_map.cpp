@@ -29,11 +29,13 @@ void scale_body(model::BodyInertia& body, double factor) {
 
 }  // namespace
 
-ParameterMap::ParameterMap(const model::ModelParameters& initial, const ParameterPrior& prior) : initial_(initial), prior_(prior) {
+ParameterMap::ParameterMap(const model::ModelParameters& initial, const ParameterPrior& prior)
+    : initial_(initial), prior_(prior) {
   names_.emplace_back("stiffness");
   for (const char* type : kJointType) names_.push_back(std::string("stiffness:") + type);
-  for (const char* name : {"damping", "armature", "coulomb", "torso:mass", "torso:d1", "torso:d2", "torso:d3", "torso:s12",
-                           "torso:s23", "torso:s13", "torso:com_x", "torso:com_y", "torso:com_z", "leg:mass", "ground:friction"}) {
+  for (const char* name :
+       {"damping", "armature", "coulomb", "torso:mass", "torso:d1", "torso:d2", "torso:d3", "torso:s12", "torso:s23",
+        "torso:s13", "torso:com_x", "torso:com_y", "torso:com_z", "leg:mass", "ground:friction"}) {
     names_.emplace_back(name);
   }
 }

@@ -1,5 +1,5 @@
-// Which parameters of the analytical model identification may change, as one standardised vector z around the initial model:
-// z = 0 is the initial model, one unit of z is one prior deviation of that parameter.
+// Which parameters of the analytical model identification may change, as one standardised vector z around the initial
+// model: z = 0 is the initial model, one unit of z is one prior deviation of that parameter.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,20 +10,20 @@
 
 namespace sanso::learn {
 
-/// Prior deviations: how far the CAD and data-sheet figures may be off. From the randomisation ranges published for the servo
-/// (stiffness -30..+20 %, damping 0.8..1.2 N m s/rad) and the robot's unmodelled mass (0 to 0.4 kg on the torso).
+/// Prior deviations: how far the CAD and data-sheet figures may be off. From the randomisation ranges published for the
+/// servo (stiffness -30..+20 %, damping 0.8..1.2 N m s/rad) and the robot's unmodelled mass (0 to 0.4 kg on the torso).
 struct ParameterPrior {
-  double log_stiffness = 0.25;         // common factor of all servos
-  double log_stiffness_joint = 0.05;   // on top, one a joint type, left and right alike
+  double log_stiffness = 0.25;        // common factor of all servos
+  double log_stiffness_joint = 0.05;  // on top, one a joint type, left and right alike
   double log_damping = 0.25;
   double log_armature = 0.3;
-  double coulomb_Nm = 0.05;            // added to the initial value, never below zero
+  double coulomb_Nm = 0.05;  // added to the initial value, never below zero
   double log_torso_mass = 0.10;
   double torso_com_m = 0.015;
-  double log_torso_size = 0.10;        // d1..d3 of the log-Cholesky factors: radii of gyration
-  double torso_shear = 0.01;           // s12, s23, s13
-  double log_leg_mass = 0.03;          // all leg bodies alike, shape kept
-  double log_friction = 0.3;           // of the ground
+  double log_torso_size = 0.10;  // d1..d3 of the log-Cholesky factors: radii of gyration
+  double torso_shear = 0.01;     // s12, s23, s13
+  double log_leg_mass = 0.03;    // all leg bodies alike, shape kept
+  double log_friction = 0.3;     // of the ground
 };
 
 /// z (size()) to parameters and back; holds the initial parameters.

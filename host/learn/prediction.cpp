@@ -31,8 +31,8 @@ void set_lane(InputLanes& lanes, int lane, const model::Input& u) {
 
 // Calls see(lane, step, predicted state) for the windows first .. first + lanes - 1, lanes <= 8.
 template <class See>
-void predict_group(const PredictionWindow* first, int lanes, const model::StepModel& step_model, const model::Ground& ground,
-                   const host::ResidualNetwork* residual, const See& see) {
+void predict_group(const PredictionWindow* first, int lanes, const model::StepModel& step_model,
+                   const model::Ground& ground, const host::ResidualNetwork* residual, const See& see) {
   StateLanes x, next;
   InputLanes u;
   for (int lane = 0; lane < kLanes; ++lane) set_lane(x, lane, first[std::min(lane, lanes - 1)].x[0]);
@@ -103,7 +103,8 @@ double n_step_loss(const std::vector<PredictionWindow>& windows, const model::St
 std::vector<model::State> predicted(const PredictionWindow& window, const model::StepModel& step_model,
                                     const model::Ground& ground, const host::ResidualNetwork* residual) {
   std::vector<model::State> states{window.x[0]};
-  predict_group(&window, 1, step_model, ground, residual, [&](int, int, const model::State& x) { states.push_back(x); });
+  predict_group(&window, 1, step_model, ground, residual,
+                [&](int, int, const model::State& x) { states.push_back(x); });
   return states;
 }
 

@@ -1,8 +1,8 @@
 #include "host/learn/pseudo_inertia.h"
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <fmt/format.h>
 #include <stdexcept>
 
 namespace sanso::learn {
@@ -19,7 +19,9 @@ Mat3 symmetric(const double* xx_xy_xz_yy_yz_zz) {
   return I;
 }
 
-Mat3 parallel_axis(double mass, const Vec3& c) { return mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose()); }
+Mat3 parallel_axis(double mass, const Vec3& c) {
+  return mass * (c.squaredNorm() * Mat3::Identity() - c * c.transpose());
+}
 
 Mat4 pseudo_inertia(const model::BodyInertia& body) {
   const Vec3 com(body.com[0], body.com[1], body.com[2]);
@@ -36,8 +38,10 @@ Mat4 pseudo_inertia(const model::BodyInertia& body) {
 Mat4 upper_factor(const Mat4& J) {
   const Eigen::LLT<Mat4> factor(J.reverse().eval());
   if (factor.info() != Eigen::Success) {
-    throw std::invalid_argument(fmt::format("body of mass {} kg: pseudo-inertia is not positive definite (its inertia breaks the "
-                                            "triangle inequality, or its mass is not positive)", J(3, 3)));
+    throw std::invalid_argument(
+        fmt::format("body of mass {} kg: pseudo-inertia is not positive definite (its inertia breaks the "
+                    "triangle inequality, or its mass is not positive)",
+                    J(3, 3)));
   }
   const Mat4 lower = factor.matrixL();
   return lower.reverse();
@@ -49,8 +53,8 @@ LogCholesky log_cholesky_of(const model::BodyInertia& body) {
   const Mat4 U = upper_factor(pseudo_inertia(body));
   const double scale = U(3, 3);  // e^alpha
   LogCholesky p;
-  p << std::log(scale), std::log(U(0, 0) / scale), std::log(U(1, 1) / scale), std::log(U(2, 2) / scale), U(0, 1) / scale,
-      U(1, 2) / scale, U(0, 2) / scale, U(0, 3) / scale, U(1, 3) / scale, U(2, 3) / scale;
+  p << std::log(scale), std::log(U(0, 0) / scale), std::log(U(1, 1) / scale), std::log(U(2, 2) / scale),
+      U(0, 1) / scale, U(1, 2) / scale, U(0, 2) / scale, U(0, 3) / scale, U(1, 3) / scale, U(2, 3) / scale;
   return p;
 }
 

@@ -1,5 +1,5 @@
-// A rigid body's ten inertial parameters as ten free numbers: the log-Cholesky factors of its pseudo-inertia. Every value of
-// the ten gives a body that could exist (positive mass, a density that is nowhere negative).
+// A rigid body's ten inertial parameters as ten free numbers: the log-Cholesky factors of its pseudo-inertia. Every
+// value of the ten gives a body that could exist (positive mass, a density that is nowhere negative).
 //   J = [Sigma h; h' m] = U U',  Sigma = tr(I)/2 1 - I about the link origin,  h = m com
 //   U = e^alpha [e^d1 s12 s13 t1; 0 e^d2 s23 t2; 0 0 e^d3 t3; 0 0 0 1]      [Rucker and Wensing 2022, eq. 14]
 #pragma once
