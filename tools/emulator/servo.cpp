@@ -12,7 +12,8 @@ namespace {
 namespace xm = servo_bus::xm430;
 using servo_bus::StatusError;
 
-constexpr Nanoseconds kBootTime = 1 * kSecond;            // "roughly a second" of silence after a reboot
+constexpr Nanoseconds kRebootTime = 1 * kSecond;          // "roughly a second" of silence after a reboot
+constexpr Nanoseconds kPowerOnTime = 300 * kMillisecond;  // chosen
 constexpr Nanoseconds kReplyLatency = 30 * kMicrosecond;  // measured on sibling servos: 30 to 50 us over the register
 constexpr double kUnderVoltage_V = 7.0;                   // the servo's own regulator gives up
 constexpr double kAmbient_C = 25.0;
@@ -31,15 +32,15 @@ Servo::Servo(std::uint8_t id, const plant::ServoParameters& parameters) : id_(id
   registers_.set(xm::kReturnDelayTime, 1);  // 2 us
 }
 
-void Servo::boot(Nanoseconds now, bool eeprom) {
+void Servo::boot(Nanoseconds now, Nanoseconds duration) {
   const std::int64_t id = registers_.get(xm::kId);
-  registers_.load_defaults(eeprom);
+  registers_.load_defaults(false);
   registers_.set(xm::kId, id);
   registers_.set(xm::kFirmwareVersion, xm::kFirmwareWithFastRead);
   registers_.set(xm::kGoalPosition, position_raw_);
   registers_.set(xm::kGoalPwm, registers_.get(xm::kPwmLimit));
   booting_ = true;
-  boot_done_ = now + kBootTime;
+  boot_done_ = now + duration;
   goal_raw_ = position_raw_;
   trajectory_raw_ = position_raw_;
   trajectory_rate_raw_ = integral_raw_ = overload_s_ = 0;
@@ -48,10 +49,10 @@ void Servo::boot(Nanoseconds now, bool eeprom) {
   last_heard_ = now;
 }
 
-void Servo::reboot(Nanoseconds now) { boot(now, false); }
+void Servo::reboot(Nanoseconds now) { boot(now, kRebootTime); }
 
 void Servo::set_power(bool on, Nanoseconds now) {
-  if (on && !powered_) boot(now, false);
+  if (on && !powered_) boot(now, kPowerOnTime);
   if (!on && powered_) registers_.set(xm::kTorqueEnable, 0);
   powered_ = on;
 }
@@ -64,12 +65,12 @@ void Servo::raise(std::uint8_t error_bits) {
 
 ServoDrive Servo::update(Nanoseconds now, double period_s, const ServoSense& sense) {
   position_raw_ = servo_bus::position_raw(sense.position_rad);
-  if (powered_ && sense.supply_V < kUnderVoltage_V) boot(now, false);  // stays in boot while the supply is low
+  if (powered_ && sense.supply_V < kUnderVoltage_V) boot(now, kPowerOnTime);  // stays in boot while the supply is low
   if (booting_ && now >= boot_done_) booting_ = false;
   if (!powered_ || booting_) return {};
 
   publish(now, sense, position_raw_);
-  watch(now, period_s, sense);
+  watch(period_s, sense);
   check_bus_watchdog(now);
   take_due_goals(now);
   follow_profile(period_s);
@@ -165,8 +166,7 @@ void Servo::publish(Nanoseconds now, const ServoSense& sense, std::int32_t posit
 }
 
 /// Heat, overload, supply: the conditions of Hardware Error Status.
-void Servo::watch(Nanoseconds now, double period_s, const ServoSense& sense) {
-  (void)now;
+void Servo::watch(double period_s, const ServoSense& sense) {
   const double heat_W = sense.current_A * sense.current_A * parameters_.resistance_ohm + kStandBy_W;
   temperature_C_ += period_s / kHeatCapacity_J_K * (heat_W - (temperature_C_ - kAmbient_C) / kHeatResistance_K_W);
   const bool heavy = std::abs(sense.current_A) > kOverloadCurrent_A;

@@ -66,9 +66,9 @@ class Servo final : public BusDevice {
     double velocity_rad_s = 0;
     double current_A = 0;
   };
-  void boot(Nanoseconds now, bool eeprom);
+  void boot(Nanoseconds now, Nanoseconds duration);
   void publish(Nanoseconds now, const ServoSense& sense, std::int32_t position_raw);
-  void watch(Nanoseconds now, double period_s, const ServoSense& sense);
+  void watch(double period_s, const ServoSense& sense);
   void check_bus_watchdog(Nanoseconds now);
   void take_due_goals(Nanoseconds now);
   void follow_profile(double period_s);

@@ -1,0 +1,25 @@
+#include "tools/emulator/control_client.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <vector>
+
+#include "tools/emulator/sockets.h"
+#include "tools/plant/world_error.h"
+
+namespace sanso::emulator {
+
+std::string tell_emulator(const std::string& directory, const std::string& json) {
+  const FileDescriptor fd = connect_packets(directory + "/control");
+  if (send(fd.get(), json.data(), json.size(), MSG_NOSIGNAL) < 0) {
+    throw plant::WorldError("the emulator at " + directory + " does not take the command");
+  }
+  pollfd wait{fd.get(), POLLIN, 0};
+  std::vector<char> answer(65536);
+  const ssize_t size = poll(&wait, 1, 2000) == 1 ? recv(fd.get(), answer.data(), answer.size(), 0) : -1;
+  if (size <= 0) throw plant::WorldError("the emulator at " + directory + " does not answer");
+  return {answer.data(), static_cast<std::size_t>(size)};
+}
+
+}  // namespace sanso::emulator

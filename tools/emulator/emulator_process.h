@@ -1,0 +1,37 @@
+// The emulator as a process: an EmulatedRobot on the real clock, its bus on a pty, its sensors on packet sockets.
+#pragma once
+
+#include <csignal>
+
+#include "tools/emulator/emulated_robot.h"
+#include "tools/emulator/emulator_config.h"
+#include "tools/emulator/sockets.h"
+
+namespace sanso::emulator {
+
+class EmulatorProcess {
+ public:
+  /// Makes DIRECTORY/bus (link to the pty), imu, pose and control. Throws plant::WorldError.
+  explicit EmulatorProcess(const EmulatorConfig& config);
+
+  /// Serves until `stop` is set or the control socket says quit.
+  void run(const volatile std::sig_atomic_t& stop);
+
+  const std::string& bus_device() const { return bus_.device(); }
+  /// How often the process woke up more than 20 ms late; the robot's clock then stood still for the excess.
+  std::uint64_t stalls() const { return stalls_; }
+
+ private:
+  void serve_bus();
+  void serve_sensors();
+  bool serve_control();  // false: quit
+  void wait_for_work(Nanoseconds wall);
+
+  EmulatedRobot robot_;
+  BusPty bus_;
+  PacketServer imu_, pose_, control_;
+  Nanoseconds wall_offset_ = 0;  // robot time = wall time - offset
+  std::uint64_t stalls_ = 0;
+};
+
+}  // namespace sanso::emulator

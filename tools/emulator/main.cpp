@@ -1,0 +1,70 @@
+// sanso-emulator: a robot that is not there, behind the same bytes.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+
+#include "tools/emulator/control_client.h"
+#include "tools/emulator/emulator_process.h"
+#include "tools/plant/world_error.h"
+
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+void request_stop(int) { stop_requested = 1; }
+
+constexpr char kExamples[] = R"(Examples:
+  sanso-emulator --world lab                          serve /tmp/sanso-robot/{bus,imu,pose,control}
+  sanso-emulator --world seed:7 --dir /tmp/robot2     another robot, elsewhere
+  sanso-emulator --config robot.toml                  world, seed, directory, baud and [[fault]] tables from a file
+  sanso-emulator --tell '{"command": "truth"}'        ask the running emulator
+  sanso-emulator --tell '{"command": "push", "force": [0, 8, 0], "duration_s": 0.1}'
+  sanso-emulator --tell '{"command": "fault", "kind": "servo_silent", "id": 13, "duration_s": 2}'
+  sanso-emulator --tell '{"command": "place", "pose": "walkready"}'
+All commands, keys and faults: docs/howto/emulator.md)";
+
+int serve(const sanso::emulator::EmulatorConfig& config) {
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  std::signal(SIGPIPE, SIG_IGN);
+  sanso::emulator::EmulatorProcess process(config);
+  fmt::print("world      {}, seed {}\n", config.world, config.seed);
+  fmt::print("servo bus  {}/bus -> {}, {} baud\n", config.directory, process.bus_device(), config.baud);
+  fmt::print("sockets    {0}/imu  {0}/pose  {0}/control\n", config.directory);
+  fmt::print("ready\n");
+  std::fflush(stdout);
+  process.run(stop_requested);
+  if (process.stalls() > 0) {
+    fmt::print("the machine held this process up {} times for more than 20 ms\n", process.stalls());
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"sanso-emulator: the emulated OP3 (MuJoCo physics) behind real servo packets, IMU and pose reports"};
+  app.footer(kExamples);
+  sanso::emulator::EmulatorConfig config;
+  std::string config_file, world, directory, command;
+  std::uint64_t seed = 0;
+  app.add_option("--config", config_file, "TOML file with world, seed, directory, baud, [[fault]]");
+  app.add_option("--world", world, "nominal, lab (default), hard, seed:N or a TOML file");
+  const auto* seed_option = app.add_option("--seed", seed, "seed of noise and random faults (default 1)");
+  app.add_option("--dir", directory, "where bus, imu, pose and control appear (default /tmp/sanso-robot)");
+  app.add_option("--tell", command, "send one JSON command to the emulator that serves --dir, and print the answer");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (!config_file.empty()) config = sanso::emulator::load_emulator_config(config_file);
+    if (!world.empty()) config.world = world;
+    if (!directory.empty()) config.directory = directory;
+    if (seed_option->count() > 0) config.seed = seed;
+    if (command.empty()) return serve(config);
+    const std::string answer = sanso::emulator::tell_emulator(config.directory, command);
+    fmt::print("{}\n", answer);
+    return answer.find("\"ok\":true") != std::string::npos ? 0 : 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "sanso-emulator: {}\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,67 @@
+// File descriptors of the emulator process: the pty that is the servo bus, and the packet sockets beside it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sanso::emulator {
+
+class FileDescriptor {
+ public:
+  explicit FileDescriptor(int fd = -1) : fd_(fd) {}
+  ~FileDescriptor() { reset(); }
+  FileDescriptor(FileDescriptor&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
+  int get() const { return fd_; }
+  bool open() const { return fd_ >= 0; }
+  void reset();
+
+ private:
+  int fd_;
+};
+
+/// A pty in raw mode whose far end is reachable under `link`.
+class BusPty {
+ public:
+  explicit BusPty(std::string link) : link_(std::move(link)) {}
+  ~BusPty() { unplug(); }
+  void plug();    // throws plant::WorldError
+  void unplug();  // whoever has the far end open reads end of file and fails to write
+  int fd() const { return master_.get(); }
+  const std::string& device() const { return device_; }
+  std::size_t read(std::span<std::uint8_t> out);
+  void write(std::span<const std::uint8_t> bytes);
+
+ private:
+  std::string link_;
+  std::string device_;
+  FileDescriptor master_;
+  FileDescriptor far_end_;  // kept open, so that a client that closes and opens again does not hang the line up
+};
+
+/// A local packet socket (one message = one report) with any number of clients. Never blocks; a client that does not
+/// read loses messages.
+class PacketServer {
+ public:
+  explicit PacketServer(const std::string& path);  // throws plant::WorldError
+  ~PacketServer();
+  /// Takes new clients in; returns those descriptors that are new.
+  std::vector<int> accept_new();
+  /// One waiting message of any client; `client` says whose. 0: none.
+  std::size_t receive(std::span<std::uint8_t> out, int& client);
+  void send(int client, std::span<const std::uint8_t> message);
+  void send_all(std::span<const std::uint8_t> message);
+  void add_descriptors(std::vector<int>& out) const;
+
+ private:
+  std::string path_;
+  FileDescriptor listener_;
+  std::vector<FileDescriptor> clients_;
+};
+
+/// Connects to a PacketServer; throws plant::WorldError when nobody listens there.
+FileDescriptor connect_packets(const std::string& path);
+
+}  // namespace sanso::emulator
