@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/learn/atomic_file.h"
+#include "host/motion/import.h"
+#include "host/motion/motion.h"
+#include "tools/report/motion_page.h"
+#include "tools/sanso/commands.h"
+
+namespace sanso::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+void list_motions(bool json) {
+  const motion::MotionLibrary library;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  if (!json) fmt::print("{:<16} {:>6}  {}\n", "motion", "s", "");
+  for (const std::string& name : library.names()) {
+    const motion::Motion m = library.load(name);
+    if (!json) {
+      fmt::print("{:<16} {:>6.2f}  {} ({}; {})\n", name, m.duration_s(), m.title, m.recipe.clip, m.source.licence);
+      continue;
+    }
+    nlohmann::ordered_json clauses = nlohmann::ordered_json::array();
+    for (const auto& clause : m.success) {
+      nlohmann::ordered_json entry{{"measure", clause.measure}};
+      if (clause.at_least) entry["at_least"] = *clause.at_least;
+      if (clause.at_most) entry["at_most"] = *clause.at_most;
+      clauses.push_back(entry);
+    }
+    list.push_back({{"name", name}, {"title", m.title}, {"duration_s", m.duration_s()}, {"clip", m.recipe.clip},
+                    {"licence", m.source.licence}, {"basis", m.primitives.num_basis}, {"success", clauses}});
+  }
+  if (json) fmt::print("{}\n", nlohmann::ordered_json{{"folder", library.folder().string()}, {"motions", list}}.dump(2));
+}
+
+struct ImportOptions {
+  motion::ImportRequest request;
+  fs::path out;
+};
+
+void import_clip(const ImportOptions& options) {
+  const motion::ImportedMotion made = motion::import_motion(options.request);
+  const fs::path folder = options.out.empty() ? motion::MotionLibrary().folder() : options.out;
+  fs::create_directories(folder);
+  const fs::path file = folder / (made.motion.name + ".toml");
+  motion::write_motion(file, made.motion);
+  const fs::path page = fs::path(file).replace_extension(".html");
+  learn::write_atomically(page, std::string_view(report::motion_page(made.motion)));
+  const auto& check = made.check;
+  fmt::print("{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), joint limits {:.0f} deg away,\n"
+             "  primitives within {:.2f} deg and {:.2f} mm of the retargeted clip\n",
+             made.motion.name, made.motion.duration_s(), check.fastest_joint, check.peak_joint_speed,
+             1e3 * check.zmp_margin_worst_m, 1e3 * check.zmp_margin_p5_m, check.joint_margin_rad * 57.29578,
+             made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m);
+  fmt::print("motion: {}\nreport: {}\n", file.string(), page.string());
+}
+
+}  // namespace
+
+void add_motions(CLI::App& app, int& result) {
+  auto json = std::make_shared<bool>(false);
+  auto options = std::make_shared<ImportOptions>();
+  CLI::App* command = app.add_subcommand("motions", "list the motions, or make one from a human clip");
+  command->add_flag("--json", *json, "as JSON");
+  command->footer("Examples:\n  sanso motions\n  sanso motions import clips/squat.bvh --as my_squat --like squat --out my_motions\n"
+                  "SANSO_MOTIONS names another folder of motions than the shipped one.");
+  CLI::App* import = command->add_subcommand("import", "retarget a clip (BVH or DeepMimic), check it, write motion and page");
+  import->add_option("CLIP", options->request.clip, "the clip")->required()->check(CLI::ExistingFile);
+  import->add_option("--as", options->request.name, "name of the motion")->required();
+  import->add_option("--like", options->request.like, "motion whose figures are used (default: the one of that name)");
+  import->add_option("--out", options->out, "folder (default: the library)");
+  import->callback([options] { import_clip(*options); });
+  command->callback([json, import, &result] {
+    if (!import->parsed()) list_motions(*json);
+    result = kDone;
+  });
+}
+
+}  // namespace sanso::cli
