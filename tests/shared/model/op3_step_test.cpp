@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "shared/model/joints.h"
 #include "shared/model/op3_kinematics.h"
 #include "shared/model/step_batch.h"
+#include "tests/shared/model/op3_states.h"
 
 namespace sanso::model {
 namespace {
@@ -21,26 +21,6 @@ State step(const StepModel& model, const Ground& ground, const State& x, const I
   State next;
   analytical_step(model, ground, x.data(), u.data(), h, substeps, next.data(), scratch);
   return next;
-}
-
-// A state around standing: tilted, moving, feet between 10 mm inside and 60 mm above the ground.
-State random_state(std::mt19937& rng, double scale = 1.0) {
-  std::normal_distribution<double> normal;
-  Tangent d;
-  for (int i = 0; i < kNdx; ++i) d[i] = normal(rng) * scale;
-  d.segment<3>(kDPos) *= 0.02;
-  d.segment<3>(kDTheta) *= 0.1;
-  d.segment<kNumJoints>(kDJoint) *= 0.2;
-  d.segment<3>(kDVel) *= 0.3;
-  d.segment<3>(kDOmega) *= 0.5;
-  d.segment<kNumJoints>(kDJointRate) *= 1.0;
-  return plus(standing_state(), d);
-}
-Input random_input(std::mt19937& rng, const State& x) {
-  std::normal_distribution<double> normal;
-  Input u = joints(x);
-  for (int j = 0; j < kNu; ++j) u[j] += 0.15 * normal(rng);
-  return u;
 }
 
 class Op3Step : public ::testing::Test {
@@ -105,7 +85,7 @@ TEST_F(Op3Step, ContactLawHolds) {
   model.contact.sweeps = 4000;
   const double eps = model.contact.regularization;
   for (int trial = 0; trial < 200; ++trial) {
-    const State x = random_state(rng);
+    const State x = state_near_standing(rng);
     step(model, ground, x, random_input(rng, x), scratch);
     double dissipated = 0.0;
     for (int f = 0; f < kNumFeet; ++f)
@@ -136,7 +116,7 @@ TEST_F(Op3Step, LanesEqualScalar) {
       State xs[kLanes];
       Input us[kLanes];
       for (int lane = 0; lane < kLanes; ++lane) {
-        xs[lane] = random_state(rng);
+        xs[lane] = state_near_standing(rng);
         us[lane] = random_input(rng, xs[lane]);
         for (int i = 0; i < kNx; ++i) x.v[i][lane] = xs[lane][i];
         for (int i = 0; i < kNu; ++i) u.v[i][lane] = us[lane][i];

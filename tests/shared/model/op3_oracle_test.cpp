@@ -1,0 +1,176 @@
+// The specialised OP3 dynamics against two other derivations: the generic tree, and MuJoCo on the same figures.
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "shared/model/ground.h"
+#include "shared/model/op3_kinematics.h"
+#include "shared/model/op3_step.h"
+#include "shared/model/op3_tree.h"
+#include "tests/shared/model/op3_states.h"
+#include "tests/support/mjcf_of_tree.h"
+#include "tests/support/mujoco_model.h"
+
+namespace sanso::model {
+namespace {
+
+constexpr unsigned kSeed = 20261121;
+constexpr int kStates = 1000;
+constexpr double kStep = 0.06;
+using Velocity = Eigen::Matrix<double, kNv, 1>;
+
+// Servos without stiffness, damping and rotor: the step's velocity change is then h times the free acceleration, exactly.
+ModelParameters limp_parameters() {
+  ModelParameters theta = nominal_parameters();
+  for (auto& servo : theta.servo) servo = {.stiffness = 0, .damping = 0, .armature = 0, .coulomb = 0, .torque_limit = 4.1};
+  return theta;
+}
+
+Velocity free_acceleration(const StepModel& model, const State& x) {
+  StepScratch scratch;
+  State next;
+  const Input u = joints(x);
+  analytical_step(model, make_plane(), x.data(), u.data(), kStep, 1, next.data(), scratch);
+  return (next - x).segment<kNv>(kXVel) / kStep;
+}
+
+template <class A, class B>
+void expect_close(const A& ours, const B& theirs, const char* what, int sample) {
+  const double scale = std::max(1.0, theirs.cwiseAbs().maxCoeff());
+  ASSERT_LE((ours - theirs).cwiseAbs().maxCoeff(), 1e-9 * scale) << what << ", sample " << sample << ", seed " << kSeed;
+}
+
+TEST(Op3Oracle, FreeAccelerationAgreesWithTreeAndMujoco) {
+  std::mt19937 rng(kSeed);
+  const StepModel model = make_step_model(limp_parameters());
+  const Tree tree = op3_tree(limp_parameters());
+  testing::Mujoco mj(testing::mjcf_of(tree));
+  ASSERT_EQ(mj.model->nv, kNv);
+  TreeScratch scratch;
+  TreeVector dv;
+  for (int k = 0; k < kStates; ++k) {
+    const State x = state_in_the_air(rng);
+    const Velocity ours = free_acceleration(model, x);
+    ASSERT_EQ(forward_dynamics(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), scratch, dv), Status::ok);
+    expect_close(ours, dv, "tree", k);
+    std::copy_n(x.data(), kNq, mj.data->qpos);
+    std::copy_n(x.data() + kNq, kNv, mj.data->qvel);
+    mj_forward(mj.model.get(), mj.data.get());
+    expect_close(ours, Eigen::Map<Velocity>(mj.data->qacc), "MuJoCo", k);
+  }
+}
+
+// World direction of a contact axis (forward, across, normal) of a foot on level ground.
+Mat3 contact_axes(const Kinematics& kin, int foot) {
+  const Vec3 normal = Vec3::UnitZ();
+  Vec3 across = normal.cross(kin.R_world_link[foot_body(foot)].col(0));
+  across.normalize();
+  Mat3 axes;
+  axes << across.cross(normal), across, normal;
+  return axes;
+}
+
+// The step's own equation, every term from other code:
+// (M + armature + h D + h^2 K) dv = h (K (u - q) - bias) - (h D + h^2 K) v + sum J' lambda
+TEST(Op3Oracle, StepObeysItsEquationWithContact) {
+  std::mt19937 rng(kSeed + 1);
+  const ModelParameters theta = nominal_parameters();
+  const StepModel model = make_step_model(theta);
+  const Tree tree = op3_tree(theta);  // armature on the diagonal
+  TreeScratch tree_scratch;
+  TreeMatrix M;
+  TreeVector bias;
+  StepScratch scratch;
+  int with_contact = 0;
+  for (int k = 0; k < 300; ++k) {
+    const State x = state_near_standing(rng);
+    const Input u = random_input(rng, x);
+    State next;
+    analytical_step(model, make_plane(), x.data(), u.data(), kStep, 1, next.data(), scratch);
+    const Velocity dv = (next - x).segment<kNv>(kXVel);
+
+    crba(tree, x.head<kNq>(), tree_scratch, M);
+    rnea(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), tree_scratch, bias);
+    Velocity right = -kStep * bias;
+    for (int j = 0; j < kNumJoints; ++j) {
+      const ServoParameters& servo = theta.servo[j];
+      const double error = u[j] - x[kXJoint + j];
+      const double stiffness = std::min(servo.stiffness, servo.torque_limit / std::abs(error));  // full duty: secant
+      const double implicit = kStep * servo.damping + kStep * kStep * stiffness;
+      M(6 + j, 6 + j) += implicit;
+      right[6 + j] += kStep * stiffness * error - implicit * x[kXJointRate + j];
+    }
+    Kinematics kin;
+    forward_kinematics(x, kin);
+    for (int f = 0; f < kNumFeet; ++f)
+      for (int c = 0; c < kCornersPerFoot; ++c) {
+        const Vec3 lambda(scratch.lambda[f][c]);
+        const Vec3 p = point_in_world(kin, foot_body(f), sole_corner_in_foot(f, c));
+        right += point_jacobian(kin, foot_body(f), p).transpose() * (contact_axes(kin, f) * lambda);
+        with_contact += lambda[2] > 0;
+        ASSERT_NEAR(scratch.gap[f][c], p[2], 1e-12) << "gap of foot " << f << " corner " << c;
+      }
+    const Velocity expected = Eigen::LLT<TreeMatrix>(M).solve(right);
+    expect_close(dv, expected, "velocity change", k);
+  }
+  EXPECT_GT(with_contact, 500) << "the sample must touch the ground";
+}
+
+TEST(Op3Oracle, KinematicsAgreeWithTree) {
+  std::mt19937 rng(kSeed + 2);
+  const Tree tree = op3_tree(nominal_parameters());
+  const StepModel model = make_step_model(limp_parameters());
+  const Tree limp = op3_tree(limp_parameters());
+  TreeScratch scratch;
+  TreeJacobian linear, angular;
+  for (int k = 0; k < 100; ++k) {
+    const State x = state_in_the_air(rng);
+    Kinematics kin;
+    forward_kinematics(x, kin);
+    forward_kinematics(tree, x.head<kNq>(), scratch.kin);
+    for (int i = 0; i < kNumBodies; ++i) {
+      expect_close(kin.R_world_link[i], scratch.kin.R_world_link[i], "rotation", i);
+      expect_close(kin.p_world_link[i], scratch.kin.p_world_link[i], "position", i);
+    }
+    for (const int foot : {kRightFoot, kLeftFoot}) {
+      const int body = foot_body(foot);
+      const Vec3 corner = sole_corner_in_foot(foot, 1);
+      point_jacobian(tree, scratch.kin, body - 1, corner, linear, angular);
+      expect_close(point_jacobian(kin, body, point_in_world(kin, body, corner)), linear, "linear Jacobian", k);
+      expect_close(rotation_jacobian(kin, body), angular, "angular Jacobian", k);
+    }
+    const TreeEnergy e = energy(limp, x.head<kNq>(), x.tail<kNv>(), scratch);
+    EXPECT_NEAR(energy(model, kin, x), e.kinetic + e.potential, 1e-9 * (e.kinetic + std::abs(e.potential)));
+    crba(limp, x.head<kNq>(), scratch, scratch.M);
+    const Vec3 linear_momentum = scratch.M.topRows<3>() * x.tail<kNv>();  // rows of the base force are the momentum
+    expect_close(momentum(model, kin, x).linear, linear_momentum, "momentum", k);
+  }
+}
+
+TEST(Op3Law, MomentumChangesByGravityAndContactOnly) {
+  // internal forces of servos, however stiff, cannot move the centre of mass or spin the robot
+  std::mt19937 rng(kSeed + 3);
+  ModelParameters theta = nominal_parameters();
+  for (auto& servo : theta.servo) servo.armature = 0.0;  // a rotor's own momentum is not that of its link
+  const StepModel model = make_step_model(theta);
+  StepScratch scratch;
+  for (int k = 0; k < 100; ++k) {
+    const State x = state_in_the_air(rng);
+    const Input u = random_input(rng, x);
+    constexpr double kShort = 1e-6;  // s: the implicit step conserves angular momentum to first order in h
+    State next;
+    analytical_step(model, make_plane(), x.data(), u.data(), kShort, 1, next.data(), scratch);
+    Kinematics before, after;
+    forward_kinematics(x, before);
+    forward_kinematics(next, after);
+    const Momentum a = momentum(model, before, x), b = momentum(model, after, next);
+    EXPECT_LT((b.angular - a.angular).norm(), 1e-8 * (1 + a.angular.norm()));
+    EXPECT_LT((b.linear - a.linear - kShort * model.body[0].subtree_mass * Vec3(0, 0, -9.81)).norm(), 1e-8);
+  }
+}
+
+}  // namespace
+}  // namespace sanso::model
