@@ -15,26 +15,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double wall_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 fs::path state_file(const fs::path& out) { return out / "state.bin"; }
+/// One file a round: a kill between model and state leaves the state's own model untouched.
+fs::path model_file(const fs::path& out, std::uint32_t round) { return out / fmt::format("model_{:03d}.bin", round); }
+fs::path episode_file(const fs::path& out, std::uint32_t trial) {
+  return out / fmt::format("trial_{:04d}.episode", trial);
+}
 
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
-  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {}", task.name, s.seed, s.world, s.layers.mask(),
-                     s.layers.residual ? "" : " no-residual", s.layers.stochastic ? "" : " no-stochastic",
-                     s.middle.learning_rate, s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
-                     s.middle.start_at_reference);
+  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {}", task.name, s.seed,
+                     s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
+                     s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate, s.middle.gain_rate_factor,
+                     s.middle.forgetting_rate, s.middle.max_gain_norm, s.middle.start_at_reference,
+                     s.learn_model_every);
+}
+
+ModelLearningSettings model_settings_of(const SessionSettings& settings) {
+  ModelLearningSettings model = settings.model;
+  model.use_residual = model.use_residual && settings.layers.residual;
+  return model;
 }
 
 void check_table_fits(const Task& task) {
   const int knots = task.primitives.duration_ticks() / kTicksPerMiddle + 1;
   if (knots > static_cast<int>(policy::kMaxMiddleKnots))
-    throw std::runtime_error(fmt::format("motion {}: lasts {:.1f} s, the middle layer's table holds {:.1f} s; shorten the motion",
-                                         task.name, task.primitives.duration_s,
-                                         to_seconds(kMiddlePeriod) * static_cast<double>(policy::kMaxMiddleKnots)));
+    throw std::runtime_error(fmt::format(
+        "motion {}: lasts {:.1f} s, the middle layer's table holds {:.1f} s; shorten the motion", task.name,
+        task.primitives.duration_s, to_seconds(kMiddlePeriod) * static_cast<double>(policy::kMaxMiddleKnots)));
 }
 
 std::vector<model::State> at_middle_knots(const std::vector<model::State>& reference) {
@@ -70,8 +80,14 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
   return out;
 }
 
-Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper)
-    : task_(task), settings_(settings), robot_(robot), upper_(upper), state_(std::make_unique<SessionState>()) {
+Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper,
+                 const host::AugmentedModel& model)
+    : task_(task),
+      settings_(settings),
+      robot_(robot),
+      upper_(upper),
+      state_(std::make_unique<SessionState>()),
+      learner_(model, task.weights.state, model_settings_of(settings), settings.seed) {
   check_table_fits(task_);
   const std::vector<model::State> reference = reference_of(task_.primitives);
   x_init_ = at_middle_knots(reference);
@@ -81,14 +97,19 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
   const std::string identity = identity_of(task_, settings_);
   if (fs::exists(state_file(settings_.out))) {
     if (!settings_.resume)
-      throw std::runtime_error(settings_.out.string() + ": holds a session already; continue it with --resume or name another folder");
+      throw std::runtime_error(settings_.out.string() +
+                               ": holds a session already; continue it with --resume or name another folder");
     load_state(state_file(settings_.out), *state_);
     if (state_->identity != identity)
-      throw std::runtime_error(fmt::format("{}: cannot resume: it holds \"{}\", asked for \"{}\"", settings_.out.string(),
-                                           state_->identity, identity));
+      throw std::runtime_error(fmt::format("{}: cannot resume: it holds \"{}\", asked for \"{}\"",
+                                           settings_.out.string(), state_->identity, identity));
+    if (state_->model_rounds > 0) {
+      learner_.load(model_file(settings_.out, state_->model_rounds));
+      upper_.set_model(learner_.current());
+    }
   } else {
     state_->identity = identity;
-    state_->sigma = settings_.layers.stochastic ? upper_.settings().sigma : 0.0;
+    state_->sigma = settings_.layers.stochastic ? learner_.sigma() : 0.0;
     state_->primitives = task_.primitives;
     start_middle_layer(x_init_, settings_.middle, state_->middle);
   }
@@ -129,10 +150,18 @@ TrialSummary Session::run_one() {
   summary.sigma = setup.sigma;
   if (task_.broken_clauses && !episode.failed()) summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
+  const ModelLosses losses = learner_.losses(episode);
+  summary.model_loss = losses.augmented;
+  summary.model_loss_analytical = losses.analytical;
+  summary.model_loss_initial = losses.initial;
   summary.wall_s = wall_s() - begin;
   state_->history.push_back(summary);
   state_->next_trial = trial + 1;
-  store(episode);
+  save_episode(episode_file(settings_.out, trial), episode);
+  if (settings_.learn_model_every > 0 &&
+      state_->next_trial % static_cast<std::uint32_t>(settings_.learn_model_every) == 0)
+    learn_model();
+  store();
   return summary;
 }
 
@@ -143,9 +172,23 @@ void Session::learn_from(const Episode& episode, const std::vector<model::State>
     adapt_goals(episode, reference, task_.primitives, settings_.goals, state_->primitives);
 }
 
-/// Episode first, then the state that counts it as done: a kill in between repeats the trial.
-void Session::store(const Episode& episode) {
-  save_episode(settings_.out / fmt::format("trial_{:04d}.episode", episode.trial), episode);
+/// Identification, residual network, noise amplitude, from the stored episodes; the next trial plans with the result.
+void Session::learn_model() {
+  std::vector<Episode> episodes;
+  const auto newest = static_cast<std::uint32_t>(settings_.model.newest_episodes);
+  for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0; t < state_->next_trial; ++t) {
+    episodes.push_back(load_episode(episode_file(settings_.out, t)));
+  }
+  learner_.learn(episodes);
+  if (learner_.rounds() == static_cast<int>(state_->model_rounds)) return;  // not enough data: nothing was learned
+  state_->model_rounds = static_cast<std::uint32_t>(learner_.rounds());
+  if (settings_.layers.stochastic) state_->sigma = learner_.sigma();
+  learner_.save(model_file(settings_.out, state_->model_rounds));
+  upper_.set_model(learner_.current());
+}
+
+/// Called when episode and model are stored: the state that counts the trial as done. A kill before repeats the trial.
+void Session::store() {
   save_state(state_file(settings_.out), *state_);
   write_summary(settings_.out / "summary.json", task_.name, settings_, *state_, robot_.description());
 }

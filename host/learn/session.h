@@ -8,6 +8,7 @@
 
 #include "host/learn/goal_adaptation.h"
 #include "host/learn/middle_layer.h"
+#include "host/learn/model_learner.h"
 #include "host/learn/robot_access.h"
 #include "host/learn/session_state.h"
 #include "host/learn/trial.h"
@@ -30,7 +31,8 @@ struct SessionSettings {
   bool resume = false;             // continue what is in `out`; without it `out` must hold no session
   Layers layers;
   std::string world;               // for the summary
-  int learn_model_every = 10;      // trials (paper)
+  int learn_model_every = 10;      // trials (paper); 0 = the model stays as it is
+  ModelLearningSettings model;
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
   TrialSettings trial;
@@ -39,7 +41,9 @@ struct SessionSettings {
 class Session {
  public:
   /// Throws std::runtime_error when `out` cannot be used or, resuming, belongs to another session.
-  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper);
+  /// `model` is what `upper` plans with at the beginning; learned models replace it there.
+  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper,
+          const host::AugmentedModel& model = {});
   ~Session();
 
   /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error when a trial cannot be run.
@@ -52,13 +56,15 @@ class Session {
  private:
   TrialSummary run_one();
   void learn_from(const Episode& episode, const std::vector<model::State>& reference);
-  void store(const Episode& episode);
+  void learn_model();
+  void store();
 
   Task task_;
   SessionSettings settings_;
   RobotAccess& robot_;
   mpc::UpperLayer& upper_;
   std::unique_ptr<SessionState> state_;
+  ModelLearner learner_;
   std::vector<model::State> x_init_;  // of the middle layer, one a knot
   int finished_before_ = 0;
 };

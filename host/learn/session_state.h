@@ -18,6 +18,8 @@ struct TrialSummary {
   double duration_s = 0.0;       // how long the motion ran
   double sigma = 0.0;            // noise amplitude of the planner
   double model_loss = -1.0;      // N-step loss in W_x of the model in use on this trial; negative: not computed
+  double model_loss_analytical = -1.0;  // the same without the residual network
+  double model_loss_initial = -1.0;     // and of the model the session began with
   double u_upper_rms = 0.0;      // rad, over joints and time
   double u_middle_rms = 0.0;     // rad
   double gain_upper = 0.0;       // mean Frobenius norm of K_up as used
@@ -37,6 +39,7 @@ struct SessionState {
   std::string identity;            // what must agree to resume: motion, seed, layers, settings
   std::uint32_t next_trial = 0;
   double sigma = 0.0;
+  std::uint32_t model_rounds = 0;  // rounds of model learning done; the model itself is stored beside
   policy::PrimitiveSet primitives; // goals as adapted so far
   policy::MiddleTable middle;      // full precision; the controller gets it rounded
   std::vector<TrialSummary> history;

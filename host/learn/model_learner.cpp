@@ -1,0 +1,200 @@
+#include "host/learn/model_learner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "host/learn/binary_io.h"
+#include "host/learn/seeds.h"
+#include "shared/model/op3_step.h"
+
+namespace sanso::learn {
+namespace {
+
+constexpr char kMagic[] = "SANSOMDL";
+constexpr std::uint32_t kVersion = 1;
+constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
+constexpr double kStep_s = 0.06;
+
+double tilt_of(const model::State& x) {
+  return std::acos(std::clamp(math::rotation_matrix(model::base_quat(x))(2, 2), -1.0, 1.0));
+}
+
+void visit_network(auto& n, auto&& io) {
+  io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2), io(n.b3),
+      io(n.output_mean);
+  io(n.output_scale);
+}
+
+// BinaryWriter and BinaryReader know column-major matrices; the network's are row-major, so go entry by entry.
+void put_all(BinaryWriter& out, const auto& m) {
+  for (Eigen::Index i = 0; i < m.size(); ++i) out.put(m.data()[i]);
+}
+void get_all(BinaryReader& in, auto& m) {
+  for (Eigen::Index i = 0; i < m.size(); ++i) in.get(m.data()[i]);
+}
+
+std::vector<Episode> newest(const std::vector<Episode>& episodes, int count) {
+  const auto keep = std::min(episodes.size(), static_cast<std::size_t>(count));
+  return {episodes.end() - static_cast<std::ptrdiff_t>(keep), episodes.end()};
+}
+
+// Every fourth episode is held out, the newest among them: it shows the motion as it is run now.
+bool is_heldout(std::size_t index, std::size_t count) { return (count - 1 - index) % 4 == 0; }
+
+}  // namespace
+
+double sigma_of_loss(double loss) {
+  if (!std::isfinite(loss)) return kSigmaStart;
+  return kSigmaFloor + (kSigmaStart - kSigmaFloor) * loss / (loss + kHalfwayLoss);
+}
+
+ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
+                           const ModelLearningSettings& settings, std::uint64_t seed)
+    : initial_(initial),
+      weights_(weights),
+      settings_(settings),
+      seed_(seed),
+      map_(model::nominal_parameters()),
+      z_(Eigen::VectorXd::Zero(map_.size())) {}
+
+host::AugmentedModel ModelLearner::current() const {
+  host::AugmentedModel m = initial_;
+  if (z_.isZero(0.0)) {
+    m.residual = residual_;
+    return m;  // the very bits of the initial model: going through its parameters would round
+  }
+  const model::ContactSettings contact = m.analytical.contact;
+  m.analytical = model::make_step_model(map_.parameters(z_));
+  m.analytical.contact = contact;
+  m.residual = residual_;
+  return m;
+}
+
+ModelLosses ModelLearner::losses(const std::vector<PredictionWindow>& windows) const {
+  const host::AugmentedModel m = current();
+  ModelLosses l;
+  l.initial = n_step_loss(windows, initial_.analytical, initial_.ground, weights_);
+  l.analytical = z_.isZero(0.0) ? l.initial : n_step_loss(windows, m.analytical, m.ground, weights_);
+  l.augmented = m.residual ? n_step_loss(windows, m.analytical, m.ground, weights_, &*m.residual) : l.analytical;
+  return l;
+}
+
+std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episode) const {
+  std::vector<PredictionWindow> windows = windows_of(episode, settings_.window_stride_ticks);
+  std::erase_if(windows, [this](const PredictionWindow& w) {
+    return std::any_of(std::begin(w.x), std::end(w.x),
+                       [this](const model::State& x) { return tilt_of(x) > settings_.tilt_limit_rad; });
+  });
+  return windows;
+}
+
+ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) const {
+  Data data;
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    auto& part = is_heldout(i, episodes.size()) ? data.heldout : data.train;
+    for (const PredictionWindow& w : usable_windows(episodes[i])) part.push_back(w);
+  }
+  return data;
+}
+
+LearningRound ModelLearner::learn(const std::vector<Episode>& all) {
+  LearningRound round;
+  const std::vector<Episode> episodes = newest(all, settings_.newest_episodes);
+  const Data data = split(episodes);
+  if (data.train.empty() || data.heldout.empty()) return round;
+  round.episodes = static_cast<int>(episodes.size());
+  round.heldout_before = losses(data.heldout);
+  ++rounds_;
+  identify_parameters(data, round);
+  if (settings_.use_residual) train_network(episodes, data, round);
+  round.heldout_after = losses(data.heldout);
+  sigma_ = sigma_of_loss(round.heldout_after.augmented);
+  return round;
+}
+
+void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
+  const std::uint64_t seed = derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::identification);
+  const Identification found = identify(data.train, map_, initial_.ground, weights_, settings_.identify, seed, z_);
+  const double before = round.heldout_before.analytical;
+  const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters), initial_.ground, weights_);
+  round.identification_used = after < before;
+  if (!round.identification_used) return;
+  z_ = found.z;
+  residual_.reset();  // it was trained on what the old parameters missed
+}
+
+void ModelLearner::train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round) {
+  host::AugmentedModel m = current();
+  const TransitionSet set = transitions(episodes, m.analytical);
+  if (set.size() < static_cast<std::size_t>(settings_.residual.batch)) return;
+  const std::uint64_t seed = derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::residual);
+  const ResidualTraining trained =
+      train_residual(set, weights_, settings_.residual, seed, residual_ ? &*residual_ : nullptr);
+  round.residual_one_step = trained.heldout_loss;
+  round.residual_one_step_without = trained.heldout_loss_without;
+  // Better over one step is not enough: the planner rolls the model out, and an error that feeds itself shows only
+  // there.
+  const double without = n_step_loss(data.heldout, m.analytical, m.ground, weights_);
+  const auto rolled_out = [&](const std::optional<host::ResidualNetwork>& n) {
+    return n ? n_step_loss(data.heldout, m.analytical, m.ground, weights_, &*n) : without;
+  };
+  const double kept = rolled_out(residual_), fresh = rolled_out(trained.network);
+  if (fresh < std::min(kept, without)) residual_ = trained.network;
+  if (std::min(kept, fresh) >= without) residual_.reset();
+  round.residual_used = residual_.has_value();
+}
+
+TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
+                                        const model::StepModel& analytical) const {
+  TransitionSet set;
+  model::StepScratch scratch;
+  for (const Episode& episode : episodes) {
+    std::map<int, const wire::Observation*> at;
+    for (const wire::Observation& o : episode.ticks) at[o.trial_tick] = &o;
+    if (at.empty()) continue;
+    for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first; t += settings_.transition_stride_ticks) {
+      model::Input u = model::Input::Zero();
+      bool whole = at.count(t + kTicksPerStep) > 0;
+      for (int k = 0; k < kTicksPerStep && whole; ++k) {
+        whole = at.count(t + k) > 0;
+        if (whole) u += at[t + k]->u_out / kTicksPerStep;
+      }
+      if (!whole || tilt_of(at[t]->x) > settings_.tilt_limit_rad) continue;
+      model::State next;
+      model::analytical_step(analytical, initial_.ground, at[t]->x.data(), u.data(), kStep_s, initial_.substeps,
+                             next.data(), scratch);
+      set.add(episode.trial, host::residual_features(at[t]->x, u),
+              host::residual_target(at[t]->x, next, at[t + kTicksPerStep]->x));
+    }
+  }
+  return set;
+}
+
+void ModelLearner::save(const std::filesystem::path& path) const {
+  BinaryWriter out;
+  out.put(static_cast<std::uint32_t>(z_.size()));
+  put_all(out, z_);
+  out.put(sigma_);
+  out.put(static_cast<std::int32_t>(rounds_));
+  out.put(static_cast<std::uint8_t>(residual_.has_value()));
+  if (residual_) visit_network(*residual_, [&out](const auto& m) { put_all(out, m); });
+  save_framed(path, kMagic, kVersion, out.bytes());
+}
+
+void ModelLearner::load(const std::filesystem::path& path) {
+  BinaryReader in = load_framed(path, kMagic, kVersion);
+  if (in.read<std::uint32_t>() != static_cast<std::uint32_t>(map_.size())) {
+    throw std::runtime_error(path.string() + ": holds another set of model parameters; delete it and learn again");
+  }
+  get_all(in, z_);
+  in.get(sigma_);
+  rounds_ = in.read<std::int32_t>();
+  residual_.reset();
+  if (in.read<std::uint8_t>() != 0) {
+    residual_.emplace();
+    visit_network(*residual_, [&in](auto& m) { get_all(in, m); });
+  }
+}
+
+}  // namespace sanso::learn
