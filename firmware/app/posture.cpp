@@ -22,8 +22,9 @@ void ramp(double& weight, double goal, double ramp_s) {
 model::Input crouch_pose() {
   // right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll; left mirrored: q_left = -q_right
   constexpr double kThigh = 60.0 * kRadPerDeg;
+  constexpr double kLean = 14.0 * kRadPerDeg;  // trunk forward: brings the weight over the soles when the servos sag
   model::Input q = model::Input::Zero();
-  q[2] = kThigh;
+  q[2] = kThigh + kLean;
   q[3] = -2.0 * kThigh;
   q[4] = -kThigh;
   for (int j = 0; j < 6; ++j) q[6 + j] = -q[j];

@@ -8,7 +8,8 @@ namespace sanso::firmware {
 namespace {
 
 namespace xm430 = servo_bus::xm430;
-constexpr int kTries = 5;  // a lost reply must not stop the start-up
+constexpr int kTries = 5;        // a lost reply must not stop the start-up
+constexpr int kFindTries = 200;  // nor a servo that takes its time to boot: 2 s
 
 struct Wanted {
   const servo_bus::Register& reg;
@@ -79,13 +80,13 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
       return Progress::running;
     }
   }
-  return ++tries_ < 10 * kTries ? Progress::running : failed(Fault::power_switch, opencr::kId);
+  return ++tries_ < kFindTries ? Progress::running : failed(Fault::power_switch, opencr::kId);
 }
 
 BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const Result<BusMaster::Identity> identity = bus.ping(id);
-  if (!identity.ok()) return ++tries_ < kTries ? Progress::running : failed(Fault::servo_missing, id);
+  if (!identity.ok()) return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
   if (identity->model != xm430::kModel) return failed(Fault::servo_model, id);
   all_fast_ = all_fast_ && identity->firmware >= xm430::kFirmwareWithFastRead;
   tries_ = 0;

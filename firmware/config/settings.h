@@ -12,7 +12,7 @@ struct BusSettings {
   int return_delay_raw = 1;
   bool fast_sync_read = true;
   bool require_opencr = true;
-  double power_up_wait_s = 0.5;
+  double power_up_wait_s = 1.0;
   int silent_ticks = 10;
   template <class Field>
   void visit(Field&& field) {
@@ -118,7 +118,7 @@ struct GuardSettings {
 
 struct SupervisorSettings {
   double stand_up_s = 3.0;
-  double approach_s = 1.5;
+  double approach_s = 0.8;
   double near_pose_rad = 0.5;
   double soft_stop_s = 1.5;
   double lower_s = 3.0;
@@ -131,7 +131,7 @@ struct SupervisorSettings {
   template <class Field>
   void visit(Field&& field) {
     field("stand_up_s", stand_up_s, 1.0, 20.0, "time from the present pose to the crouch, and from the crouch to the first pose");
-    field("approach_s", approach_s, 0.5, 10.0, "time to the first pose when the robot is near it already");
+    field("approach_s", approach_s, 0.3, 10.0, "time to the first pose when the robot is near it already");
     field("near_pose_rad", near_pose_rad, 0.05, 2.0, "largest joint error that counts as near the first pose");
     field("soft_stop_s", soft_stop_s, 0.3, 10.0, "time of the blend from a stopped trial to the first pose");
     field("lower_s", lower_s, 1.0, 20.0, "time to lower into the crouch before torque off");

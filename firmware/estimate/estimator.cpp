@@ -14,6 +14,7 @@ constexpr double kDt = 0.01;
 constexpr double kGravity = 9.81;
 constexpr double kStartSigma = 0.02;       // m and m/s: a robot at rest
 constexpr double kPoseJump_m = 0.15;       // a larger innovation is a jump of the tracker, not of the robot
+constexpr double kHeightFollow = 0.05;     // share of the tracker's height error removed at each sample while standing
 constexpr int kMaxExtrapolatedTicks = 3;   // beyond that a silent servo's angle is held
 
 Mat3 yaw_rotation(double yaw) {
@@ -143,6 +144,12 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
     p_filter_track_ = p_then - yaw_rotation(yaw_filter_track_) * pose.p_track_base;
     pose_aligned_ = true;
     innovation = Vec3::Zero();
+  }
+  if (settings_.flat_ground && loaded_[0] && loaded_[1]) {
+    // standing on known ground the legs know the height: the tracker's offset follows them
+    const double wrong = p_filter_track_[2] + in_track[2] - height_;
+    p_filter_track_[2] -= kHeightFollow * wrong;
+    innovation[2] -= kHeightFollow * wrong;
   }
   const Vec3 v = yaw_rotation(yaw_filter_track_) * pose.v_base_in_track;
   for (int a = 0; a < 3; ++a) {

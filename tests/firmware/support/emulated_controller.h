@@ -1,0 +1,168 @@
+// The real-time controller on the emulated robot in virtual time, without a host: tests put commands and layers into the
+// hand-over themselves. The bytes of bus, IMU and pose source are the real ones.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "firmware/app/controller.h"
+#include "firmware/imu/imu_reader.h"
+#include "firmware/imu/pose_reader.h"
+#include "tools/emulator/emulated_robot.h"
+
+namespace sanso::firmware::testing {
+
+class RobotPort : public board::SerialPort {
+ public:
+  explicit RobotPort(emulator::EmulatedRobot& robot) : robot_(robot) {}
+  Status write(board::Bytes data) override {
+    if (pulled) return Status::io_error;
+    robot_.bus_write(data);
+    return Status::ok;
+  }
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds deadline) override {
+    if (pulled) return Status::io_error;
+    for (;;) {
+      const std::size_t n = robot_.bus_read(buffer);
+      if (n > 0 || robot_.now() >= deadline) return n;
+      robot_.advance(std::min(deadline, robot_.next_bus_byte()));
+    }
+  }
+  Status reopen() override { return pulled ? Status::io_error : Status::ok; }
+  bool pulled = false;
+
+ private:
+  emulator::EmulatedRobot& robot_;
+};
+
+class RobotClock : public board::Clock {
+ public:
+  explicit RobotClock(emulator::EmulatedRobot& robot) : robot_(robot) {}
+  Nanoseconds now() override { return robot_.now(); }
+
+ private:
+  emulator::EmulatedRobot& robot_;
+};
+
+class RobotImu : public board::HidSource {
+ public:
+  explicit RobotImu(emulator::EmulatedRobot& robot) : robot_(robot) {}
+  board::Bytes descriptor() override { return emulator::EmulatedRobot::imu_descriptor(); }
+  Status set_feature(board::Bytes report) override { return robot_.imu_set_feature(report) ? Status::ok : Status::io_error; }
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override { return robot_.imu_read(buffer); }
+
+ private:
+  emulator::EmulatedRobot& robot_;
+};
+
+class RobotPose : public board::PoseSource {
+ public:
+  explicit RobotPose(emulator::EmulatedRobot& robot) : robot_(robot) {}
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override { return robot_.pose_read(buffer); }
+
+ private:
+  emulator::EmulatedRobot& robot_;
+};
+
+/// Upright symmetric stand with knees bent (base height about 0.245 m), joint order of model/joints.h [rad].
+inline model::Input standing_pose() {
+  model::Input q = model::Input::Zero();
+  q[2] = 32.32 * kRadPerDeg;
+  q[3] = -64.68 * kRadPerDeg;
+  q[4] = -32.37 * kRadPerDeg;
+  for (int j = 0; j < 6; ++j) q[6 + j] = -q[j];
+  return q;
+}
+
+/// Primitives that stay in one pose for `duration_s`.
+inline policy::PrimitiveSet still_primitives(const model::Input& q, double duration_s) {
+  policy::PrimitiveSet set;
+  set.duration_s = duration_s;
+  for (int i = 0; i < policy::kNumScalarPrimitives; ++i) {
+    const double y = i < 3 ? (i == 2 ? 0.245 : 0.0) : q[i - 3];
+    set.scalar[static_cast<std::size_t>(i)].start = set.scalar[static_cast<std::size_t>(i)].goal = y;
+  }
+  return set;
+}
+
+class EmulatedController {
+ public:
+  explicit EmulatedController(const char* world = "nominal", const Settings& settings = {}, bool with_pose = true)
+      : robot(plant::load_world(world), 1),
+        handover(std::make_unique<Handover>()),
+        imu_(settings.imu, robot_imu_, clock_, handover->imu),
+        pose_(with_pose ? &robot_pose_ : nullptr, clock_, handover->pose),
+        controller(std::make_unique<Controller>(settings, port, clock_, *handover)) {}
+
+  void tick() {
+    robot.advance(next_);
+    imu_.poll(0);
+    pose_.poll(0);
+    handover->host_heard.store(host_alive ? robot.now() : heard_);
+    if (host_alive) heard_ = robot.now();
+    controller->tick(next_);
+    next_ = std::max(next_ + kTickPeriod, robot.now());
+    drain();
+  }
+  void ticks(int n) {
+    for (int i = 0; i < n; ++i) tick();
+  }
+  /// Ticks until the state is reached or `seconds` have passed; true when reached.
+  bool run_until(wire::SupervisorState state, double seconds) {
+    for (int i = 0; i < seconds * 100 && controller->state() != state; ++i) tick();
+    return controller->state() == state;
+  }
+  /// Sends a command and ticks once; its acknowledgement.
+  wire::CommandAck command(wire::CommandKind kind, std::uint32_t trial = 1, std::int32_t duration = 0,
+                           std::uint8_t layers = wire::kLayerAll) {
+    handover->commands.push({++sequence_, kind, trial, layers, duration});
+    tick();
+    return last_ack;
+  }
+  void upload(const policy::PrimitiveSet& set) {
+    handover->primitives.back() = set;
+    handover->primitives.publish();
+  }
+  /// Boot, self-test, arm, stand in `pose`. True when holding.
+  bool stand(const model::Input& pose = standing_pose(), double motion_s = 3.0) {
+    upload(still_primitives(pose, motion_s));
+    if (!run_until(wire::SupervisorState::idle, 10)) return false;
+    command(wire::CommandKind::arm);
+    return run_until(wire::SupervisorState::hold, 15);
+  }
+  const wire::Observation& seen() const { return controller->observation(); }
+  model::State truth() const {
+    const auto x = robot.truth().leg_state();
+    model::State state;
+    for (int i = 0; i < model::kNx; ++i) state[i] = x[static_cast<std::size_t>(i)];
+    return state;
+  }
+
+  emulator::EmulatedRobot robot;
+  RobotPort port{robot};
+  std::unique_ptr<Handover> handover;
+  bool host_alive = true;
+  wire::CommandAck last_ack;
+
+ private:
+  void drain() {
+    wire::Observation observation;
+    while (handover->observations.pop(observation)) {}
+    while (handover->acks.pop(last_ack)) {}
+    LogRecord record;
+    while (handover->log.pop(record)) {}
+  }
+  RobotClock clock_{robot};
+  RobotImu robot_imu_{robot};
+  RobotPose robot_pose_{robot};
+  ImuReader imu_;
+  PoseReader pose_;
+  Nanoseconds next_ = 0;
+  Nanoseconds heard_ = 0;
+  std::uint32_t sequence_ = 0;
+
+ public:
+  std::unique_ptr<Controller> controller;
+};
+
+}  // namespace sanso::firmware::testing
