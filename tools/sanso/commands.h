@@ -13,5 +13,6 @@ inline constexpr int kCouldNot = 2;     // no answer: bad input, missing file, f
 
 void add_motions(CLI::App& app, int& result);
 void add_report(CLI::App& app, int& result);
+void add_score(CLI::App& app, int& result);
 
 }  // namespace sanso::cli

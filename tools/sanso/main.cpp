@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   int result = sanso::cli::kDone;
   sanso::cli::add_motions(app, result);
   sanso::cli::add_report(app, result);
+  sanso::cli::add_score(app, result);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
