@@ -92,7 +92,8 @@ TEST(Examples, OfEveryActuatorAreReadAndScoreTheirRealRecordings) {
       const RecordingScore s = score(model, recording::read_csv((real / file).string()));
       for (const HorizonScore& h : s.horizons) EXPECT_TRUE(std::isfinite(h.rmse) && h.rmse > 0.0) << file;
       // the arm of 27 kg without its rotors is no usable model of its wrist, and says so: its file leaves them out on purpose
-      if (example.model != std::string("staubli_tx40")) EXPECT_LE(s.horizons[0].rmse, 0.2) << file << ": 0.1 s from the measured state";
+      const double bound = example.model == std::string("staubli_tx40") ? 1e3 : 0.2;
+      EXPECT_LE(s.horizons[0].rmse, bound) << file << ": 0.1 s from the measured state";
       ++scored;
     }
   }
