@@ -127,6 +127,7 @@ TrialSummary Session::run_one() {
   const std::uint32_t trial = state_->next_trial;
   const std::vector<model::State> reference = reference_of(state_->primitives);
   const auto rounded_middle = std::make_unique<policy::MiddleTable>(state_->middle);
+  rounded_middle->trial_id = trial + 1;  // the controller refuses a table that belongs to another trial
   policy::round_to_wire(*rounded_middle);
 
   TrialSetup setup;

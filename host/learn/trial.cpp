@@ -206,7 +206,7 @@ std::uint8_t Layers::mask() const {
 void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings) {
   upload_primitives(robot, *setup.primitives);
   if (setup.layers.middle && setup.middle) require(robot.upload(*setup.middle), "upload of the middle layer", robot);
-  require(robot.command({.kind = wire::CommandKind::arm, .trial_id = setup.trial_id}), "arm", robot);
+  require(robot.command({.kind = wire::CommandKind::arm, .trial_id = setup.trial_id, .layers = setup.layers.mask()}), "arm", robot);
   constexpr double kStandUp_s = 10.0;
   wait_for_state(robot, SupervisorState::hold, kStandUp_s, "standing up");
   const Nanoseconds settled = robot.clock().now() + from_seconds(settings.settle_s);

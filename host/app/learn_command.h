@@ -1,0 +1,38 @@
+// `sanso learn`: a learning session from the command line.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/learn/robot_access.h"
+#include "host/learn/trial.h"
+
+namespace sanso::app {
+
+struct LearnOptions {
+  std::string motion = "squat";
+  int iterations = 10;
+  std::string robot = "in-process";   // or "emulated", or HOST:PORT
+  std::filesystem::path out;
+  bool resume = false;
+  std::uint64_t seed = 1;
+  std::vector<std::string> without;   // lower, middle, upper, residual, stochastic
+  std::string world = "lab";          // of an emulated robot
+  int threads = 2;
+  bool quiet = false;
+};
+
+/// Makes the robot that LearnOptions::robot names. Throws std::runtime_error saying what to do.
+using RobotFactory = std::function<std::unique_ptr<learn::RobotAccess>(const LearnOptions&)>;
+
+/// The layers that are left without those named. Throws std::runtime_error for an unknown name.
+learn::Layers layers_without(const std::vector<std::string>& names);
+
+/// Exit code: 0 the last trial succeeded, 1 it failed. Throws std::runtime_error when there is no answer.
+int learn(const LearnOptions& options, const RobotFactory& make_robot);
+
+}  // namespace sanso::app

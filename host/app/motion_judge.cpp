@@ -1,0 +1,44 @@
+#include "host/app/motion_judge.h"
+
+#include <algorithm>
+
+#include "host/motion/body_kinematics.h"
+
+namespace sanso::app {
+namespace {
+
+motion::EpisodeSample sample_at(const model::State& x, const learn::TrueSample* truth) {
+  motion::EpisodeSample sample;
+  sample.x = x;
+  const motion::BodyPoints points = motion::body_points(x);
+  for (int side = 0; side < 2; ++side) {
+    const auto s = static_cast<std::size_t>(side);
+    const auto corners = points.sole_corners(side);
+    sample.foot_clearance_m[s] = std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
+    sample.foot_m[s] = points.p_world_foot[s].head<2>();
+    if (truth) sample.foot_load_N[s] = static_cast<double>(truth->foot_load_N[s]);
+  }
+  return sample;
+}
+
+}  // namespace
+
+motion::MotionEpisode seen_from_outside(const learn::Episode& episode) {
+  motion::MotionEpisode out;
+  out.cost = episode.cost;
+  out.completed = !episode.failed();
+  const bool known = episode.truth.size() == episode.ticks.size();
+  for (std::size_t i = 0; i < episode.ticks.size(); ++i) {
+    const learn::TrueSample* truth = known ? &episode.truth[i] : nullptr;
+    const motion::EpisodeSample sample = sample_at(truth ? truth->x : episode.ticks[i].x, truth);
+    const auto tick = static_cast<std::size_t>(episode.ticks[i].trial_tick);
+    while (out.samples.size() <= tick) out.samples.push_back(sample);  // a lost observation repeats its successor
+  }
+  return out;
+}
+
+std::vector<std::string> broken_clauses(const motion::Motion& motion, const learn::Episode& episode) {
+  return motion::evaluate(motion, seen_from_outside(episode)).failures();
+}
+
+}  // namespace sanso::app
