@@ -1,5 +1,6 @@
 #include "firmware/estimate/estimator.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

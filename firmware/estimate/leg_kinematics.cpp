@@ -1,5 +1,6 @@
 #include "firmware/estimate/leg_kinematics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
