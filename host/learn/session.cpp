@@ -55,6 +55,15 @@ std::vector<model::State> at_middle_knots(const std::vector<model::State>& refer
 
 }  // namespace
 
+policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives) {
+  for (std::size_t axis : {std::size_t{0}, std::size_t{1}}) {  // base x, y: the equations only know differences
+    policy::ScalarPrimitive& p = primitives.scalar[axis];
+    p.goal -= p.start;
+    p.start = 0.0;
+  }
+  return primitives;
+}
+
 std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives) {
   policy::PrimitivePlayer player;
   player.reset(primitives);
@@ -89,6 +98,7 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
       state_(std::make_unique<SessionState>()),
       learner_(model, task.weights.state, model_settings_of(settings), settings.seed) {
   check_table_fits(task_);
+  task_.primitives = from_origin(task_.primitives);
   const std::vector<model::State> reference = reference_of(task_.primitives);
   x_init_ = at_middle_knots(reference);
   if (!settings_.middle.start_at_reference) x_init_.assign(x_init_.size(), reference.front());

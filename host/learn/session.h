@@ -72,6 +72,9 @@ class Session {
 /// Every middle-layer knot's view of what the upper layer did in an episode.
 std::vector<UpperSample> upper_samples(const Episode& episode);
 
+/// The same motion beginning at the origin of the trial, which the controller puts under the robot when the trial starts.
+policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives);
+
 /// x_DMP at every tick of the motion, first and last included.
 std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives);
 

@@ -1,0 +1,76 @@
+// A session that is killed continues with the same bits.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "host/learn/atomic_file.h"
+#include "tests/loop/support/loop_fixture.h"
+
+namespace sanso::loop {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Resume : testing::Test {
+  fs::path folder;
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "sanso_resume_XXXXXX").string();
+    folder = mkdtemp(name.data());
+  }
+  void TearDown() override { fs::remove_all(folder); }
+};
+
+/// A session of short standing trials in `out`; returns the digests of its trials and of what it learned.
+std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool resume, std::uint64_t seed = 3) {
+  const motion::Motion stand = motion::MotionLibrary().load("stand");
+  learn::Task task{"stand", stand.primitives, stand.weights, {}};
+  inprocess::InProcessAccess robot("lab");
+  mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
+  learn::SessionSettings settings;
+  settings.iterations = iterations;
+  settings.seed = seed;
+  settings.out = out;
+  settings.resume = resume;
+  settings.trial.settle_s = 0.2;
+  learn::Session session(task, settings, robot, upper);
+  session.run([](const learn::TrialSummary&) {});
+  std::vector<std::uint64_t> digests{learn::learned_digest(session.state())};
+  for (const learn::TrialSummary& t : session.state().history) digests.push_back(t.digest);
+  return digests;
+}
+
+TEST_F(Resume, KilledInTheMiddleEqualsUninterrupted) {
+  const pid_t child = fork();
+  if (child == 0) {
+    run_session(folder / "killed", 4, false);
+    _exit(0);
+  }
+  // killed somewhere in the second trial: after the first is stored, before the last
+  while (!fs::exists(folder / "killed" / "summary.json") && waitpid(child, nullptr, WNOHANG) == 0) usleep(2000);
+  usleep(150'000);
+  kill(child, SIGKILL);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "the session ended before it could be killed";
+
+  EXPECT_EQ(run_session(folder / "killed", 4, true), run_session(folder / "whole", 4, false));
+}
+
+TEST_F(Resume, AnotherSessionIsNotContinued) {
+  run_session(folder / "s", 1, false);
+  EXPECT_THROW(run_session(folder / "s", 2, false), std::runtime_error);         // without --resume
+  EXPECT_THROW(run_session(folder / "s", 2, true, 4), std::runtime_error);       // another seed
+}
+
+TEST_F(Resume, ADamagedStateIsRefused) {
+  run_session(folder / "s", 1, false);
+  std::vector<std::uint8_t> bytes = learn::read_file(folder / "s" / "state.bin");
+  bytes[bytes.size() / 2] ^= 1;
+  learn::write_atomically(folder / "s" / "state.bin", bytes);
+  EXPECT_THROW(run_session(folder / "s", 2, true), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace sanso::loop

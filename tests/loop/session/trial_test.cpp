@@ -1,0 +1,43 @@
+// Whole trials in process: firmware, emulated robot and planner over real bytes.
+#include "tests/loop/support/loop_fixture.h"
+
+namespace sanso::loop {
+namespace {
+
+TEST(Trial, StandSucceeds) {
+  Loop loop("stand");
+  const learn::Episode episode = loop.run(1);
+  EXPECT_EQ(episode.end, learn::TrialEnd::completed) << learn::to_string(episode.end) << ", cost " << episode.cost;
+  EXPECT_LT(episode.cost, 350.0);
+  EXPECT_TRUE(loop.on_its_feet());
+  // three witnesses: what the controller believes, what physics says, what the reference asked
+  const model::State& believed = episode.ticks.back().x;
+  const model::State& real = episode.truth.back().x;
+  EXPECT_NEAR(believed[model::kXPos + 2], real[model::kXPos + 2], 0.01);
+  EXPECT_NEAR(real[model::kXPos + 2], episode.reference.back()[model::kXPos + 2], 0.02);
+}
+
+TEST(Trial, SquatSucceedsAndEveryPolicyArrivesInTime) {
+  Loop loop("squat");
+  const learn::Episode episode = loop.run(1);
+  EXPECT_EQ(episode.end, learn::TrialEnd::completed) << learn::to_string(episode.end) << ", cost " << episode.cost;
+  EXPECT_LT(episode.cost, 350.0);
+  EXPECT_GE(episode.plans.size(), episode.ticks.size() / kTicksPerUpper - 2);
+  for (const learn::PlanRecord& plan : episode.plans) {
+    EXPECT_EQ(plan.late, 0) << "policy for tick " << plan.policy.first_tick;
+    EXPECT_EQ(plan.policy.first_tick - plan.observed_tick, kTicksPerUpper);
+    EXPECT_LE(plan.cost_after, plan.cost_before);
+  }
+  EXPECT_EQ(episode.ticks.back().bus_lost + episode.ticks.back().bus_corrupt, 0u);
+}
+
+TEST(Trial, OneSeedGivesTheSameBits) {
+  Loop first("stand"), second("stand");
+  first.setup.duration_ticks = second.setup.duration_ticks = 120;
+  const std::uint64_t a = learn::digest(first.run(5)), b = learn::digest(second.run(5)), c = learn::digest(second.run(6));
+  EXPECT_EQ(a, b);
+  EXPECT_NE(a, c) << "another seed has to give another trial";
+}
+
+}  // namespace
+}  // namespace sanso::loop

@@ -1,0 +1,29 @@
+// A new in-process robot for every trial: so that a trial depends on its seed and on what was learned, on nothing else.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "host/learn/robot_access.h"
+#include "tools/inprocess/inprocess_robot.h"
+
+namespace sanso::inprocess {
+
+class InProcessAccess : public learn::RobotAccess {
+ public:
+  /// Throws plant::WorldError when there is no such world.
+  explicit InProcessAccess(const std::string& world);
+  link::RobotLink& place(const model::State& x, std::uint64_t seed) override;
+  void add_measurements(learn::Episode& episode) override;
+  std::string description() const override { return "in-process, world " + world_.name; }
+  bool real_time() const override { return false; }
+  InProcessRobot& robot() { return *robot_; }
+
+ private:
+  plant::World world_;
+  wire::Key key_{};
+  std::unique_ptr<InProcessRobot> robot_;
+  std::unique_ptr<link::RobotLink> link_;
+};
+
+}  // namespace sanso::inprocess

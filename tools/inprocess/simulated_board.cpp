@@ -1,0 +1,63 @@
+#include "tools/inprocess/simulated_board.h"
+
+#include <algorithm>
+
+namespace sanso::inprocess {
+namespace {
+
+/// Takes what `read` has until there is something or `deadline` has passed, letting the world run in between.
+template <class Read>
+Result<std::size_t> read_until(emulator::EmulatedRobot& robot, Nanoseconds deadline, Read read) {
+  constexpr Nanoseconds kStep = kMillisecond;  // reports come every few milliseconds
+  for (std::size_t n = read(); ; n = read()) {
+    if (n > 0) return n;
+    if (robot.now() >= deadline) return std::size_t{0};
+    robot.advance(std::min(deadline, robot.now() + kStep));
+  }
+}
+
+}  // namespace
+
+Status SimulatedSerialPort::write(board::Bytes data) {
+  if (pulled_) return Status::io_error;
+  robot_.bus_write(data);
+  return Status::ok;
+}
+
+Result<std::size_t> SimulatedSerialPort::read(board::Buffer buffer, Nanoseconds deadline) {
+  if (pulled_) return Status::io_error;
+  for (std::size_t n = robot_.bus_read(buffer);; n = robot_.bus_read(buffer)) {
+    if (n > 0) return n;
+    if (robot_.now() >= deadline) return std::size_t{0};
+    robot_.advance(std::min(deadline, robot_.next_bus_byte()));
+  }
+}
+
+Status SimulatedImu::set_feature(board::Bytes report) {
+  return robot_.imu_set_feature(report) ? Status::ok : Status::io_error;
+}
+
+Result<std::size_t> SimulatedImu::read(board::Buffer buffer, Nanoseconds deadline) {
+  return read_until(robot_, deadline, [&] { return robot_.imu_read(buffer); });
+}
+
+Result<std::size_t> SimulatedPose::read(board::Buffer buffer, Nanoseconds deadline) {
+  return read_until(robot_, deadline, [&] { return robot_.pose_read(buffer); });
+}
+
+Status SimulatedNetwork::send(board::Bytes data, const board::Peer&) {
+  to_host.emplace_back(data.begin(), data.end());
+  return Status::ok;
+}
+
+Result<std::size_t> SimulatedNetwork::receive(board::Buffer buffer, board::Peer& from, Nanoseconds) {
+  if (to_controller.empty()) return std::size_t{0};
+  const Bytes datagram = std::move(to_controller.front());
+  to_controller.pop_front();
+  from.size = 1;  // the only peer there is
+  const std::size_t n = std::min(buffer.size(), datagram.size());
+  std::copy_n(datagram.begin(), n, buffer.begin());
+  return n;
+}
+
+}  // namespace sanso::inprocess
