@@ -66,7 +66,7 @@ Motion one_leg() {
   m.recipe.first_frame = 290;
   m.recipe.last_frame = 415;
   m.recipe.zmp_inside_m = 0.006;
-  m.success = upright({at_least("longest_lift_s", 1.5), at_least("pressure_inside_share", 0.99)}, true);
+  m.success = upright({at_least("longest_lift_s", 1.5), at_least("single_support_share", 0.99)}, true);
   return m;
 }
 

@@ -174,16 +174,18 @@ double longest_lift_s(const MeasureInput& in) {
   return longest(in, [](const EpisodeSample& s) { return std::max(s.foot_clearance_m[0], s.foot_clearance_m[1]) >= kLift_m; });
 }
 
-/// Of the moments with a foot up: those with the centre of pressure inside the sole that carries.
-double pressure_inside_share(const MeasureInput& in) {
-  int all = 0, inside = 0;
+/// Of the moments with a foot up: those in which the other sole, and only it, carries. Ground only pushes, so the centre
+/// of pressure is then inside that sole.
+double single_support_share(const MeasureInput& in) {
+  int all = 0, single = 0;
   for (const EpisodeSample& s : in.episode.samples) {
-    if (!(std::max(s.foot_clearance_m[0], s.foot_clearance_m[1]) >= kLift_m)) continue;
-    if (std::isnan(s.support_margin_m)) return EpisodeSample::kUnknown;
+    const int up = s.foot_clearance_m[1] > s.foot_clearance_m[0] ? 1 : 0;
+    if (!(s.foot_clearance_m[up] >= kLift_m)) continue;
+    if (std::isnan(s.foot_load_N[0] + s.foot_load_N[1])) return EpisodeSample::kUnknown;
     ++all;
-    inside += s.support_margin_m > 0.0 ? 1 : 0;
+    single += s.foot_load_N[up] < kUnloaded_N && s.foot_load_N[1 - up] > kUnloaded_N ? 1 : 0;
   }
-  return all > 0 ? static_cast<double>(inside) / all : EpisodeSample::kUnknown;
+  return all > 0 ? static_cast<double>(single) / all : EpisodeSample::kUnknown;
 }
 
 // --- gaits ---
@@ -276,8 +278,7 @@ const std::vector<Measure>& measures() {
       {"depth_share", "depth of the base over the reference's", depth_share},
       {"return_height_error_m", "height at the end against the start [m]", return_height_error_m},
       {"longest_lift_s", "longest time a sole is 10 mm clear without a break [s]", longest_lift_s},
-      {"pressure_inside_share", "with a foot up: share of the time the centre of pressure is inside the other sole",
-       pressure_inside_share},
+      {"single_support_share", "with a foot up: share of the time that the other sole alone carries", single_support_share},
       {"steps", "swings of at least 5 mm", step_count},
       {"lowest_step_clearance_m", "highest point of the lowest swing [m]", lowest_step_clearance_m},
       {"distance_share", "distance along the reference's travel over its own", distance_share},

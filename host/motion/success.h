@@ -19,7 +19,6 @@ struct EpisodeSample {
   std::array<double, 2> foot_clearance_m = {kUnknown, kUnknown};  // lowest sole corner above the ground, right and left
   std::array<double, 2> foot_load_N = {kUnknown, kUnknown};       // normal force
   std::array<Eigen::Vector2d, 2> foot_m = {Eigen::Vector2d::Constant(kUnknown), Eigen::Vector2d::Constant(kUnknown)};
-  double support_margin_m = kUnknown;  // centre of pressure inside the hull of the soles on the ground; negative outside
 };
 
 struct MotionEpisode {
