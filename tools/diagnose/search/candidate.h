@@ -1,0 +1,64 @@
+// What can be asked of the data: candidate explanations (an effect of the library at a place) and nuisances (what a nominal
+// model may be wrong by). A model is a choice of candidates with parameters, and values of the nuisances.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/search/problem.h"
+#include "tools/diagnose/sim/sim_params.h"
+
+namespace sanso::diagnose {
+
+struct CandidateParameter {
+  std::string name, unit;
+  double null = 0.0, low = 0.0, high = 0.0;
+  double typical = 1.0;  // a size at which the effect matters in practice; scale of the fit's coordinate
+};
+
+struct Candidate {
+  std::string effect;                        // id of the library
+  std::string family;                        // "friction", ...
+  std::vector<std::string> where;            // joints or links; empty: the whole robot
+  std::vector<CandidateParameter> parameters;
+  std::vector<std::vector<double>> probes;   // parameter vectors whose signature is looked for
+  std::vector<std::string> confounders;      // library ids known to look alike
+  std::function<void(SimParams&, const std::vector<double>&)> apply;
+  std::string title() const;                 // "backlash at l_knee"
+};
+
+/// A quantity the nominal model states with finite accuracy: zero-mean Gaussian, standard deviation `tolerance`.
+struct Nuisance {
+  std::string name;
+  double tolerance = 1.0;
+  bool positive = false;  // cannot be negative (a lag)
+  std::function<void(SimParams&, double)> apply;
+};
+
+/// Candidates for this robot and these channels: every effect at every joint, at all joints alike, or at the robot. `only`
+/// (library ids) restricts the library; empty: all.
+std::vector<Candidate> make_candidates(const Problem& problem, const std::vector<std::string>& only);
+
+/// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of constants.h; one common lag.
+std::vector<Nuisance> make_nuisances(const Problem& problem);
+
+struct Chosen {
+  int candidate = 0;
+  std::vector<double> theta;
+};
+
+struct Model {
+  std::vector<Chosen> effects;
+  std::vector<double> nuisance;
+  bool has(int candidate) const;
+};
+
+/// Everything that a simulation of a model needs beside the recordings.
+struct Library {
+  std::vector<Candidate> candidates;
+  std::vector<Nuisance> nuisances;
+  void apply(const Model& model, SimParams& params) const;
+};
+
+}  // namespace sanso::diagnose

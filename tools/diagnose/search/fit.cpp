@@ -1,0 +1,258 @@
+#include "tools/diagnose/search/fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/series.h"
+
+namespace sanso::diagnose {
+
+Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model) {
+  Surroundings s{&problem, &library, StartElimination(problem, library, model), {}, 1.0};
+  const auto count = static_cast<int>(library.nuisances.size());
+  s.A.resize(static_cast<Eigen::Index>(problem.size), count);
+  const Eigen::VectorXd base = prediction_error(problem, library, model);
+  parallel_for(count, [&](int i) {
+    Model moved = model;
+    moved.nuisance.resize(library.nuisances.size(), 0.0);
+    const double step = library.nuisances[static_cast<std::size_t>(i)].tolerance;
+    moved.nuisance[static_cast<std::size_t>(i)] += step;
+    s.A.col(i) = prediction_error(problem, library, moved) - base;
+  });
+  return s;
+}
+
+namespace {
+
+/// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances / tolerance.
+class Coordinates {
+ public:
+  Coordinates(const Library& library, const Model& shape) : library_(&library), shape_(shape) {
+    shape_.nuisance.resize(library.nuisances.size(), 0.0);
+    for (const Chosen& c : shape_.effects) {
+      for (const CandidateParameter& p : library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
+        parameters_.push_back(p);
+      }
+    }
+  }
+  Eigen::Index effects() const { return static_cast<Eigen::Index>(parameters_.size()); }
+  Eigen::Index size() const { return effects() + static_cast<Eigen::Index>(library_->nuisances.size()); }
+  const CandidateParameter& parameter(Eigen::Index i) const { return parameters_[static_cast<std::size_t>(i)]; }
+
+  Eigen::VectorXd of(const Model& model) const {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
+    Eigen::Index i = 0;
+    for (const Chosen& c : model.effects) {
+      for (double v : c.theta) x[i] = v / parameter(i).typical, ++i;
+    }
+    for (std::size_t k = 0; k < model.nuisance.size(); ++k) x[i++] = model.nuisance[k] / library_->nuisances[k].tolerance;
+    return x;
+  }
+  Model model(const Eigen::VectorXd& x) const {
+    Model m = shape_;
+    Eigen::Index i = 0;
+    for (Chosen& c : m.effects) {
+      for (double& v : c.theta) v = x[i] * parameter(i).typical, ++i;
+    }
+    for (std::size_t k = 0; k < m.nuisance.size(); ++k) m.nuisance[k] = x[i++] * library_->nuisances[k].tolerance;
+    return m;
+  }
+  double low(Eigen::Index i) const {
+    if (i < effects()) return parameter(i).low / parameter(i).typical;
+    return library_->nuisances[static_cast<std::size_t>(i - effects())].positive ? 0.0 : -INFINITY;
+  }
+  double high(Eigen::Index i) const { return i < effects() ? parameter(i).high / parameter(i).typical : INFINITY; }
+  Eigen::VectorXd inside(Eigen::VectorXd x) const {
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i], low(i), high(i));
+    return x;
+  }
+
+ private:
+  const Library* library_;
+  Model shape_;
+  std::vector<CandidateParameter> parameters_;
+};
+
+/// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
+Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates, const Eigen::VectorXd& x,
+                         const Eigen::VectorXd& r) {
+  Eigen::MatrixXd J(r.size(), coordinates.size());
+  J.rightCols(around.A.cols()) = around.A;
+  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of the integrator's step
+  constexpr double kStep = 0.03;
+  parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
+    Eigen::VectorXd moved = x;
+    const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
+    moved[i] += step;
+    J.col(i) = (prediction_error(*around.problem, *around.library, coordinates.model(moved)) - r) / step;
+  });
+  return J;
+}
+
+struct Normal {
+  Eigen::MatrixXd H;  // J' M J / phi + prior
+  Eigen::VectorXd g;  // half gradient of the objective
+  double objective;
+};
+
+/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), one on nuisances.
+double prior(const Coordinates& c, Eigen::Index i) { return i < c.effects() ? 1e-6 : 1.0; }
+
+Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& gram, const Eigen::VectorXd& x) {
+  const Eigen::Index n = c.size();
+  Normal out{gram.topLeftCorner(n, n) / around.phi, gram.topRightCorner(n, 1) / around.phi, gram(n, n) / around.phi};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    out.H(i, i) += prior(c, i);
+    if (i < c.effects()) continue;
+    out.g[i] += x[i];
+    out.objective += x[i] * x[i];
+  }
+  return out;
+}
+
+double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+  return around.starts.energy_by_shot(r).sum() / around.phi + x.tail(x.size() - c.effects()).squaredNorm();
+}
+
+/// Step of the damped normal equations with coordinates at an active bound held still.
+Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Eigen::VectorXd& x, double damping) {
+  Eigen::MatrixXd H = normal.H;
+  H.diagonal() *= 1.0 + damping;
+  Eigen::VectorXd g = normal.g;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const bool held = (x[i] <= c.low(i) && g[i] > 0.0) || (x[i] >= c.high(i) && g[i] < 0.0);
+    if (!held) continue;
+    H.row(i).setZero();
+    H.col(i).setZero();
+    H(i, i) = 1.0;
+    g[i] = 0.0;
+  }
+  return -H.ldlt().solve(g);
+}
+
+Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
+  Eigen::MatrixXd all(J.rows(), J.cols() + 1);
+  all << J, r;
+  return all;
+}
+
+}  // namespace
+
+FitResult fit(const Surroundings& around, const Model& start, int iterations) {
+  const Coordinates c(*around.library, start);
+  FitResult out;
+  out.parameters = static_cast<int>(c.effects());
+  Eigen::VectorXd x = c.inside(c.of(start));
+  Eigen::VectorXd r = prediction_error(*around.problem, *around.library, c.model(x));
+  double damping = 1e-4;
+  Normal normal;
+  for (int iteration = 0;; ++iteration) {
+    out.J = jacobian(around, c, x, r);
+    normal = assemble(around, c, around.starts.gram(with_error(out.J, r)), x);
+    if (iteration >= iterations || out.converged) break;
+    bool improved = false;
+    for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
+      const Eigen::VectorXd trial = c.inside(x + step_inside(c, normal, x, damping));
+      const Eigen::VectorXd r_trial = prediction_error(*around.problem, *around.library, c.model(trial));
+      const double objective = objective_at(around, c, trial, r_trial);
+      if (objective < normal.objective) {
+        improved = true;
+        out.converged = normal.objective - objective < constants::kConverged * objective;
+        x = trial;
+        r = r_trial;
+        damping = std::max(damping * 0.2, 1e-6);
+      } else {
+        damping = damping * 10.0 + 1e-3;
+      }
+    }
+    if (!improved) out.converged = true;
+  }
+  out.model = c.model(x);
+  out.objective = normal.objective;
+  out.r = std::move(r);
+  out.fixed.assign(static_cast<std::size_t>(c.effects()), 0);
+  Eigen::MatrixXd H = normal.H;
+  for (Eigen::Index i = 0; i < c.effects(); ++i) {
+    const double width = c.high(i) - c.low(i);
+    const bool at_null = std::abs(x[i] - c.parameter(i).null / c.parameter(i).typical) < 1e-9;
+    if (!at_null && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
+    out.fixed[static_cast<std::size_t>(i)] = 1;
+  }
+  out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+  return out;
+}
+
+double overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
+  std::vector<double> values;
+  for (const Shot& shot : problem.shots) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows, shot.rows);
+      const double mean_square = rms(piece) * rms(piece);
+      if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
+    }
+  }
+  return values.empty() ? 1.0 : std::max(1.0, median(values));
+}
+
+std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {
+  std::vector<double> out;
+  Eigen::Index i = 0;
+  for (const Chosen& chosen : result.model.effects) {
+    for (const CandidateParameter& p : library.candidates[static_cast<std::size_t>(chosen.candidate)].parameters) {
+      out.push_back(p.typical * std::sqrt(std::max(0.0, result.covariance(i, i))));
+      ++i;
+    }
+  }
+  return out;
+}
+
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result, bool by_condition) {
+  const Problem& problem = *around.problem;
+  const Eigen::Index n = result.J.cols();
+  const Eigen::MatrixXd columns = with_error(result.J, result.r);
+  const int parts = by_condition ? problem.conditions : problem.groups;
+  const auto part_of = [&](const Shot& shot) { return by_condition ? shot.condition : shot.group; };
+  const std::vector<Eigen::MatrixXd> grams = around.starts.gram_by(columns, parts, part_of);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+  for (const Eigen::MatrixXd& G : grams) H += G.topLeftCorner(n, n) / around.phi;
+  for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < result.parameters ? 1e-6 : 1.0;
+  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
+  for (int part = 0; part < parts; ++part) {
+    const Eigen::MatrixXd& G = grams[static_cast<std::size_t>(part)];
+    Eigen::MatrixXd rest = H - G.topLeftCorner(n, n) / around.phi;
+    Eigen::VectorXd gradient = G.topRightCorner(n, 1) / around.phi;  // of the part alone; the whole gradient is zero
+    for (Eigen::Index i = 0; i < result.parameters; ++i) {
+      if (!result.fixed[static_cast<std::size_t>(i)]) continue;
+      rest.row(i).setZero();
+      rest.col(i).setZero();
+      rest(i, i) = 1.0;
+      gradient[i] = 0.0;
+    }
+    const Eigen::VectorXd delta = rest.ldlt().solve(gradient);
+    const Eigen::VectorXd energy = around.starts.energy_by_shot(result.r + result.J * delta);
+    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+      if (part_of(problem.shots[s]) == part) heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
+    }
+  }
+  return heldout;
+}
+
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  HeldoutGain gain;
+  const Eigen::VectorXd d = before - after;
+  std::vector<double> values(d.data(), d.data() + d.size());
+  gain.total = d.sum();
+  gain.standard_error =
+      standard_deviation(values) * std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+  std::sort(values.rbegin(), values.rend());
+  double best = 0.0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i) best += std::max(0.0, values[i]);
+  gain.concentration = gain.total > 0.0 ? std::min(1.0, best / gain.total) : 0.0;
+  return gain;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,57 @@
+// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts eliminated.
+// Objective   r' M r / phi + sum (nuisance / tolerance)^2      phi: overdispersion of the prediction errors
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/search/prediction_error.h"
+
+namespace sanso::diagnose {
+
+/// What all fits around one model share: start elimination, nuisance derivatives, overdispersion.
+struct Surroundings {
+  const Problem* problem = nullptr;
+  const Library* library = nullptr;
+  StartElimination starts;
+  Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
+  double phi = 1.0;
+};
+
+/// Linearises starts and nuisances at `model`; 2n + nuisances passes. phi is left at 1.
+Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model);
+
+struct FitResult {
+  Model model;
+  double objective = 0.0;
+  Eigen::VectorXd r;                   // prediction error at the optimum
+  Eigen::MatrixXd J;                   // d r / d (effects' parameters / typical, nuisances / tolerance)
+  Eigen::MatrixXd covariance;          // of the same coordinates
+  std::vector<char> fixed;             // by effect parameter: held at its bound
+  int parameters = 0;                  // number of effect parameters = leading columns of J
+  bool converged = false;
+};
+
+/// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
+FitResult fit(const Surroundings& around, const Model& start, int iterations);
+
+/// Overdispersion of a projected error: median over shots and channels of mean square x autocorrelation time, at least 1.
+/// Errors that are correlated or larger than the noise carry less information than their number says.
+double overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
+
+/// Standard deviations of the effect parameters, natural units.
+std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
+
+/// Held-out energy of every shot (r' M r), from a fit without the shot's group: one Gauss-Newton step from the full fit,
+/// exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit, bool by_condition = false);
+
+/// Paired comparison of two models' held-out energies.
+struct HeldoutGain {
+  double total = 0.0;           // energy removed
+  double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
+  double concentration = 0.0;   // share of the gain that comes from the three best shots
+};
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,46 @@
+#include "tools/diagnose/search/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace sanso::diagnose {
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
+
+}  // namespace
+
+void request_stop() { stop.store(true); }
+bool stop_requested() { return stop.load(); }
+
+void parallel_for(int count, const std::function<void(int)>& task) {
+  std::atomic<int> next{0};
+  std::exception_ptr failure;
+  std::mutex guard;
+  const auto work = [&] {
+    for (int i = next++; i < count && !stop_requested(); i = next++) {
+      try {
+        task(i);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        if (!failure) failure = std::current_exception();
+        next = count;
+      }
+    }
+  };
+  const int threads = std::min<int>(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  std::vector<std::thread> pool;
+  for (int i = 1; i < threads; ++i) pool.emplace_back(work);
+  work();
+  for (std::thread& t : pool) t.join();
+  if (failure) std::rethrow_exception(failure);
+  if (stop_requested()) throw Interrupted{};
+}
+
+}  // namespace sanso::diagnose

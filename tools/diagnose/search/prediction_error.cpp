@@ -1,0 +1,153 @@
+#include "tools/diagnose/search/prediction_error.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/parallel.h"
+
+namespace sanso::diagnose {
+namespace {
+
+Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const Model& model,
+                         const std::function<void(Window&)>& move_start) {
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  std::size_t next = 0;  // shots are sorted by source
+  for (std::size_t source = 0; source < problem.sources.size(); ++source) {
+    const std::size_t begin = next;
+    std::vector<Window> windows;
+    while (next < problem.shots.size() && problem.shots[next].source == static_cast<int>(source)) {
+      windows.push_back(problem.shots[next].window);
+      move_start(windows.back());
+      ++next;
+    }
+    if (windows.empty()) continue;
+    SimParams params = problem.sources[source].nominal;
+    library.apply(model, params);
+    SimOptions options;
+    options.motion = &problem.sources[source].motion;
+    const std::vector<Prediction> predictions = simulate(params, problem.sources[source].drive, windows, options);
+    for (std::size_t i = 0; i < predictions.size(); ++i) {
+      const Shot& shot = problem.shots[begin + i];
+      whitened_residual(problem, shot, predictions[i], r.data() + shot.offset);
+    }
+  }
+  return r;
+}
+
+/// Beyond this many joints the starts are moved all at once and coupling between joints is left out of their derivative.
+constexpr std::size_t kCoupledStarts = 4;
+
+}  // namespace
+
+Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model) {
+  return one_pass(problem, library, model, [](Window&) {});
+}
+
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model, int joint,
+                                                  double dq0, double ddq0) {
+  return one_pass(problem, library, model, [&](Window& w) {
+    for (std::size_t j = 0; j < w.q.size(); ++j) {
+      if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
+      w.q[j] += dq0;
+      w.dq[j] += ddq0;
+    }
+  });
+}
+
+StartElimination::StartElimination(const Problem& problem, const Library& library, const Model& model) : problem_(&problem) {
+  const std::size_t n = problem.joints.size();
+  const bool coupled = n <= kCoupledStarts;
+  J_.setZero(static_cast<Eigen::Index>(problem.size), static_cast<Eigen::Index>(2 * n));
+  // steps well above the integrator's rounding and below any regime's width
+  constexpr double kStepPosition = 1e-4, kStepVelocity = 1e-3;
+  const int passes = coupled ? static_cast<int>(2 * n) : 2;
+  std::vector<Eigen::VectorXd> moved(static_cast<std::size_t>(passes));
+  Eigen::VectorXd base;
+  parallel_for(passes + 1, [&](int i) {
+    if (i == passes) {
+      base = prediction_error(problem, library, model);
+      return;
+    }
+    const int joint = coupled ? i / 2 : -1;
+    const bool position = i % 2 == 0;
+    moved[static_cast<std::size_t>(i)] = prediction_error_from_moved_start(
+        problem, library, model, joint, position ? kStepPosition : 0.0, position ? 0.0 : kStepVelocity);
+  });
+  for (int i = 0; i < passes; ++i) {
+    const Eigen::VectorXd derivative =
+        (moved[static_cast<std::size_t>(i)] - base) / (i % 2 == 0 ? kStepPosition : kStepVelocity);
+    if (coupled) {
+      J_.col(i) = derivative;
+      continue;
+    }
+    for (const Shot& shot : problem.shots) {
+      for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+        const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+        const auto rows = static_cast<Eigen::Index>(shot.rows);
+        J_.block(from, 2 * problem.channels[c].joint + i % 2, rows, 1) = derivative.segment(from, rows);
+      }
+    }
+  }
+  for (const Shot& shot : problem.shots) {
+    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
+    auto J = J_.middleRows(static_cast<Eigen::Index>(shot.offset), entries(shot));
+    // in units of the starts' deviations, so that the arrival cost is the identity
+    for (std::size_t j = 0; j < n; ++j) {
+      J.col(static_cast<Eigen::Index>(2 * j)) *= std::max(source.q_sigma[j][shot.window.first], 1e-9);
+      J.col(static_cast<Eigen::Index>(2 * j + 1)) *=
+          constants::kArrivalInflation * std::max(source.dq_sigma[j][shot.window.first], 1e-9);
+    }
+    const Eigen::MatrixXd H = J.transpose() * J + Eigen::MatrixXd::Identity(J.cols(), J.cols());
+    W_.push_back(H.llt().solve(Eigen::MatrixXd::Identity(J.cols(), J.cols())));
+  }
+}
+
+std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& columns, int parts,
+                                                       const std::function<int(const Shot&)>& part_of) const {
+  std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(columns.cols(), columns.cols()));
+  parallel_for(parts, [&](int part) {
+    Eigen::MatrixXd& G = out[static_cast<std::size_t>(part)];
+    for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+      const Shot& shot = problem_->shots[s];
+      if (part_of(shot) != part) continue;
+      const auto from = static_cast<Eigen::Index>(shot.offset);
+      const auto B = columns.middleRows(from, entries(shot));
+      const Eigen::MatrixXd Z = J_.middleRows(from, entries(shot)).transpose() * B;
+      G.noalias() += B.transpose() * B;
+      G.noalias() -= Z.transpose() * (W_[s] * Z);
+    }
+  });
+  return out;
+}
+
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  for (const Eigen::MatrixXd& G : gram_by(columns, problem_->groups, [](const Shot& s) { return s.group; })) total += G;
+  return total;
+}
+
+Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd energy(static_cast<Eigen::Index>(problem_->shots.size()));
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
+    const auto from = static_cast<Eigen::Index>(shot.offset);
+    const auto piece = r.segment(from, entries(shot));
+    const Eigen::VectorXd z = J_.middleRows(from, entries(shot)).transpose() * piece;
+    energy[static_cast<Eigen::Index>(s)] = piece.squaredNorm() - z.dot(W_[s] * z);
+  }
+  return energy;
+}
+
+Eigen::VectorXd StartElimination::project(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd out = r;
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
+    const auto from = static_cast<Eigen::Index>(shot.offset);
+    const auto J = J_.middleRows(from, entries(shot));
+    out.segment(from, entries(shot)) -= J * (W_[s] * (J.transpose() * r.segment(from, entries(shot))));
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose

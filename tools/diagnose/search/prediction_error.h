@@ -1,0 +1,41 @@
+// Stacked whitened prediction errors of a model, and their derivatives. One pass = every shot simulated once.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/search/candidate.h"
+#include "tools/diagnose/search/problem.h"
+
+namespace sanso::diagnose {
+
+/// r = (measured - predicted) / sigma of all shots; see Problem for the layout. One pass.
+Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model);
+
+/// Error when every start is moved: joint `joint` by `dq0` [rad] and `ddq0` [rad/s]; joint -1: all joints together.
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model, int joint,
+                                                  double dq0, double ddq0);
+
+/// The starts of the shots are known only within the smoother's deviation. Their influence is eliminated: the energy of an
+/// error is r' M r with M = I - J W J', J the derivative by the shot's start, W = (J'J + P^-1)^-1.
+class StartElimination {
+ public:
+  StartElimination(const Problem& problem, const Library& library, const Model& model);
+
+  /// columns' M columns, summed over the shots of every part. Result[part] is K x K.
+  std::vector<Eigen::MatrixXd> gram_by(const Eigen::MatrixXd& columns, int parts,
+                                       const std::function<int(const Shot&)>& part_of) const;
+  Eigen::MatrixXd gram(const Eigen::MatrixXd& columns) const;
+  /// r' M r by shot.
+  Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r) const;
+  /// M r: what of an error cannot come from the starts.
+  Eigen::VectorXd project(const Eigen::VectorXd& r) const;
+
+ private:
+  Eigen::Index entries(const Shot& shot) const { return static_cast<Eigen::Index>(shot.rows * problem_->channels.size()); }
+  const Problem* problem_;
+  Eigen::MatrixXd J_;                // stacked entries x 2n: d r / d start, in units of the starts' deviations
+  std::vector<Eigen::MatrixXd> W_;   // by shot
+};
+
+}  // namespace sanso::diagnose

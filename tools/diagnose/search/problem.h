@@ -1,0 +1,74 @@
+// What is compared with what: recordings as drives, their smoothed motion, shots, channels with noise, held-out groups.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/gate/gate.h"
+#include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/sim/drive.h"
+#include "tools/diagnose/sim/simulator.h"
+#include "tools/recording/recording.h"
+
+namespace sanso::diagnose {
+
+enum class Signal { q, dq, tau, i, pwm };
+const char* to_string(Signal signal);
+
+/// One compared channel: a signal of one joint, with the standard deviation that residuals are divided by.
+struct Observed {
+  Signal signal = Signal::q;
+  int joint = 0;
+  double sigma = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
+  double noise = 1.0;  // unit of the signal; measurement noise alone
+};
+
+/// One recording, ready to simulate.
+struct Source {
+  std::string file, condition;
+  Drive drive;
+  MeasuredMotion motion;
+  std::vector<std::vector<double>> q_sigma, dq_sigma;  // deviation of the smoothed motion, by joint, by row
+  SimParams nominal;                                   // model folder with this recording's sidecar
+};
+
+/// A piece of one recording that is simulated from its measured start.
+struct Shot {
+  int source = 0;
+  Window window;
+  int stride = 1;            // every stride-th row is compared
+  std::size_t offset = 0;    // first entry in the stacked residual
+  std::size_t rows = 0;      // compared rows; the shot owns channels x rows entries, channel by channel
+  int group = 0;             // held-out group
+  int condition = 0;         // index of the condition
+};
+
+/// The stacked comparison. Entry of channel c and compared row k of shot s: shots[s].offset + c * rows + k.
+struct Problem {
+  std::vector<std::string> joints;
+  std::vector<Source> sources;
+  std::vector<Observed> channels;
+  std::vector<Shot> shots;
+  std::size_t size = 0;      // length of the stacked residual
+  int groups = 1, conditions = 1;
+  double used_share = 1.0;   // of the recorded time that the shots cover
+};
+
+struct ProblemOptions {
+  double shot_seconds = 0.5;
+  int maximum_rows = 40000;  // rows x joints
+  bool secondary = true;     // also compare velocity, torque, current and duty where recorded
+};
+
+/// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate. Throws recording::InputError.
+std::vector<Source> make_sources(const ModelFolder& model, const std::vector<recording::Recording>& recordings,
+                                 const std::vector<NoiseLevel>& noise);
+Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise, const ProblemOptions& options);
+
+/// (measured - predicted) / sigma for one shot into `out` (channels x rows); rows without a measurement become 0.
+void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction, double* out);
+
+/// A row's measured value of a channel; NaN when it was not sampled.
+double measured(const Source& source, const Observed& channel, std::size_t row);
+
+}  // namespace sanso::diagnose

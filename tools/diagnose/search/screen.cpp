@@ -1,0 +1,181 @@
+#include "tools/diagnose/search/screen.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// Signatures: change of the prediction error for a full probe.
+Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
+                           const std::vector<ProbeScore>& probes) {
+  Eigen::MatrixXd S(r.size(), static_cast<Eigen::Index>(probes.size()));
+  parallel_for(static_cast<int>(probes.size()), [&](int i) {
+    const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
+    Model with = model;
+    with.effects.push_back({probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
+                                                 .probes[static_cast<std::size_t>(probe.probe)]});
+    S.col(i) = prediction_error(*around.problem, *around.library, with) - r;
+  });
+  return S;
+}
+
+/// Whether the candidate's first parameter can leave its null in one direction only (then only that sign counts).
+bool one_sided(const Candidate& c) {
+  return !c.parameters.empty() && (c.parameters[0].low >= c.parameters[0].null || c.parameters[0].high <= c.parameters[0].null);
+}
+
+/// Inner products after eliminating the nuisances within their prior: Schur complement.
+struct Eliminated {
+  Eigen::MatrixXd G;  // probes x probes
+  Eigen::VectorXd b;  // probes: s' M r
+  Eigen::MatrixXd nuisance_of;  // how each nuisance answers a probe: (A'MA + prior)^-1 A'MS, and r in the last column
+};
+Eliminated eliminate(const Eigen::MatrixXd& gram, Eigen::Index nuisances, Eigen::Index probes, double phi) {
+  Eigen::MatrixXd H = gram.topLeftCorner(nuisances, nuisances) / phi;
+  H.diagonal().array() += 1.0;
+  const Eigen::MatrixXd cross = gram.block(0, nuisances, nuisances, probes + 1) / phi;
+  Eliminated out;
+  out.nuisance_of = H.ldlt().solve(cross);
+  const Eigen::MatrixXd reduced =
+      gram.block(nuisances, nuisances, probes + 1, probes + 1) / phi - cross.transpose() * out.nuisance_of;
+  out.G = reduced.topLeftCorner(probes, probes);
+  out.b = reduced.topRightCorner(probes, 1);
+  return out;
+}
+
+/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit): the
+/// error level of a model large enough, as in ordinary regression.
+double saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S, const Eigen::VectorXd& r,
+                                const Eigen::MatrixXd& gram, double phi) {
+  const Eigen::Index a = around.A.cols(), k = S.cols();
+  std::vector<Eigen::Index> chosen;
+  Eigen::VectorXd coefficients;
+  constexpr int kPursuit = 5;
+  for (int round = 0; round <= kPursuit; ++round) {
+    const auto m = static_cast<Eigen::Index>(chosen.size());
+    Eigen::MatrixXd H(a + m, a + m);
+    Eigen::VectorXd g(a + m);
+    const auto index = [&](Eigen::Index i) { return i < a ? i : a + chosen[static_cast<std::size_t>(i - a)]; };
+    for (Eigen::Index i = 0; i < a + m; ++i) {
+      for (Eigen::Index j = 0; j < a + m; ++j) H(i, j) = gram(index(i), index(j)) / phi;
+      H(i, i) += i < a ? 1.0 : 1e-9 * (1.0 + H(i, i));
+      g[i] = gram(index(i), a + k) / phi;
+    }
+    coefficients = -H.ldlt().solve(g);
+    if (round == kPursuit) break;
+    Eigen::Index best = -1;
+    double strongest = 0.0;
+    for (Eigen::Index c = 0; c < k; ++c) {
+      double b = gram(a + c, a + k);
+      for (Eigen::Index i = 0; i < a + m; ++i) b += gram(a + c, index(i)) * coefficients[i];
+      const double score = b * b / std::max(gram(a + c, a + c), 1e-12);
+      if (score > strongest) strongest = score, best = c;
+    }
+    if (best < 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
+    chosen.push_back(best);
+  }
+  Eigen::VectorXd left = r + around.A * coefficients.head(a);
+  for (std::size_t i = 0; i < chosen.size() && a + static_cast<Eigen::Index>(i) < coefficients.size(); ++i) {
+    left += S.col(chosen[i]) * coefficients[a + static_cast<Eigen::Index>(i)];
+  }
+  return overdispersion(*around.problem, around.starts.project(left));
+}
+
+/// Symmetric square root by eigenvalues: draws with this covariance are root * standard normals, also when it is singular.
+Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const Random& random) {
+  const auto k = static_cast<Eigen::Index>(out.probes.size());
+  const Eigen::MatrixXd root = square_root(out.correlation);
+  Random generator = random;
+  Eigen::MatrixXd normals(k, constants::kNullDraws);
+  for (Eigen::Index c = 0; c < normals.cols(); ++c) {
+    for (Eigen::Index i = 0; i < k; ++i) normals(i, c) = generator.normal();
+  }
+  Eigen::MatrixXd draws = root * normals;
+  std::vector<double> statistic(out.probes.size()), maxima;
+  for (std::size_t i = 0; i < out.probes.size(); ++i) {
+    statistic[i] = out.probes[i].score;
+    if (one_sided_probe[i] == 0) draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+  }
+  const std::vector<double> p = step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
+    for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
+  });
+  for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
+  for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
+  out.critical = quantile(maxima, 1.0 - constants::kFamilyWise);
+}
+
+}  // namespace
+
+Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
+                 Random random) {
+  Screening out;
+  std::vector<char> signed_probe;
+  for (int candidate : which) {
+    const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
+    for (std::size_t p = 0; p < c.probes.size(); ++p) {
+      out.probes.push_back({candidate, static_cast<int>(p)});
+      signed_probe.push_back(one_sided(c));
+    }
+  }
+  const Eigen::MatrixXd S = signatures(around, model, r, out.probes);
+  Eigen::MatrixXd all(r.size(), around.A.cols() + S.cols() + 1);
+  all << around.A, S, r;
+  const Eigen::MatrixXd gram = around.starts.gram(all);
+  out.phi = saturated_overdispersion(around, S, r, gram, 1.0);
+  const Eliminated e = eliminate(gram, around.A.cols(), S.cols(), out.phi);
+  out.correlation.resize(S.cols(), S.cols());
+  for (Eigen::Index i = 0; i < S.cols(); ++i) {
+    ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];
+    const double norm = std::sqrt(std::max(e.G(i, i), 0.0));
+    probe.signature = norm;
+    // a signature below rounding says nothing
+    if (norm > 1e-6) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
+    probe.score = signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
+    for (Eigen::Index j = 0; j < S.cols(); ++j) {
+      const double scale = std::sqrt(std::max(e.G(i, i), 0.0) * std::max(e.G(j, j), 0.0));
+      out.correlation(i, j) = i == j ? 1.0 : scale > 1e-12 ? e.G(i, j) / scale : 0.0;
+    }
+  }
+  family_wise(out, signed_probe, random);
+  return out;
+}
+
+std::vector<int> Screening::ranking() const {
+  std::vector<std::pair<double, int>> order;
+  for (const ProbeScore& p : probes) {
+    if (best(p.candidate) == &p) order.emplace_back(p.score, p.candidate);
+  }
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<int> out;
+  for (const auto& [score, candidate] : order) out.push_back(candidate);
+  return out;
+}
+
+const ProbeScore* Screening::best(int candidate) const {
+  const ProbeScore* found = nullptr;
+  for (const ProbeScore& p : probes) {
+    if (p.candidate == candidate && (found == nullptr || p.score > found->score)) found = &p;
+  }
+  return found;
+}
+
+double Screening::similarity(int a, int b) const {
+  const ProbeScore *pa = best(a), *pb = best(b);
+  if (pa == nullptr || pb == nullptr) return 0.0;
+  return std::abs(correlation(pa - probes.data(), pb - probes.data()));
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,42 @@
+// Screening by matched filter: the signature of every candidate at every probe size, compared with what is left of the error.
+//   z_h = s' M r / sqrt(phi s' M s)   after projecting out starts and nuisances
+// Family-wise p over all candidates, places and probes: step-down max-T, null law N(0, correlation of the signatures).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/search/fit.h"
+#include "tools/diagnose/stats/random.h"
+
+namespace sanso::diagnose {
+
+/// One probe of one candidate.
+struct ProbeScore {
+  int candidate = 0, probe = 0;
+  double z = 0.0;           // matched-filter score; sign: + means towards the probe
+  double score = 0.0;       // |z|, or max(z, 0) where the parameter can leave its null in one direction only
+  double amount = 0.0;      // best multiple of (probe - null), linear
+  double signature = 0.0;   // sqrt(s' M s / phi): size of the full probe in noise levels
+  double p_family = 1.0;
+};
+
+struct Screening {
+  std::vector<ProbeScore> probes;
+  Eigen::MatrixXd correlation;   // of the projected signatures, probes x probes
+  double critical = 0.0;         // |z| that the family's maximum exceeds with probability kFamilyWise under the null
+  double phi = 1.0;              // overdispersion of what the strongest few signatures leave
+
+  /// Candidates by their best score, strongest first.
+  std::vector<int> ranking() const;
+  /// Best probe of a candidate; nullptr when it was not screened.
+  const ProbeScore* best(int candidate) const;
+  /// |correlation| of two candidates' best probes (0 when either was not screened).
+  double similarity(int a, int b) const;
+};
+
+/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe.
+Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
+                 Random random);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,323 @@
+#include "tools/diagnose/search/select.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/parallel.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// One state of the search.
+class Search {
+ public:
+  Search(const Problem& problem, const Library& library, const SelectOptions& options)
+      : problem_(problem), library_(library), options_(options) {}
+
+  Selection run() {
+    start();
+    for (int step = 0; step < constants::kMaximumEffects; ++step) {
+      if (!forward(step)) break;
+      if (out_.accepted.size() > 1) backward();
+    }
+    swap();
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  const Candidate& candidate(int i) const { return library_.candidates[static_cast<std::size_t>(i)]; }
+
+  void say(const std::string& text) {
+    out_.log.push_back(text);
+    options_.progress(text);
+  }
+
+  void start() {
+    out_.around = make_surroundings(problem_, library_, Model{});
+    std::vector<int> all(library_.candidates.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
+    const Eigen::VectorXd r = prediction_error(problem_, library_, Model{});
+    out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1));
+    out_.around->phi = out_.first.phi;
+    out_.nominal = fit(*out_.around, Model{}, 3);
+    out_.final = out_.nominal;
+    out_.nominal_heldout = out_.final_heldout = heldout_energy(*out_.around, out_.nominal);
+    say(fmt::format("screened {} candidates ({} signatures), overdispersion {:.3g}, critical score {:.2f}", all.size(),
+                    out_.first.probes.size(), out_.first.phi, out_.first.critical));
+  }
+
+  /// The strongest significant candidates, one of every cluster first, then the rest by score.
+  std::vector<int> rivals(const Screening& screening) const {
+    std::vector<int> significant, chosen;
+    for (int c : screening.ranking()) {
+      if (screening.best(c)->p_family < constants::kFamilyWise) significant.push_back(c);
+    }
+    for (int c : significant) {
+      const bool new_cluster = std::none_of(chosen.begin(), chosen.end(), [&](int other) {
+        return screening.similarity(c, other) > constants::kSameSignature;
+      });
+      if (new_cluster && chosen.size() < constants::kRivals) chosen.push_back(c);
+    }
+    for (int c : significant) {
+      if (chosen.size() >= constants::kRivals) break;
+      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end()) chosen.push_back(c);
+    }
+    return chosen;
+  }
+
+  /// Start of a fit: the best probe scaled as the matched filter says, a little inside the bounds.
+  std::vector<double> start_of(int c, const ProbeScore* probe) const {
+    const Candidate& effect = candidate(c);
+    std::vector<double> theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
+    const double amount = probe != nullptr ? std::clamp(probe->amount, -3.0, 3.0) : 1.0;
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      const CandidateParameter& p = effect.parameters[i];
+      if (i == 0) theta[i] = p.null + amount * (theta[i] - p.null);
+      const double margin = constants::kInsideBound * (p.high - p.low);
+      theta[i] = std::clamp(theta[i], p.low + (p.null == p.low ? std::min(margin, 0.1 * p.typical) : margin), p.high - margin);
+    }
+    return theta;
+  }
+
+  /// Fits `base` + each of `which`, in parallel; held-out energies included.
+  std::vector<Alternative> fit_all(const Model& base, const std::vector<int>& which, const Screening& screening) const {
+    std::vector<Alternative> out(which.size());
+    parallel_for(static_cast<int>(which.size()), [&](int i) {
+      Alternative& a = out[static_cast<std::size_t>(i)];
+      a.candidate = which[static_cast<std::size_t>(i)];
+      Model start = base;
+      start.effects.push_back({a.candidate, start_of(a.candidate, screening.best(a.candidate))});
+      a.fit = fit(*out_.around, start, constants::kIterations);
+      a.heldout = heldout_energy(*out_.around, a.fit);
+    });
+    return out;
+  }
+
+  /// Best first. Among those within one standard error of the best, the one with fewest parameters (one-SE rule).
+  void rank(std::vector<Alternative>& all) const {
+    if (all.empty()) return;
+    std::stable_sort(all.begin(), all.end(), [](const Alternative& a, const Alternative& b) { return a.heldout.sum() < b.heldout.sum(); });
+    const Eigen::VectorXd best = all.front().heldout;
+    for (Alternative& a : all) {
+      const HeldoutGain g = compare(a.heldout, best);
+      a.behind = g.total;
+      a.behind_se = g.standard_error;
+    }
+    std::size_t pick = 0;
+    for (std::size_t i = 1; i < all.size(); ++i) {
+      const bool close = all[i].behind <= all[i].behind_se + noise_unit();
+      if (close && all[i].fit.parameters < all[pick].fit.parameters) pick = i;
+    }
+    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick), all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
+  }
+
+  /// A difference of this many energy units is one unit of log-likelihood.
+  double noise_unit() const { return 2.0 * out_.around->phi; }
+
+  bool leaves_null(const Alternative& a) const {
+    const std::vector<double> sigma = parameter_sigmas(a.fit, library_);
+    const std::size_t count = candidate(a.candidate).parameters.size();
+    const std::size_t first = sigma.size() - count;
+    const double value = a.fit.model.effects.back().theta[0], null = candidate(a.candidate).parameters[0].null;
+    return std::abs(value - null) > constants::kStandardErrors * sigma[first];
+  }
+  bool at_bound(const Alternative& a) const {
+    const std::size_t count = candidate(a.candidate).parameters.size();
+    return a.fit.fixed[a.fit.fixed.size() - count] != 0;
+  }
+  double excess() const {
+    return std::max(out_.nominal_heldout.sum() - static_cast<double>(problem_.size), 1e-9);
+  }
+
+  /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
+  std::string refused_by(const Alternative& a) const {
+    const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
+    // an event of one moment cannot repeat in another shot: then likelihood decides (10 units: odds e^10)
+    const bool event = gain.concentration > 0.9 && gain.total > 20.0 * out_.around->phi;
+    if (gain.total < constants::kStandardErrors * gain.standard_error && !event) return "held-out gain within two standard errors";
+    if (gain.total < noise_unit()) return "held-out gain below one unit of log-likelihood";
+    if (gain.total < constants::kMinimumShare * excess()) return "removes less than 1 % of the error";
+    if (!leaves_null(a)) return "interval contains the null";
+    if (problem_.conditions > 1) {
+      const HeldoutGain other = compare(heldout_energy(*out_.around, out_.final, true), heldout_energy(*out_.around, a.fit, true));
+      if (other.total < -other.standard_error) return "worse on conditions left out";
+    }
+    return "";
+  }
+
+  bool forward(int step) {
+    std::vector<int> open;
+    for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
+      if (!out_.final.model.has(static_cast<int>(i))) open.push_back(static_cast<int>(i));
+    }
+    Screening screening = step == 0 ? out_.first
+                                    : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step));
+    set_phi(screening.phi);
+    const std::vector<int> which = rivals(screening);
+    if (which.empty()) {
+      say(fmt::format("step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
+                      screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score, screening.critical));
+      return false;
+    }
+    std::vector<Alternative> fitted = fit_all(out_.final.model, which, screening);
+    rank(fitted);
+    for (const bool bounds_allowed : {false, true}) {
+      for (std::size_t i = 0; i < fitted.size(); ++i) {
+        if (at_bound(fitted[i]) != bounds_allowed) continue;
+        const std::string refused = refused_by(fitted[i]);
+        const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
+        say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error ({:.1f} standard errors){}{}", step + 1,
+                        candidate(fitted[i].candidate).title(), 100 * gain.total / excess(),
+                        gain.total / std::max(gain.standard_error, 1e-9), bounds_allowed ? ", ends at a bound" : "",
+                        refused.empty() ? ", accepted" : ", refused: " + refused));
+        if (!refused.empty()) continue;
+        accept(std::move(fitted), i, screening);
+        return true;
+      }
+    }
+    return false;
+  }
+
+  void set_phi(double phi) {
+    out_.around->phi = phi;
+    out_.nominal_heldout = heldout_energy(*out_.around, out_.nominal);
+    out_.final_heldout = heldout_energy(*out_.around, out_.final);
+  }
+
+  void accept(std::vector<Alternative> fitted, std::size_t i, const Screening& screening) {
+    Accepted entry;
+    entry.candidate = fitted[i].candidate;
+    entry.p_family = screening.best(entry.candidate)->p_family;
+    out_.final = fitted[i].fit;
+    fitted.erase(fitted.begin() + static_cast<std::ptrdiff_t>(i));
+    for (Alternative& a : fitted) a.similarity = screening.similarity(a.candidate, entry.candidate);
+    entry.alternatives = std::move(fitted);
+    out_.accepted.push_back(std::move(entry));
+    relinearise();
+  }
+
+  /// Starts and nuisances at the current model; its fit polished there.
+  void relinearise() {
+    const double phi = out_.around->phi;
+    out_.around = make_surroundings(problem_, library_, out_.final.model);
+    out_.around->phi = phi;
+    out_.final = fit(*out_.around, out_.final.model, 3);
+    out_.nominal = fit(*out_.around, Model{{}, out_.nominal.model.nuisance}, 1);
+    set_phi(phi);
+  }
+
+  FitResult without(std::size_t index) const {
+    Model model = out_.final.model;
+    model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(index));
+    return fit(*out_.around, model, 4);
+  }
+
+  void backward() {
+    for (std::size_t i = 0; i + 1 < out_.accepted.size();) {
+      const FitResult reduced = without(i);
+      const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
+      const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > noise_unit() &&
+                          gain.total > constants::kMinimumShare * excess();
+      if (needed || gain.concentration > 0.9) {
+        ++i;
+        continue;
+      }
+      say("no longer needed: " + candidate(out_.accepted[i].candidate).title());
+      out_.accepted.erase(out_.accepted.begin() + static_cast<std::ptrdiff_t>(i));
+      out_.final = reduced;
+      relinearise();
+    }
+  }
+
+  /// Which candidates to try in place of an accepted one: its cluster, its known confounders, what was fitted beside it.
+  std::vector<int> replacements(const Accepted& entry) const {
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
+      const int c = static_cast<int>(i);
+      if (out_.final.model.has(c)) continue;
+      const Candidate &own = candidate(entry.candidate), &other = candidate(c);
+      const double similarity = out_.first.similarity(entry.candidate, c);
+      const bool known = std::find(own.confounders.begin(), own.confounders.end(), other.effect) != own.confounders.end() &&
+                         other.where == own.where;
+      const bool fitted = std::any_of(entry.alternatives.begin(), entry.alternatives.end(),
+                                      [&](const Alternative& a) { return a.candidate == c; });
+      if (similarity > constants::kSameSignature || known || fitted) order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
+    }
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<int> out;
+    for (const auto& [score, c] : order) {
+      if (out.size() < constants::kRivals) out.push_back(c);
+    }
+    return out;
+  }
+
+  /// Every accepted effect against its rivals, everything else refitted; the better one stays, the others are kept as rivals.
+  void swap() {
+    for (std::size_t i = 0; i < out_.accepted.size(); ++i) {
+      Accepted& entry = out_.accepted[i];
+      Model base = out_.final.model;
+      const Chosen own = base.effects[i];
+      base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      std::vector<Alternative> tried = fit_all(base, replacements(entry), out_.first);
+      Alternative self{entry.candidate, out_.final, out_.final_heldout};
+      tried.push_back(self);
+      rank(tried);
+      const bool replaced = tried.front().candidate != entry.candidate && !at_bound(tried.front()) && leaves_null(tried.front()) &&
+                            self.heldout.sum() - tried.front().heldout.sum() > noise_unit();
+      if (replaced) {
+        say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(), candidate(tried.front().candidate).title()));
+        Chosen other = tried.front().fit.model.effects.back();
+        entry.candidate = other.candidate;
+        Model model = tried.front().fit.model;  // the new effect stands last: put it in its predecessor's place
+        model.effects.pop_back();
+        model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(i), other);
+        out_.final.model = model;
+        relinearise();
+      }
+      const Eigen::VectorXd chosen = out_.final_heldout;
+      std::vector<Alternative> others;
+      for (Alternative& a : tried) {
+        if (a.candidate == entry.candidate) continue;
+        const HeldoutGain g = compare(a.heldout, chosen);
+        a.behind = g.total;
+        a.behind_se = g.standard_error;
+        a.similarity = out_.first.similarity(a.candidate, entry.candidate);
+        others.push_back(std::move(a));
+      }
+      std::stable_sort(others.begin(), others.end(), [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
+      entry.alternatives = std::move(others);
+    }
+  }
+
+  void finish() {
+    const std::vector<double> sigma = parameter_sigmas(out_.final, library_);
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < out_.accepted.size(); ++i) {
+      Accepted& entry = out_.accepted[i];
+      const std::size_t count = candidate(entry.candidate).parameters.size();
+      for (std::size_t k = 0; k < count; ++k, ++next) {
+        entry.sigma.push_back(sigma[next]);
+        entry.at_bound.push_back(out_.final.fixed[next]);
+      }
+      entry.without = out_.accepted.size() == 1 ? out_.nominal : without(i);
+      entry.gain = compare(heldout_energy(*out_.around, entry.without), out_.final_heldout);
+    }
+  }
+
+  const Problem& problem_;
+  const Library& library_;
+  const SelectOptions& options_;
+  Selection out_;
+};
+
+}  // namespace
+
+Selection select(const Problem& problem, const Library& library, const SelectOptions& options) {
+  return Search(problem, library, options).run();
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,52 @@
+// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above two standard
+// errors, not worse on conditions left out, an interval that excludes the null, off its bounds.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/search/fit.h"
+#include "tools/diagnose/search/screen.h"
+
+namespace sanso::diagnose {
+
+/// A candidate that was fitted fully at one place of the model, with everything else refitted.
+struct Alternative {
+  int candidate = 0;
+  FitResult fit;
+  Eigen::VectorXd heldout;   // energy by shot
+  double behind = 0.0;       // held-out energy above the best alternative's
+  double behind_se = 0.0;    // standard error of that difference
+  double similarity = 0.0;   // of its signature to the chosen one's
+};
+
+struct Accepted {
+  int candidate = 0;
+  double p_family = 1.0;
+  HeldoutGain gain;                       // with it against without it, everything else refitted
+  std::vector<double> sigma;              // of its parameters
+  std::vector<char> at_bound;
+  std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
+  FitResult without;                      // the final model without it, refitted
+};
+
+struct Selection {
+  std::optional<Surroundings> around;  // at the final model
+  FitResult nominal;                   // nuisances only
+  FitResult final;
+  Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
+  std::vector<Accepted> accepted;
+  Screening first;                     // of the nominal model: the family on which detection rests
+  std::vector<std::string> log;        // one line a step, for the report
+};
+
+struct SelectOptions {
+  unsigned long seed = 1;
+  std::function<void(const std::string&)> progress = [](const std::string&) {};
+};
+
+Selection select(const Problem& problem, const Library& library, const SelectOptions& options);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,126 @@
+#include "tools/diagnose/verdict/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace sanso::diagnose {
+
+const char* to_string(VerdictStatus status) {
+  switch (status) {
+    case VerdictStatus::confirmed: return "CONFIRMED";
+    case VerdictStatus::one_of: return "ONE_OF";
+    case VerdictStatus::present_unnamed: return "PRESENT_UNNAMED";
+    case VerdictStatus::absent: return "ABSENT";
+    case VerdictStatus::refused: return "REFUSED";
+  }
+  return "REFUSED";
+}
+
+double FitScore::explained() const {
+  const double before = nominal * nominal - noise * noise, after = nominal * nominal - patched * patched;
+  return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
+}
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// JSON has no NaN or infinity; those become null.
+ordered_json number(double x) { return std::isfinite(x) ? ordered_json(x) : ordered_json(nullptr); }
+
+ordered_json json_of(const Rival& r) {
+  return {{"effect", r.effect},
+          {"where", r.where},
+          {"heldout_gain", number(r.heldout_gain)},
+          {"behind_in_se", number(r.behind_in_se)},
+          {"similarity", number(r.similarity)},
+          {"refuted_by", r.said_wrong}};
+}
+
+ordered_json json_of(const Finding& f) {
+  ordered_json out{{"effect", f.effect}, {"family", f.family}, {"where", f.where},
+                   {"regime", f.regime}, {"status", to_string(f.status)}};
+  ordered_json parameters = ordered_json::object();
+  for (const auto& [name, p] : f.parameters) {
+    parameters[name] = {{"value", number(p.value)}, {"unit", p.unit}, {"low", number(p.low)}, {"high", number(p.high)},
+                        {"at_bound", p.at_bound}};
+  }
+  out["parameters"] = parameters;
+  out["evidence"] = {{"p_family", number(f.p_family)},
+                     {"heldout_gain", number(f.heldout_gain)},
+                     {"heldout_gain_se", number(f.heldout_gain_se)}};
+  out["one_of"] = f.one_of;
+  out["rivals"] = ordered_json::array();
+  for (const Rival& r : f.rivals) out["rivals"].push_back(json_of(r));
+  out["incidence"] = ordered_json::array();
+  for (const IncidenceRow& row : f.incidence) {
+    out["incidence"].push_back({{"residual", row.residual}, {"predicted", number(row.predicted)},
+                                {"slope", number(row.slope)}, {"low", number(row.low)}, {"high", number(row.high)}});
+  }
+  return out;
+}
+
+ordered_json json_of(const FitScore& s) {
+  return {{"nominal", number(s.nominal)}, {"patched", number(s.patched)}, {"noise", number(s.noise)},
+          {"explained", number(s.explained())}};
+}
+
+ordered_json fit_json(const Verdict& v) {
+  ordered_json heldout = ordered_json::object();
+  for (const auto& [horizon, channels] : v.heldout) {
+    ordered_json entry = ordered_json::object();
+    if (const auto all = channels.find("all"); all != channels.end()) entry = json_of(all->second);
+    ordered_json by_channel = ordered_json::object();
+    for (const auto& [name, score] : channels) {
+      if (name != "all") by_channel[name] = json_of(score);
+    }
+    entry["channels"] = by_channel;
+    heldout[horizon + "s"] = entry;
+  }
+  return {{"heldout", heldout}, {"recordings", v.heldout_recordings}};
+}
+
+}  // namespace
+
+std::string verdict_json(const Verdict& v) {
+  ordered_json out{{"mismatch", v.mismatch}, {"status", to_string(v.status)}, {"answer", v.answer}};
+  out["findings"] = ordered_json::array();
+  for (const Finding& f : v.findings) out["findings"].push_back(json_of(f));
+  out["locations"] = ordered_json::array();
+  for (const LocationCell& c : v.locations) {
+    out["locations"].push_back({{"where", c.where}, {"regime", c.regime}, {"share", number(c.share)}, {"lift", number(c.lift)},
+                                {"mean", number(c.mean)}, {"q_value", number(c.q_value)}});
+  }
+  out["fit"] = fit_json(v);
+  out["refused"] = ordered_json::array();
+  for (const Defect& d : v.refused) {
+    out["refused"].push_back({{"file", d.file}, {"channel", d.channel}, {"row", d.row}, {"defect", d.defect}, {"message", d.message}});
+  }
+  out["untestable"] = ordered_json::array();
+  for (const Untestable& u : v.untestable) out["untestable"].push_back({{"effect", u.effect}, {"because", u.because}});
+  out["detectable"] = ordered_json::array();
+  for (const Detectable& d : v.detectable) {
+    out["detectable"].push_back({{"effect", d.effect}, {"where", d.where}, {"parameter", d.parameter}, {"size", number(d.size)},
+                                 {"unit", d.unit}});
+  }
+  out["next_experiment"] = nullptr;
+  if (v.next_experiment) {
+    const NextExperiment& e = *v.next_experiment;
+    out["next_experiment"] = {{"what", e.what}, {"kind", e.kind}, {"separates", e.separates},
+                              {"nats_per_second", number(e.nats_per_second)},
+                              {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)}, {"motion_file", e.motion_file}};
+  }
+  out["unexplained"] = nullptr;
+  if (v.unexplained) {
+    const Unexplained& u = *v.unexplained;
+    out["unexplained"] = {{"predictable", number(u.predictable)}, {"p", number(u.p)}, {"energy_share", number(u.energy_share)},
+                          {"where", u.where}, {"regime", u.regime}, {"formula", u.formula}, {"nearest_effect", u.nearest_effect}};
+  }
+  out["notes"] = v.notes;
+  out["data_hash"] = v.data_hash;
+  out["seed"] = v.seed;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,119 @@
+// What a diagnosis says: the content of verdict.json, and nothing else. Field names are the file's keys (stable).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/gate/gate.h"
+
+namespace sanso::diagnose {
+
+enum class VerdictStatus { confirmed, one_of, present_unnamed, absent, refused };
+const char* to_string(VerdictStatus status);
+
+/// A fitted parameter with its 95 % interval.
+struct VerdictParameter {
+  double value = 0.0, low = 0.0, high = 0.0;
+  std::string unit;
+  bool at_bound = false;  // the fit ended at the library's bound: the interval is one-sided
+};
+
+/// What an explanation says that the data should show, and whether they do: slope of (measured change) on (predicted change).
+struct IncidenceRow {
+  std::string residual;        // "position, reversal", "duty, high speed", ...
+  double predicted = 0.0;      // size of the predicted change, in noise levels
+  double slope = 0.0;          // 1: as predicted; 0: did not happen
+  double low = 0.0, high = 0.0;
+};
+
+/// Another name for the same data, with its held-out score.
+struct Rival {
+  std::string effect;
+  std::vector<std::string> where;
+  double heldout_gain = 0.0;     // share of the prediction error's energy removed on held-out data
+  double behind_in_se = 0.0;     // how far behind the best, in standard errors of the paired difference
+  double similarity = 0.0;       // |correlation| of the two effects' signatures in these data
+  std::string said_wrong;        // the residual that it should have changed and did not; empty: none
+};
+
+struct Finding {
+  std::string effect, family;
+  std::vector<std::string> where;
+  std::string regime;            // where in the motion it shows most
+  VerdictStatus status = VerdictStatus::confirmed;
+  std::map<std::string, VerdictParameter> parameters;
+  double p_family = 1.0;
+  double heldout_gain = 0.0;     // share of the prediction error's energy that this effect alone removes, held out
+  double heldout_gain_se = 0.0;
+  std::vector<std::string> one_of;
+  std::vector<Rival> rivals;
+  std::vector<IncidenceRow> incidence;
+};
+
+struct LocationCell {
+  std::string where, regime;
+  double share = 0.0;            // of the residual energy beyond noise
+  double lift = 0.0;             // energy density inside over outside
+  double mean = 0.0;             // signed mean of the whitened residual
+  double q_value = 1.0;          // false discovery rate at which this cell is called
+  double rows = 0.0;             // samples in the cell
+};
+
+/// One joint (or "all") at one horizon, on recordings that were not fitted.
+struct FitScore {
+  double nominal = 0.0, patched = 0.0, noise = 0.0;
+  double explained() const;      // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
+};
+
+struct Untestable {
+  std::string effect, because;
+};
+
+/// Smallest size that these data would have shown (80 % power at the family-wise level).
+struct Detectable {
+  std::string effect, where, parameter, unit;
+  double size = 0.0;
+};
+
+struct NextExperiment {
+  std::string what;              // in words
+  std::string kind;              // "setting" | "motion" | "channel"
+  std::vector<std::string> separates;
+  double nats_per_second = 0.0;
+  double seconds_to_100_to_1 = 0.0;
+  std::string motion_file;       // CSV with the command, when kind is "motion"
+};
+
+struct Unexplained {
+  double predictable = 0.0;      // cross-validated share of the remaining missing torque that joint state predicts
+  double p = 1.0;
+  double energy_share = 0.0;     // of the original prediction error beyond noise, still there after the patch
+  std::string where, regime;
+  std::string formula;           // sparse regression's answer: a description of the shape, not a name
+  std::string nearest_effect;
+};
+
+struct Verdict {
+  bool mismatch = false;
+  VerdictStatus status = VerdictStatus::absent;
+  std::string answer;            // one sentence
+  std::vector<Finding> findings;
+  std::vector<LocationCell> locations;
+  std::map<std::string, std::map<std::string, FitScore>> heldout;  // horizon -> "all" | channel -> score
+  std::vector<std::string> heldout_recordings;
+  std::vector<Defect> refused;
+  std::vector<Untestable> untestable;
+  std::vector<Detectable> detectable;
+  std::optional<NextExperiment> next_experiment;
+  std::optional<Unexplained> unexplained;
+  std::vector<std::string> notes;
+  std::map<std::string, std::string> data_hash;  // file -> hash
+  unsigned long seed = 0;
+};
+
+/// The text of verdict.json.
+std::string verdict_json(const Verdict& verdict);
+
+}  // namespace sanso::diagnose
