@@ -85,6 +85,10 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
   // a step of 3 % of the typical size: small against curvature, large against kinks of the order of the integrator's step
   constexpr double kStep = 0.03;
   parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
+    if (coordinates.parameter(i).structural) {
+      J.col(i).setZero();
+      return;
+    }
     Eigen::VectorXd moved = x;
     const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
     moved[i] += step;
@@ -178,8 +182,7 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   Eigen::MatrixXd H = normal.H;
   for (Eigen::Index i = 0; i < c.effects(); ++i) {
     const double width = c.high(i) - c.low(i);
-    const bool at_null = std::abs(x[i] - c.parameter(i).null / c.parameter(i).typical) < 1e-9;
-    if (!at_null && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
+    if (!c.parameter(i).structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
     out.fixed[static_cast<std::size_t>(i)] = 1;
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));

@@ -1,17 +1,12 @@
 #include <algorithm>
-#include <cmath>
+#include <cassert>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/search/candidate.h"
 
 namespace sanso::diagnose {
 namespace {
-
-void scale_body(BodyInertia& body, double mass, double length) {
-  body.mass *= mass;
-  for (double& c : body.com) c *= length;
-  for (double& i : body.about_com) i *= mass * length * length;
-}
 
 /// Damping that the actuator itself gives: back-EMF of a servo, derivative gain of a position loop, known friction.
 double actuator_damping(const JointSettings& s) {
@@ -20,39 +15,63 @@ double actuator_damping(const JointSettings& s) {
   return damping;
 }
 
+Nuisance make(const std::string& name, const std::string& id, double tolerance, std::vector<int> joints,
+              std::vector<double> direction) {
+  const Effect* effect = find_effect(id);
+  assert(effect != nullptr && effect->parameters.size() == direction.size());
+  Nuisance n;
+  n.name = name;
+  n.effect = id;
+  n.tolerance = tolerance;
+  n.joints = std::move(joints);
+  n.null = effect->null();
+  n.direction = std::move(direction);
+  n.run = effect->apply;
+  return n;
+}
+
 }  // namespace
+
+std::vector<double> Nuisance::theta(double value) const {
+  std::vector<double> out = null;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += value * direction[i];
+  return out;
+}
+
+void Nuisance::apply(SimParams& params, double value) const {
+  // beyond these no body or gain remains; a fit that gets there has left every tolerance
+  const double bounded = positive ? std::max(0.0, value) : std::max(-0.9, value);
+  const std::vector<double> values = theta(bounded);
+  for (const int j : joints) run(params, j, values);
+}
 
 std::vector<Nuisance> make_nuisances(const Problem& problem) {
   std::vector<Nuisance> out;
   const SimParams& nominal = problem.sources.front().nominal;
+  std::vector<int> all;
   for (std::size_t j = 0; j < problem.joints.size(); ++j) {
     const std::string at = " of " + problem.joints[j];
+    const std::vector<int> here{static_cast<int>(j)};
+    all.push_back(static_cast<int>(j));
     const JointSettings& s = nominal.joints[j].nominal;
-    const bool feedback = s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd;
-    out.push_back({"mass" + at, constants::kMassTolerance, false,
-                   [j](SimParams& p, double d) { scale_body(p.tree.joints[j].body, std::max(0.05, 1 + d), 1.0); }});
-    if (!nominal.tree.joints[j].prismatic) {
-      out.push_back({"length" + at, constants::kLengthTolerance, false,
-                     [j](SimParams& p, double d) { scale_body(p.tree.joints[j].body, 1.0, std::max(0.05, 1 + d)); }});
+    const TreeJoint& joint = nominal.tree.joints[j];
+    out.push_back(make("mass" + at, "link_mass", constants::kMassTolerance, here, {1.0}));
+    if (!joint.prismatic) {
+      const Vec3& com = joint.body.com;
+      out.push_back(make("length" + at, "link_com", constants::kLengthTolerance, here, {com[0], com[1], com[2]}));
     }
     if (const double damping = actuator_damping(s); damping > 0.0) {
-      out.push_back({"damping" + at, constants::kDampingTolerance, false,
-                     [j, damping](SimParams& p, double d) { p.joints[j].viscous += d * damping; }});
+      out.push_back(make("damping" + at, "viscous_friction", constants::kDampingTolerance, here, {damping}));
     }
-    if (feedback) {
-      out.push_back({"gain" + at, constants::kGainTolerance, false,
-                     [j](SimParams& p, double d) { p.joints[j].p_scale *= std::max(0.05, 1 + d); }});
+    if (s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd) {
+      out.push_back(make("gain" + at, "servo_p_gain", constants::kGainTolerance, here, {1.0}));
     }
-    const double zero = nominal.tree.joints[j].prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
-    out.push_back({"zero" + at, zero, false, [j](SimParams& p, double d) { p.joints[j].encoder_offset += d; }});
-    if (s.armature > 0.0) {
-      out.push_back({"rotor inertia" + at, constants::kArmatureTolerance, false,
-                     [j, a = s.armature](SimParams& p, double d) { p.joints[j].armature += std::max(-0.95, d) * a; }});
-    }
+    const double zero = joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
+    out.push_back(make("zero" + at, "encoder_offset", zero, here, {1.0}));
+    if (s.armature > 0.0) out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));
   }
-  out.push_back({"common lag", constants::kLagTolerance, true, [](SimParams& p, double d) {
-                   for (JointParams& joint : p.joints) joint.command_delay += std::max(0.0, d);
-                 }});
+  out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
+  out.back().positive = true;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
@@ -101,7 +102,7 @@ std::vector<Source> make_sources(const ModelFolder& model, const std::vector<rec
     sources[i].file = r.file;
     sources[i].condition = r.condition;
     sources[i].drive = make_drive(r, here);
-    sources[i].nominal = make_params(here);
+    sources[i].nominal = params_with_effects(here);
   }
   std::vector<double> sigmas;
   for (const TreeJoint& joint : model.tree.joints) {

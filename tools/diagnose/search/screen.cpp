@@ -27,11 +27,6 @@ Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const
   return S;
 }
 
-/// Whether the candidate's first parameter can leave its null in one direction only (then only that sign counts).
-bool one_sided(const Candidate& c) {
-  return !c.parameters.empty() && (c.parameters[0].low >= c.parameters[0].null || c.parameters[0].high <= c.parameters[0].null);
-}
-
 /// Inner products after eliminating the nuisances within their prior: Schur complement.
 struct Eliminated {
   Eigen::MatrixXd G;  // probes x probes
@@ -127,7 +122,7 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
     const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
     for (std::size_t p = 0; p < c.probes.size(); ++p) {
       out.probes.push_back({candidate, static_cast<int>(p)});
-      signed_probe.push_back(one_sided(c));
+      signed_probe.push_back(!c.two_sided);
     }
   }
   const Eigen::MatrixXd S = signatures(around, model, r, out.probes);

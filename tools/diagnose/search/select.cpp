@@ -76,9 +76,12 @@ class Search {
     const double amount = probe != nullptr ? std::clamp(probe->amount, -3.0, 3.0) : 1.0;
     for (std::size_t i = 0; i < theta.size(); ++i) {
       const CandidateParameter& p = effect.parameters[i];
-      if (i == 0) theta[i] = p.null + amount * (theta[i] - p.null);
-      const double margin = constants::kInsideBound * (p.high - p.low);
-      theta[i] = std::clamp(theta[i], p.low + (p.null == p.low ? std::min(margin, 0.1 * p.typical) : margin), p.high - margin);
+      if (p.structural) continue;
+      if (p.null == 0.0) theta[i] *= amount;  // amplitudes scale; speeds, shapes and orders stay what the probe says
+      // an effect that is off at infinity has no meaningful width: there half a typical size is the margin
+      const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
+      const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
+      theta[i] = std::clamp(theta[i], low, p.high - margin);
     }
     return theta;
   }
@@ -118,16 +121,29 @@ class Search {
   /// A difference of this many energy units is one unit of log-likelihood.
   double noise_unit() const { return 2.0 * out_.around->phi; }
 
-  bool leaves_null(const Alternative& a) const {
+  /// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it returns true.
+  template <class F>
+  bool any_parameter(const Alternative& a, const F& f) const {
     const std::vector<double> sigma = parameter_sigmas(a.fit, library_);
-    const std::size_t count = candidate(a.candidate).parameters.size();
-    const std::size_t first = sigma.size() - count;
-    const double value = a.fit.model.effects.back().theta[0], null = candidate(a.candidate).parameters[0].null;
-    return std::abs(value - null) > constants::kStandardErrors * sigma[first];
+    const std::vector<CandidateParameter>& parameters = candidate(a.candidate).parameters;
+    const std::size_t first = sigma.size() - parameters.size();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      if (parameters[i].structural) continue;
+      if (f(parameters[i], a.fit.model.effects.back().theta[i], sigma[first + i], a.fit.fixed[first + i] != 0)) return true;
+    }
+    return false;
+  }
+  bool leaves_null(const Alternative& a) const {
+    const std::vector<CandidateParameter>& all = candidate(a.candidate).parameters;
+    if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; })) return true;
+    return any_parameter(a, [](const CandidateParameter& p, double value, double sigma, bool fixed) {
+      return std::abs(value - p.null) > (fixed ? 0.0 : constants::kStandardErrors * sigma);
+    });
   }
   bool at_bound(const Alternative& a) const {
-    const std::size_t count = candidate(a.candidate).parameters.size();
-    return a.fit.fixed[a.fit.fixed.size() - count] != 0;
+    return any_parameter(a, [](const CandidateParameter& p, double value, double, bool fixed) {
+      return fixed && std::abs(value - p.null) > 1e-6 * p.typical;
+    });
   }
   double excess() const {
     return std::max(out_.nominal_heldout.sum() - static_cast<double>(problem_.size), 1e-9);

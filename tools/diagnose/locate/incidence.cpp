@@ -1,0 +1,96 @@
+#include "tools/diagnose/locate/incidence.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+
+#include "tools/diagnose/constants.h"
+
+namespace sanso::diagnose {
+namespace {
+
+struct Sums {
+  std::vector<double> dr, dd;  // by shot: promised . measured, promised . promised
+};
+
+const char* words(Signal signal) {
+  switch (signal) {
+    case Signal::q: return "position";
+    case Signal::dq: return "velocity";
+    case Signal::tau: return "torque";
+    case Signal::i: return "current";
+    case Signal::pwm: return "duty";
+  }
+  return "position";
+}
+
+IncidenceRow row_of(const std::string& name, const Sums& sums, double phi) {
+  IncidenceRow row;
+  row.residual = name;
+  double dr = 0.0, dd = 0.0;
+  for (std::size_t s = 0; s < sums.dd.size(); ++s) dr += sums.dr[s], dd += sums.dd[s];
+  row.predicted = std::sqrt(dd / phi);
+  row.slope = dd > 0.0 ? dr / dd : 0.0;
+  double square = 0.0;
+  for (std::size_t s = 0; s < sums.dd.size(); ++s) {
+    const double e = sums.dr[s] - row.slope * sums.dd[s];
+    square += e * e;
+  }
+  const double half = dd > 0.0 ? 1.96 * std::sqrt(square) / dd : 0.0;
+  row.low = row.slope - half;
+  row.high = row.slope + half;
+  return row;
+}
+
+}  // namespace
+
+std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes, const FitResult& without,
+                                    const FitResult& with) {
+  const Problem& problem = *around.problem;
+  const Eigen::VectorXd measured = around.starts.project(without.r);
+  const Eigen::VectorXd promised = around.starts.project(without.r - with.r);
+  std::map<std::string, Sums> table;
+  double total = 0.0;
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const Shot& shot = problem.shots[s];
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      const Observed& channel = problem.channels[c];
+      const auto add = [&](const std::string& name, double dr, double dd) {
+        Sums& sums = table[name];
+        sums.dr.resize(problem.shots.size(), 0.0);
+        sums.dd.resize(problem.shots.size(), 0.0);
+        sums.dr[s] += dr;
+        sums.dd[s] += dd;
+      };
+      for (std::size_t k = 0; k < shot.rows; ++k) {
+        const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+        const double dr = promised[i] * measured[i], dd = promised[i] * promised[i];
+        total += dd;
+        add(words(channel.signal), dr, dd);
+        if (channel.signal != Signal::q) continue;
+        const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
+        for (std::size_t g = 0; g < regimes.names.size(); ++g) {
+          if (regimes.in(shot.source, channel.joint, g, row)) add("position, " + regimes.names[g], dr, dd);
+        }
+      }
+    }
+  }
+  std::vector<IncidenceRow> out;
+  for (const auto& [name, sums] : table) {
+    const IncidenceRow row = row_of(name, sums, around.phi);
+    const bool told = row.predicted > 5.0 && row.predicted * row.predicted * around.phi > 0.02 * total;
+    if (told) out.push_back(row);
+  }
+  return out;
+}
+
+std::string refuted_by(const std::vector<IncidenceRow>& rows) {
+  for (const IncidenceRow& row : rows) {
+    if (row.high < 0.5) return fmt::format("{}: {:.0f} % of the promised change happened", row.residual, 100 * row.slope);
+    if (row.low > 2.0) return fmt::format("{}: {:.1f} times the promised change happened", row.residual, row.slope);
+  }
+  return "";
+}
+
+}  // namespace sanso::diagnose

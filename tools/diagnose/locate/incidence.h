@@ -1,0 +1,23 @@
+// Refutation: an explanation says what it changes in every channel and regime. If a change it promises did not happen, or
+// happened several times over, the explanation is wrong, however well it fits elsewhere.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/locate/regimes.h"
+#include "tools/diagnose/search/fit.h"
+#include "tools/diagnose/verdict/verdict.h"
+
+namespace sanso::diagnose {
+
+/// Rows: channel kind (all joints together) and, for positions, regime of the joint. Slope of measured on promised change,
+/// interval over shots. Rows in which the promise is smaller than five noise levels are left out.
+/// `without`, `with`: fits of the model without and with the explanation.
+std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes, const FitResult& without,
+                                    const FitResult& with);
+
+/// The first row that refutes; empty: none. A row refutes when its whole interval is below 0.5 or above 2.
+std::string refuted_by(const std::vector<IncidenceRow>& rows);
+
+}  // namespace sanso::diagnose
