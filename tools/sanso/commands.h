@@ -15,5 +15,6 @@ void add_learn(CLI::App& app, int& result);
 void add_motions(CLI::App& app, int& result);
 void add_report(CLI::App& app, int& result);
 void add_score(CLI::App& app, int& result);
+void add_diagnose(CLI::App& app, int& result);
 
 }  // namespace sanso::cli

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   sanso::cli::add_motions(app, result);
   sanso::cli::add_report(app, result);
   sanso::cli::add_score(app, result);
+  sanso::cli::add_diagnose(app, result);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

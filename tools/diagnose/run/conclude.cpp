@@ -1,0 +1,197 @@
+#include "tools/diagnose/run/conclude.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/locate/incidence.h"
+
+namespace sanso::diagnose {
+namespace {
+
+const Candidate& candidate(const Library& library, int i) { return library.candidates[static_cast<std::size_t>(i)]; }
+
+std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const std::vector<double>& theta, const Accepted& entry) {
+  std::map<std::string, VerdictParameter> out;
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = c.parameters[i];
+    VerdictParameter v{theta[i], theta[i], theta[i], p.unit, false};
+    if (!p.structural) {
+      v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
+      v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
+      v.at_bound = entry.at_bound[i] != 0 && std::abs(theta[i] - p.null) > 1e-6 * p.typical;
+    }
+    out[p.name] = v;
+  }
+  return out;
+}
+
+/// A rival that only adds parameters to the same kind of physics contains the chosen effect; it is no other explanation.
+bool contains(const Candidate& larger, const Candidate& chosen) {
+  return larger.family == chosen.family && larger.parameters.size() > chosen.parameters.size() && larger.where == chosen.where;
+}
+
+std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
+  const IncidenceRow* best = nullptr;
+  for (const IncidenceRow& row : rows) {
+    if (row.residual.rfind("position, ", 0) == 0 && (best == nullptr || row.predicted > best->predicted)) best = &row;
+  }
+  return best == nullptr ? "everywhere" : best->residual.substr(10);
+}
+
+}  // namespace
+
+std::vector<Finding> findings_of(const Problem& problem, const Library& library, const Selection& selection,
+                                 const Regimes& regimes) {
+  std::vector<Finding> out;
+  const double excess = std::max(selection.nominal_heldout.sum() - static_cast<double>(problem.size), 1e-9);
+  for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
+    const Accepted& entry = selection.accepted[i];
+    const Candidate& c = candidate(library, entry.candidate);
+    Finding f;
+    f.effect = c.effect;
+    f.family = c.family;
+    f.where = c.where;
+    f.p_family = entry.p_family;
+    f.heldout_gain = entry.gain.total / excess;
+    f.heldout_gain_se = entry.gain.standard_error / excess;
+    f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+    f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
+    f.regime = strongest_regime(f.incidence);
+    f.one_of.push_back(c.effect);
+    for (const Alternative& a : entry.alternatives) {
+      const Candidate& other = candidate(library, a.candidate);
+      Rival rival;
+      rival.effect = other.effect;
+      rival.where = other.where;
+      rival.heldout_gain = (selection.nominal_heldout.sum() - a.heldout.sum()) / excess;
+      rival.behind_in_se = a.behind / std::max(a.behind_se, 1e-9);
+      rival.similarity = a.similarity;
+      rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
+      const bool level = a.behind < constants::kStandardErrors * a.behind_se + 2.0 * selection.around->phi;
+      const bool other_place = other.effect == c.effect;
+      if (level && rival.said_wrong.empty() && !contains(other, c) && !other_place &&
+          std::find(f.one_of.begin(), f.one_of.end(), other.effect) == f.one_of.end()) {
+        f.one_of.push_back(other.effect);
+      }
+      f.rivals.push_back(std::move(rival));
+    }
+    f.status = f.one_of.size() > 1 ? VerdictStatus::one_of : VerdictStatus::confirmed;
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+double remaining_share(const Problem& problem, const Selection& selection) {
+  const double noise = static_cast<double>(problem.size);
+  const double before = selection.nominal_heldout.sum() - noise, after = selection.final_heldout.sum() - noise;
+  return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
+}
+
+namespace {
+
+/// The joint whose remaining missing torque is most surely physics: predictable, and larger than noise makes it.
+const Predictability* most_predictable(const std::vector<Predictability>& left) {
+  const Predictability* best = nullptr;
+  const double level = constants::kFamilyWise / static_cast<double>(std::max<std::size_t>(1, left.size()));
+  for (const Predictability& p : left) {
+    // p resolves to 1 / (kBootstrap + 1); with many joints the smallest p is all one can ask for
+    const bool significant = p.p <= std::max(level, 1.0 / (constants::kBootstrap + 1.0) + 1e-12);
+    if (!significant || p.explained < 0.1 || p.torque_rms < 1.5 * p.noise_rms) continue;
+    if (best == nullptr || p.explained > best->explained) best = &p;
+  }
+  return best;
+}
+
+std::string places(const std::vector<std::string>& where) {
+  if (where.empty()) return "the whole robot";
+  std::string text = where.front();
+  for (std::size_t i = 1; i < where.size(); ++i) text += ", " + where[i];
+  return text;
+}
+
+std::string sentence(const Finding& f) {
+  std::string text = f.effect;
+  if (f.status == VerdictStatus::one_of) {
+    text = "one of {";
+    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
+    text += "}";
+  }
+  text += " at " + places(f.where);
+  if (!f.parameters.empty() && f.status == VerdictStatus::confirmed) {
+    const auto& [name, value] = *f.parameters.begin();
+    text += fmt::format(" ({} {:.3g} {})", name, value.value, value.unit);
+  }
+  return text;
+}
+
+}  // namespace
+
+void decide(Verdict& verdict, const Problem& problem, const Selection& selection, const std::vector<Predictability>& left,
+            const std::string& location) {
+  const double share = remaining_share(problem, selection);
+  const Predictability* unnamed = most_predictable(left);
+  const bool much_left = verdict.findings.empty() || share > 1.0 - constants::kNamedShare;
+  if (unnamed != nullptr) {
+    Unexplained u;
+    u.predictable = unnamed->explained;
+    u.p = unnamed->p;
+    u.energy_share = share;
+    u.where = problem.joints[static_cast<std::size_t>(unnamed->joint)];
+    u.regime = location;
+    verdict.unexplained = u;
+  }
+  if (unnamed != nullptr && much_left) {
+    verdict.status = VerdictStatus::present_unnamed;
+  } else if (verdict.findings.empty()) {
+    verdict.status = VerdictStatus::absent;
+  } else {
+    const bool several = std::any_of(verdict.findings.begin(), verdict.findings.end(),
+                                     [](const Finding& f) { return f.status == VerdictStatus::one_of; });
+    verdict.status = several ? VerdictStatus::one_of : VerdictStatus::confirmed;
+  }
+  verdict.mismatch = verdict.status != VerdictStatus::absent;
+  if (verdict.status == VerdictStatus::absent) {
+    verdict.answer = "No mismatch found beyond noise and the nominal model's tolerances.";
+    return;
+  }
+  if (verdict.findings.empty()) {
+    verdict.answer = "Physics is missing that no effect of the library describes: " + verdict.unexplained->where + " (" + location + ").";
+    return;
+  }
+  verdict.answer = "Missing: ";
+  for (std::size_t i = 0; i < verdict.findings.size(); ++i) verdict.answer += (i == 0 ? "" : "; ") + sentence(verdict.findings[i]);
+  verdict.answer += verdict.status == VerdictStatus::present_unnamed
+                        ? fmt::format("; {:.0f} % of the error beyond noise stays without a name.", 100 * share)
+                        : ".";
+}
+
+void add_limits(Verdict& verdict, const Library& library, const Selection& selection) {
+  const Screening& screening = selection.first;
+  std::map<std::string, double> best_signature;  // effect -> noise levels that its largest probe makes
+  for (const ProbeScore& probe : screening.probes) {
+    const Candidate& c = candidate(library, probe.candidate);
+    double& best = best_signature[c.effect];
+    best = std::max(best, probe.signature);
+    if (probe.probe != 0 || c.parameters.empty() || c.parameters[0].structural) continue;
+    const double size = std::abs(c.probes[0][0] - c.parameters[0].null);
+    if (!(probe.signature > 1e-6) || size <= 0.0) continue;
+    // 80 % power at the family-wise level: critical value + 0.84 standard deviations
+    const double smallest = size * (screening.critical + 0.84) / probe.signature;
+    if (smallest > c.parameters[0].high - c.parameters[0].low) continue;
+    std::string where;
+    for (const std::string& w : c.where) where += (where.empty() ? "" : ", ") + w;
+    verdict.detectable.push_back({c.effect, where.empty() ? "robot" : where, c.parameters[0].name, c.parameters[0].unit, smallest});
+  }
+  for (const auto& [effect, signature] : best_signature) {
+    if (signature >= constants::kTestable) continue;
+    verdict.untestable.push_back({effect, fmt::format("a typical size changes these recordings by {:.2g} noise levels only (needs {})",
+                                                      signature, constants::kTestable)});
+  }
+}
+
+}  // namespace sanso::diagnose

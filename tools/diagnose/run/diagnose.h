@@ -1,0 +1,55 @@
+// `sanso diagnose`: from a model folder and recordings to a verdict, a patched model and everything the report shows.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/locate/location_map.h"
+#include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/search/select.h"
+#include "tools/diagnose/unnamed/predictability.h"
+#include "tools/diagnose/verdict/verdict.h"
+
+namespace sanso::diagnose {
+
+struct DiagnoseOptions {
+  std::string model;                    // model folder
+  std::vector<std::string> recordings;  // files
+  std::string out;                      // folder for verdict.json, report.html, model/; empty: nothing is written
+  std::vector<std::string> effects;     // restrict the library to these ids; empty: all
+  std::vector<std::string> without;     // leave these ids out of the library (leave-one-out proofs)
+  bool json = false;                    // print verdict.json instead of the summary
+  bool quiet = false;                   // no progress lines
+  unsigned long seed = 1;
+};
+
+/// One roll-out on held-out data for the report: measured, nominal, patched position of a joint.
+struct RollOut {
+  std::string recording, joint;
+  std::vector<double> t, measured, nominal, patched;
+  double noise = 0.0;
+};
+
+/// All that was found out; the verdict is what counts, the rest feeds the report.
+struct Diagnosis {
+  Verdict verdict;
+  std::optional<ModelFolder> patched;
+  LocationMap before, after;
+  std::vector<std::string> regimes, joints;
+  std::vector<std::vector<ShapeCurve>> curves_before, curves_after;  // by joint of `shown_joints`
+  std::vector<int> shown_joints;
+  std::vector<RollOut> roll_outs;
+  std::vector<std::string> log;
+};
+
+using Progress = std::function<void(const std::string&)>;
+
+/// The whole method. Bad input gives a verdict with status REFUSED; nothing is thrown but Interrupted.
+Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress);
+
+/// The command: runs, prints, writes `out`. Exit code 0 no mismatch, 1 mismatch found, 2 refused.
+int run_diagnose(const DiagnoseOptions& options);
+
+}  // namespace sanso::diagnose
