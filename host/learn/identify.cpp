@@ -6,10 +6,21 @@
 
 namespace sanso::learn {
 
+namespace {
+
+std::vector<double> on_threads(const Eigen::MatrixXd& candidates, const LossOfCandidate& loss, int threads) {
+  std::vector<double> losses(static_cast<std::size_t>(candidates.cols()));
+  parallel_for(losses.size(), threads, [&](std::size_t c) { losses[c] = loss(candidates.col(static_cast<Eigen::Index>(c))); });
+  return losses;
+}
+
+}  // namespace
+
 Identification identify(const std::vector<PredictionWindow>& all_windows, const ParameterMap& map,
                         const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
                         std::uint64_t seed, const Eigen::VectorXd& start_z,
-                        const std::function<bool(const CrossEntropyState&)>& after_generation) {
+                        const std::function<bool(const CrossEntropyState&)>& after_generation,
+                        const DistributeCandidates& distribute) {
   if (all_windows.empty()) {
     throw std::invalid_argument(
         "identification: no window of 0.72 s without a gap in the recordings; record longer trials");
@@ -21,13 +32,9 @@ Identification identify(const std::vector<PredictionWindow>& all_windows, const 
   const double loss_initial = loss_of(Eigen::VectorXd::Zero(map.size()));
   const double prior = settings.prior_weight * loss_initial / static_cast<double>(map.size());
 
+  const LossOfCandidate penalised = [&](const Eigen::VectorXd& z) { return loss_of(z) + prior * z.squaredNorm(); };
   const EvaluateCandidates evaluate = [&](const Eigen::MatrixXd& candidates) {
-    std::vector<double> losses(static_cast<std::size_t>(candidates.cols()));
-    parallel_for(losses.size(), settings.threads, [&](std::size_t c) {
-      const Eigen::VectorXd z = candidates.col(static_cast<Eigen::Index>(c));
-      losses[c] = loss_of(z) + prior * z.squaredNorm();
-    });
-    return losses;
+    return distribute ? distribute(candidates, penalised) : on_threads(candidates, penalised, settings.threads);
   };
   const Eigen::VectorXd mean =
       start_z.size() == map.size() ? start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));

@@ -35,11 +35,16 @@ struct Identification {
   int generations = 0;
 };
 
+/// Losses of candidates (columns), in their order, by calling `loss` for each: on threads of this process, or spread over many.
+using LossOfCandidate = std::function<double(const Eigen::VectorXd&)>;
+using DistributeCandidates = std::function<std::vector<double>(const Eigen::MatrixXd& candidates, const LossOfCandidate& loss)>;
+
 /// Searches from `start_z` (empty: the initial model). `after_generation` sees the state (progress, storing); returning
 /// false stops the search there. Throws std::invalid_argument when there are no windows.
 Identification identify(const std::vector<PredictionWindow>& windows, const ParameterMap& map,
                         const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
                         std::uint64_t seed, const Eigen::VectorXd& start_z = {},
-                        const std::function<bool(const CrossEntropyState&)>& after_generation = {});
+                        const std::function<bool(const CrossEntropyState&)>& after_generation = {},
+                        const DistributeCandidates& distribute = {});
 
 }  // namespace sanso::learn

@@ -24,9 +24,10 @@ MAY = {
     "tools/conceal": ["shared/base", "tools/recording"],
     "tools/diagnose": ["shared", "host", "tools/recording", "tools/report"],
     "tools/bench": ["shared", "host", "firmware", "tools/recording", "tools/report", "tools/diagnose"],
-    # The two places where everything meets.
+    # The places where everything meets.
     "tools/inprocess": ["shared", "firmware", "host", "tools"],
     "tools/sanso": ["shared", "firmware", "host", "tools"],
+    "tools/sweep": ["shared", "host", "tools/inprocess"],
     "tests": ["shared", "firmware", "host", "tools", "tests"],
 }
 # Third-party headers that only some folders may use: the emulated world stays independent of our own model.
