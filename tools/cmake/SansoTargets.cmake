@@ -62,6 +62,7 @@ function(sanso_library name)
 endfunction()
 
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s]): one GoogleTest program, one ctest entry.
+# Labels: slow (left out under sanitizers), threads (run under the thread sanitizer).
 function(sanso_test name)
   cmake_parse_arguments(A "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   find_package(GTest REQUIRED)
@@ -73,6 +74,12 @@ function(sanso_test name)
   endif()
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${A_TIMEOUT} LABELS "${A_LABELS}")
+  if("threads" IN_LIST A_LABELS)  # what the thread sanitizer looks at: `cmake --build --preset tsan --target threaded_tests`
+    if(NOT TARGET threaded_tests)
+      add_custom_target(threaded_tests)
+    endif()
+    add_dependencies(threaded_tests ${name})
+  endif()
 endfunction()
 
 # sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset fuzz).
