@@ -123,12 +123,22 @@ class EmulatedController {
     handover->primitives.back() = set;
     handover->primitives.publish();
   }
-  /// Boot, self-test, arm, stand in `pose`. True when holding.
-  bool stand(const model::Input& pose = standing_pose(), double motion_s = 3.0) {
+  /// A person puts the robot into `pose` and holds it until it stands by itself: boot, self-test, arm, hold.
+  /// True when holding, let go and settled.
+  bool stand(const model::Input& pose = standing_pose(), double motion_s = 3.0, emulator::Placement where = {}) {
+    std::array<double, model::kNumJoints> legs{};
+    std::copy_n(pose.data(), model::kNumJoints, legs.begin());
+    where.q = emulator::with_legs(legs).q;
+    robot.place(where);
+    robot.hold(true);
     upload(still_primitives(pose, motion_s));
     if (!run_until(wire::SupervisorState::idle, 10)) return false;
     command(wire::CommandKind::arm);
-    return run_until(wire::SupervisorState::hold, 15);
+    if (!run_until(wire::SupervisorState::hold, 15)) return false;
+    ticks(30);
+    robot.hold(false);
+    ticks(100);
+    return controller->state() == wire::SupervisorState::hold;
   }
   const wire::Observation& seen() const { return controller->observation(); }
   model::State truth() const {

@@ -1,0 +1,228 @@
+// The bus master against servos that answer real packets, and against a port that answers nonsense.
+#include "firmware/bus/bus_master.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "firmware/bus/bus_setup.h"
+#include "shared/servo_bus/opencr.h"
+#include "tools/bench/instant_bus.h"
+
+namespace sanso::firmware {
+namespace {
+
+class StillClock : public board::Clock {
+ public:
+  Nanoseconds now() override { return time; }
+  Nanoseconds time = 0;
+};
+
+/// Passes bytes through and spoils the replies on request.
+class SpoiledPort : public board::SerialPort {
+ public:
+  Status write(board::Bytes data) override {
+    written.assign(data.begin(), data.end());
+    return gone ? Status::io_error : bus.write(data);
+  }
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds deadline) override {
+    if (gone) return Status::io_error;
+    if (deadline == 0) return bus.read(buffer, 0);  // draining
+    std::array<std::uint8_t, 1024> raw;
+    const Result<std::size_t> n = bus.read(raw, deadline);
+    std::vector<std::uint8_t> bytes(raw.begin(), raw.begin() + static_cast<long>(*n));
+    if (spoil && !bytes.empty()) spoil(bytes);
+    std::copy(bytes.begin(), bytes.end(), buffer.begin());
+    return bytes.size();
+  }
+  Status reopen() override { return Status::ok; }
+
+  bench::InstantBus bus;
+  std::function<void(std::vector<std::uint8_t>&)> spoil;
+  std::vector<std::uint8_t> written;
+  bool gone = false;
+};
+
+class BusMasterTest : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override { master.use_fast_read(GetParam()); }
+  BusSettings settings;
+  SpoiledPort port;
+  StillClock clock;
+  BusMaster master{settings, port, clock};
+  ServoReadings readings;
+};
+
+TEST_P(BusMasterTest, ReadsEveryServo) {
+  port.bus.poke(3, 132, 4, 2048 - 652);
+  port.bus.poke(3, 128, 4, -10);
+  port.bus.poke(3, 126, 2, -37);
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, model::kNumJoints);
+  EXPECT_NEAR(readings.servo[3].position_rad, -1.0, 1e-3);
+  EXPECT_NEAR(readings.servo[3].velocity_rad_s, -0.2398, 1e-3);
+  EXPECT_EQ(readings.servo[3].current_raw, -37);
+  EXPECT_EQ(master.counters().lost, 0u);
+}
+
+TEST_P(BusMasterTest, StuffedRepliesAreReadRight) {
+  // current -1, velocity -3: FF FF FD FF on the wire
+  port.bus.poke(0, 126, 2, -1);
+  port.bus.poke(0, 128, 4, -3);
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, model::kNumJoints);
+  EXPECT_EQ(readings.servo[0].current_raw, -1);
+}
+
+TEST_P(BusMasterTest, ThoseBeforeASilentServoAreUsedAndTheSilentOneIsAskedLast) {
+  const int silent = 7;
+  port.bus.silence_from(silent);
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, silent);
+  EXPECT_EQ(readings.servo[silent].age_ticks, 1);
+  EXPECT_EQ(master.counters().lost, static_cast<std::uint32_t>(model::kNumJoints - silent));
+  port.bus.silence_from(kNumServos);
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, model::kNumJoints);
+  // ids in the request begin behind header, instruction, address and length; CRC at the end
+  ASSERT_GT(port.written.size(), 14u);
+  EXPECT_EQ(port.written[port.written.size() - 3], kServoIds[silent]);
+}
+
+TEST_P(BusMasterTest, ADamagedByteCostsOnlyItsServoOrThoseBehind) {
+  port.spoil = [](std::vector<std::uint8_t>& bytes) { bytes[bytes.size() / 2 + 12] ^= 0x40; };  // a data byte
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_GE(readings.answered, model::kNumJoints / 2 - 1);
+  EXPECT_LT(readings.answered, model::kNumJoints);
+  EXPECT_EQ(master.counters().corrupt, 1u);
+  port.spoil = nullptr;
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, model::kNumJoints) << "recovers at once";
+}
+
+TEST_P(BusMasterTest, ATruncatedReplyGivesTheServosBeforeTheCut) {
+  port.spoil = [](std::vector<std::uint8_t>& bytes) { bytes.resize(bytes.size() / 2); };
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_GE(readings.answered, 4);
+  EXPECT_LT(readings.answered, model::kNumJoints);
+}
+
+TEST_P(BusMasterTest, GarbageBeforeTheReplyIsSkipped) {
+  port.spoil = [](std::vector<std::uint8_t>& bytes) {
+    const std::vector<std::uint8_t> noise = {0xFF, 0x12, 0xFF, 0xFF, 0x00, 0x55};
+    bytes.insert(bytes.begin(), noise.begin(), noise.end());
+  };
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_EQ(readings.answered, model::kNumJoints);
+}
+
+TEST_P(BusMasterTest, RandomNoiseNeverBringsAWrongReading) {
+  const unsigned seed = 17;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  port.spoil = [&](std::vector<std::uint8_t>& bytes) {
+    for (int k = 0; k < 5; ++k) bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1u << (random() % 8));
+  };
+  for (int n = 0; n < 2000; ++n) {
+    master.read_feedback(model::kNumJoints, readings);
+    for (std::size_t s = 0; s < model::kNumJoints; ++s)
+      if (readings.servo[s].known) {
+        ASSERT_EQ(readings.servo[s].position_raw, 2048);
+      }
+  }
+}
+
+TEST_P(BusMasterTest, AGonePortIsSaid) {
+  port.gone = true;
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_TRUE(readings.port_gone);
+  EXPECT_EQ(readings.answered, 0);
+}
+
+TEST_P(BusMasterTest, GoalsReachTheServosInOrder) {
+  std::array<std::int32_t, model::kNumJoints> goals{};
+  for (std::size_t s = 0; s < goals.size(); ++s) goals[s] = 2000 + static_cast<std::int32_t>(s);
+  ASSERT_EQ(master.write_goals(goals), Status::ok);
+  for (int s = 0; s < model::kNumJoints; ++s) EXPECT_EQ(port.bus.goal_raw(s), 2000 + s);
+}
+
+TEST_P(BusMasterTest, SlowReadsVisitEveryServoAndAnAlertFirst) {
+  for (int n = 0; n < 2 * kNumServos; ++n) master.slow_read(readings);
+  for (const ServoHealth& health : readings.health) {
+    EXPECT_NEAR(health.voltage_V, 12.0, 1e-6);
+    EXPECT_EQ(health.temperature_C, 35);
+    EXPECT_TRUE(health.torque_known);
+  }
+  port.bus.poke(9, 70, 1, servo_bus::xm430::kErrorOverload);
+  master.read_feedback(model::kNumJoints, readings);
+  EXPECT_TRUE(readings.servo[9].alert);
+  master.slow_read(readings);
+  EXPECT_EQ(readings.health[9].hardware_error, servo_bus::xm430::kErrorOverload);
+}
+
+INSTANTIATE_TEST_SUITE_P(OrdinaryAndFast, BusMasterTest, ::testing::Bool(),
+                         [](const auto& p) { return p.param ? "fast" : "ordinary"; });
+
+// --- start-up --------------------------------------------------------------------------------------------------------
+
+class BusSetupTest : public ::testing::Test {
+ protected:
+  BusSetup::Progress run() {
+    for (int n = 0; n < 5000; ++n) {
+      clock.time += kTickPeriod;
+      const auto progress = setup.step(master, clock.time);
+      if (progress != BusSetup::Progress::running) return progress;
+    }
+    return BusSetup::Progress::running;
+  }
+  BusSettings settings;
+  SpoiledPort port;
+  StillClock clock;
+  BusMaster master{settings, port, clock};
+  BusSetup setup{settings};
+};
+
+TEST_F(BusSetupTest, LeavesEveryServoReadyWithTorqueOff) {
+  port.bus.poke(5, 64, 1, 1);
+  ASSERT_EQ(run(), BusSetup::Progress::done);
+  for (int s = 0; s < kNumServos; ++s) {
+    EXPECT_EQ(port.bus.get(s, 84, 2), 560) << servo_name(s);
+    EXPECT_EQ(port.bus.get(s, 9, 1), 1) << servo_name(s);
+    EXPECT_EQ(port.bus.get(s, 11, 1), 3) << servo_name(s);
+    EXPECT_FALSE(port.bus.torque_on(s)) << servo_name(s);
+  }
+  EXPECT_EQ(port.bus.get(kNumServos, servo_bus::opencr::kServoPower, 1), 1);
+  EXPECT_TRUE(master.fast_read());
+}
+
+TEST_F(BusSetupTest, OldFirmwareMeansOrdinaryReads) {
+  port.bus.poke(13, 6, 1, 41);
+  ASSERT_EQ(run(), BusSetup::Progress::done);
+  EXPECT_FALSE(master.fast_read());
+}
+
+TEST_F(BusSetupTest, AMissingServoAndAWrongModelAreNamed) {
+  port.bus.silence_from(4);
+  ASSERT_EQ(run(), BusSetup::Progress::failed);
+  EXPECT_EQ(setup.fault(), Fault::servo_missing);
+  EXPECT_EQ(setup.fault_detail(), 15);
+  setup.restart();
+  port.bus.silence_from(kNumServos);
+  port.bus.poke(2, 0, 2, 1060);
+  ASSERT_EQ(run(), BusSetup::Progress::failed);
+  EXPECT_EQ(setup.fault(), Fault::servo_model);
+  EXPECT_EQ(setup.fault_detail(), 11);
+}
+
+TEST_F(BusSetupTest, AFewLostRepliesDoNotStopIt) {
+  std::mt19937 random(1);
+  port.spoil = [&](std::vector<std::uint8_t>& bytes) {
+    if (random() % 20 == 0) bytes.clear();
+  };
+  EXPECT_EQ(run(), BusSetup::Progress::done);
+}
+
+}  // namespace
+}  // namespace sanso::firmware

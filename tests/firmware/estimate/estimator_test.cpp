@@ -1,0 +1,100 @@
+// The estimator against what really is in the emulated robot: noise, quantised encoders, delays, pushes.
+#include "firmware/estimate/estimator.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/support/emulated_controller.h"
+
+namespace sanso::firmware {
+namespace {
+
+using testing::EmulatedController;
+
+struct Errors {
+  double position = 0, velocity = 0, tilt = 0;  // root mean square: m, m/s, rad
+};
+
+/// Runs a trial of two seconds with a push in it and compares the estimate with the truth, both from the trial's origin.
+Errors run_trial(EmulatedController& c) {
+  EXPECT_TRUE(c.stand());
+  c.command(wire::CommandKind::start_trial, 1, 200, wire::kLayerLower);
+  const model::State origin = c.truth();
+  const Nanoseconds now = c.robot.now();
+  c.robot.push({4.0, 2.0, 0.0}, {0, 0, 0}, now + 300 * kMillisecond, now + 400 * kMillisecond);
+  Errors e;
+  const int ticks = 190;
+  for (int k = 0; k < ticks; ++k) {
+    const model::State truth = c.truth();
+    c.tick();
+    const model::State& x = c.seen().x;
+    const math::Vec3 moved = truth.segment<3>(model::kXPos) - math::Vec3(origin[0], origin[1], 0.0);
+    e.position += (x.segment<3>(model::kXPos) - moved).squaredNorm();
+    e.velocity += (x.segment<3>(model::kXVel) - truth.segment<3>(model::kXVel)).squaredNorm();
+    e.tilt += math::quat_minus(model::base_quat(x), model::base_quat(truth)).head<2>().squaredNorm();
+  }
+  EXPECT_EQ(c.controller->state(), wire::SupervisorState::run);
+  e.position = std::sqrt(e.position / ticks);
+  e.velocity = std::sqrt(e.velocity / ticks);
+  e.tilt = std::sqrt(e.tilt / ticks);
+  ::testing::Test::RecordProperty("position_mm", std::to_string(1e3 * e.position));
+  ::testing::Test::RecordProperty("velocity_mm_s", std::to_string(1e3 * e.velocity));
+  return e;
+}
+
+// Bounds: about twice what was measured (docs/results/estimator.md); the reference's weights ask for 5 mm and 0.05 m/s.
+TEST(Estimator, FollowsAPushedRobotWithThePoseSource) {
+  EmulatedController c("lab");
+  const Errors e = run_trial(c);
+  EXPECT_LT(e.position, 0.006);
+  EXPECT_LT(e.velocity, 0.04);
+  EXPECT_LT(e.tilt, 0.02);
+  EXPECT_LT(c.seen().pose_age_ticks, 10);
+}
+
+TEST(Estimator, FollowsAPushedRobotFromLegsAndImuAlone) {
+  EmulatedController c("lab", {}, false);
+  const Errors e = run_trial(c);
+  EXPECT_LT(e.position, 0.010);
+  EXPECT_LT(e.velocity, 0.04);
+  EXPECT_EQ(c.seen().pose_age_ticks, 255);
+}
+
+TEST(Estimator, StartsEveryTrialAtTheOriginWithHeadingZero) {
+  EmulatedController c("nominal");
+  emulator::Placement away;
+  away.x_m = 1.0;
+  away.y_m = -2.0;
+  away.yaw_rad = 1.0;
+  ASSERT_TRUE(c.stand(testing::standing_pose(), 3.0, away));
+  c.command(wire::CommandKind::start_trial, 1, 100, wire::kLayerLower);
+  EXPECT_EQ(c.seen().trial_tick, 0);
+  EXPECT_NEAR(c.seen().x[0], 0.0, 1e-9);
+  EXPECT_NEAR(c.seen().x[1], 0.0, 1e-9);
+  EXPECT_NEAR(math::yaw_of(model::base_quat(c.seen().x)), 0.0, 1e-9);
+  EXPECT_NEAR(c.seen().x[2], c.truth()[2], 0.004);
+}
+
+TEST(AxisFilter, KnownAccelerationIsFollowedExactlyWithoutNoise) {
+  AxisFilter filter;
+  filter.reset(0.0, 0.1, -0.1, 0.01);
+  for (int k = 0; k < 100; ++k) filter.predict(2.0, 0.01, 0.1, 0.01, 0.01);
+  EXPECT_NEAR(filter.position(), 1.0, 1e-12);
+  EXPECT_NEAR(filter.velocity(), 2.0, 1e-12);
+}
+
+TEST(AxisFilter, CovarianceStaysPositiveAndMeasurementsShrinkIt) {
+  AxisFilter filter;
+  filter.reset(0.0, 0.1, -0.1, 0.1);
+  double before = filter.P()(0, 0);
+  for (int k = 0; k < 5000; ++k) {
+    filter.predict(0.0, 0.01, 0.5, 0.02, 10.0);
+    filter.measure(AxisFilter::Vec4::Unit(AxisFilter::kRightSole) - AxisFilter::Vec4::Unit(AxisFilter::kPosition), 0.1, 0.002);
+    filter.measure(AxisFilter::Vec4::Unit(AxisFilter::kVelocity), 0.0, 0.05);
+    for (int i = 0; i < 4; ++i) ASSERT_GT(filter.P()(i, i), 0.0);
+  }
+  EXPECT_LT(filter.P()(AxisFilter::kVelocity, AxisFilter::kVelocity), before);
+  EXPECT_NEAR(filter.velocity(), 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace sanso::firmware
