@@ -43,6 +43,7 @@ void place(EmulatedRobot& robot, const json& command) {
   p.y_m = command.value("y", 0.0);
   p.yaw_rad = command.value("yaw", 0.0);
   robot.place(p);
+  if (command.value("held", false)) robot.hold_until_standing();
 }
 
 void add_fault(EmulatedRobot& robot, const json& command) {

@@ -201,6 +201,11 @@ void EmulatedRobot::hold(bool held) {
   impl_->helper_waits = false;
   impl_->body.hold(held);
 }
+void EmulatedRobot::hold_until_standing() {
+  impl_->helper_waits = true;
+  impl_->legs_hold_since = impl_->now;
+  impl_->body.hold(true);
+}
 bool EmulatedRobot::held() const { return impl_->body.held(); }
 
 void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world, Nanoseconds start,

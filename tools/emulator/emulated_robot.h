@@ -90,6 +90,8 @@ class EmulatedRobot {
   /// A person holds the robot upright (true) or lets go (false).
   void hold(bool held);
   bool held() const;
+  /// A person holds the robot upright until one second after all leg servos hold torque, as at the start.
+  void hold_until_standing();
 
   /// Force [N] and torque [N m] at the torso's origin, world axes, from `start` to `stop`.
   void push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world, Nanoseconds start, Nanoseconds stop);

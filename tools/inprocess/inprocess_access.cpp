@@ -2,41 +2,9 @@
 
 #include <stdexcept>
 
+#include "tools/inprocess/truth_frame.h"
+
 namespace sanso::inprocess {
-namespace {
-
-/// From the world's frame to the reference's: the robot stood at the reference's first position and heading when the
-/// trial began.
-struct Placing {
-  math::Quat quat_ref_world = math::quat_identity();
-  math::Vec3 p_ref_world = math::Vec3::Zero();
-
-  learn::TrueSample in_reference_frame(const emulator::Truth& truth) const {
-    const std::array<double, model::kNx> raw = truth.leg_state();
-    learn::TrueSample sample;
-    sample.x = Eigen::Map<const model::State>(raw.data());
-    const math::Mat3 R_ref_world = math::rotation_matrix(quat_ref_world);
-    sample.x.segment<3>(model::kXPos) = p_ref_world + R_ref_world * model::base_position(sample.x);
-    sample.x.segment<4>(model::kXQuat) = math::quat_multiply(quat_ref_world, model::base_quat(sample.x));
-    sample.x.segment<3>(model::kXVel) = R_ref_world * sample.x.segment<3>(model::kXVel);
-    for (std::size_t foot = 0; foot < 2; ++foot) sample.foot_load_N[foot] = static_cast<float>(truth.foot_force_in_world[foot][2]);
-    return sample;
-  }
-};
-
-Placing placing_of(const emulator::Truth& first, const std::array<float, model::kNx>& reference) {
-  const std::array<double, model::kNx> raw = first.leg_state();
-  const model::State x_world = Eigen::Map<const model::State>(raw.data());
-  const model::State x_ref = Eigen::Map<const Eigen::Matrix<float, model::kNx, 1>>(reference.data()).cast<double>();
-  Placing placing;
-  const double turn = math::yaw_of(model::base_quat(x_ref)) - math::yaw_of(model::base_quat(x_world));
-  placing.quat_ref_world = math::quat_exp({0.0, 0.0, turn});
-  placing.p_ref_world = model::base_position(x_ref) - math::rotation_matrix(placing.quat_ref_world) * model::base_position(x_world);
-  placing.p_ref_world[2] = 0.0;  // heights are absolute
-  return placing;
-}
-
-}  // namespace
 
 InProcessAccess::InProcessAccess(const std::string& world) : world_(plant::load_world(world)), key_(wire::random_key()) {}
 
@@ -62,11 +30,12 @@ link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t see
 void InProcessAccess::add_measurements(learn::Episode& episode) {
   const auto& seen = robot_->trial_truth();
   if (episode.ticks.empty() || seen.empty()) return;
-  const Placing placing = placing_of(seen.front().truth, episode.reference.front());
+  const TruthFrame frame(seen.front().truth.leg_state(), episode.reference.front());
   std::size_t k = 0;
   for (const wire::Observation& o : episode.ticks) {  // both ascend in trial_tick
     while (k + 1 < seen.size() && seen[k].trial_tick < o.trial_tick) ++k;
-    episode.truth.push_back(placing.in_reference_frame(seen[k].truth));
+    const emulator::Truth& truth = seen[k].truth;
+    episode.truth.push_back(frame.sample(truth.leg_state(), {truth.foot_force_in_world[0][2], truth.foot_force_in_world[1][2]}));
   }
 }
 

@@ -11,6 +11,7 @@ inline constexpr int kDone = 0;         // done, the answer is "good"
 inline constexpr int kBadAnswer = 1;    // the answer is "bad": a mismatch, a failed motion
 inline constexpr int kCouldNot = 2;     // no answer: bad input, missing file, full disk
 
+void add_demo(CLI::App& app, int& result);
 void add_learn(CLI::App& app, int& result);
 void add_motions(CLI::App& app, int& result);
 void add_report(CLI::App& app, int& result);

@@ -1,0 +1,40 @@
+// Asks the emulator 50 times a second what really is, from a thread of its own: for reports, never for control.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "shared/base/time.h"
+
+namespace sanso::cli {
+
+class TruthSampler {
+ public:
+  struct Sample {
+    Nanoseconds time = 0;                   // CLOCK_MONOTONIC, as the controller's on the same machine
+    std::array<double, 37> leg_state{};     // order of the state layout, world frame
+    std::array<double, 2> foot_load_N{};    // right, left
+  };
+
+  explicit TruthSampler(std::string robot_directory);
+  ~TruthSampler();
+  TruthSampler(const TruthSampler&) = delete;
+  TruthSampler& operator=(const TruthSampler&) = delete;
+
+  /// All samples since the last call.
+  std::vector<Sample> take();
+
+ private:
+  void run();
+  std::string directory_;
+  std::mutex mutex_;
+  std::vector<Sample> samples_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace sanso::cli
