@@ -21,7 +21,7 @@ MAY = {
     "tools/report": ["shared/base"],
     "tools/plant": ["shared/base", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/servo_bus", "tools/plant"],
-    "tools/conceal": ["shared/base", "tools/recording"],
+    "tools/conceal": ["shared/base", "tools/recording", "tools/plant"],
     "tools/diagnose": ["shared", "host", "tools/recording", "tools/report"],
     "tools/bench": ["shared", "host", "firmware", "tools/recording", "tools/report", "tools/diagnose"],
     # The places where everything meets.

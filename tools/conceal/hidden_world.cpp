@@ -1,0 +1,268 @@
+#include "tools/conceal/hidden_world.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <mutex>
+
+#include "tools/plant/world_error.h"
+
+namespace sanso::conceal {
+namespace {
+
+constexpr double kStep_s = 0.0002;
+constexpr int kServoEvery = 5;     // steps: the servo's loop runs at 1 kHz
+constexpr double kSettle_s = 2.0;  // on the first command, before the recording begins
+constexpr double kCurrentQuantum = 2.69e-3, kPwmSteps = 885, kVoltQuantum = 0.1;
+
+struct ModelDeleter {
+  void operator()(mjModel* m) const { mj_deleteModel(m); }
+};
+struct DataDeleter {
+  void operator()(mjData* d) const { mj_deleteData(d); }
+};
+using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
+using DataPtr = std::unique_ptr<mjData, DataDeleter>;
+
+ModelPtr compile(const std::string& mjcf) {
+  static std::mutex parser;  // MuJoCo's XML reader keeps global state
+  const std::lock_guard lock(parser);
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  mj_makeEmptyFileVFS(files.get(), "hidden.xml", static_cast<int>(mjcf.size()));
+  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "hidden.xml")], mjcf.data(), mjcf.size());
+  char error[500] = "";
+  ModelPtr model(mj_loadXML("hidden.xml", files.get(), error, sizeof error));
+  mj_deleteVFS(files.get());
+  if (!model) throw plant::WorldError(std::string("MuJoCo refuses the hidden world: ") + error);
+  return model;
+}
+
+/// The command as each servo gets it: delayed, held, sometimes lost.
+class CommandLine {
+ public:
+  CommandLine(const WorldTruth& world, const Experiment& experiment, Random& random) : experiment_(experiment) {
+    const std::size_t rows = experiment.command.size();
+    for (int j = 0; j < world.robot.size(); ++j) {
+      const JointTruth& joint = world.joints[static_cast<std::size_t>(j)];
+      std::vector<std::size_t> source(rows);
+      for (std::size_t row = 0; row < rows; ++row) {
+        const bool taken = row % static_cast<std::size_t>(joint.hold_cycles) == 0 && !random.chance(joint.loss);
+        source[row] = row == 0 || taken ? row : source[row - 1];
+      }
+      source_.push_back(std::move(source));
+      delay_.push_back(joint.command_delay_s + j * world.bus_skew_s);
+    }
+  }
+  double goal(int joint, double t) const {
+    const auto j = static_cast<std::size_t>(joint);
+    const double row = std::floor((t - delay_[j]) / kControlPeriod_s + 1e-9);
+    const auto last = static_cast<double>(experiment_.command.size()) - 1;
+    return experiment_.command[source_[j][static_cast<std::size_t>(std::clamp(row, 0.0, last))]][j];
+  }
+
+ private:
+  const Experiment& experiment_;
+  std::vector<std::vector<std::size_t>> source_;
+  std::vector<double> delay_;
+};
+
+/// MuJoCo's model of the world with the joints' own masses where they belong.
+class Body {
+ public:
+  Body(const WorldTruth& world, const Experiment& experiment) : world_(world), experiment_(experiment) {
+    std::vector<double> armature;
+    // a motor behind play or compliance is a mass of its own; the last gear stays with the link
+    for (const JointTruth& j : world.joints) armature.push_back(two_masses(j) ? 1e-4 : j.armature);
+    model_ = compile(to_mjcf(world.robot, armature, kStep_s, experiment.gravity));
+    data_ = DataPtr(mj_makeData(model_.get()));
+    for (const LinkSpec& link : world.robot.links) {
+      const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, link.joint.c_str());
+      qpos_.push_back(model_->jnt_qposadr[joint]);
+      dof_.push_back(model_->jnt_dofadr[joint]);
+      body_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, link.link.c_str()));
+      payload_body_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, (link.link + "_payload").c_str()));
+    }
+    set_payloads(-kSettle_s);
+    for (int j = 0; j < world.robot.size(); ++j) data_->qpos[qpos_[j]] = experiment.command[0][j];
+    mj_forward(model_.get(), data_.get());
+  }
+
+  double angle(int j) const { return data_->qpos[qpos_[j]]; }
+  double rate(int j) const { return data_->qvel[dof_[j]]; }
+  double external(int j) const { return -data_->qfrc_bias[dof_[j]]; }
+  void set_torque(int j, double torque) { data_->qfrc_applied[dof_[j]] = torque; }
+
+  void step(double t) {
+    if (world_.payload.link >= 0 && !late_on_ && t >= world_.payload.from_s) set_payloads(t);
+    for (const LinkForce* force : {&world_.push, &world_.tether}) {
+      if (force->link < 0) continue;
+      const bool on = t >= force->from_s && t < force->until_s;
+      double* wrench = data_->xfrc_applied + 6 * body_[static_cast<std::size_t>(force->link)];
+      for (int i = 0; i < 3; ++i) wrench[i] = on ? force->force[static_cast<std::size_t>(i)] : 0;
+    }
+    mj_step(model_.get(), data_.get());
+  }
+
+ private:
+  void set_payloads(double t) {
+    std::vector<double> mass(body_.size(), 1e-9);
+    if (experiment_.payload_kg > 0) mass[static_cast<std::size_t>(world_.robot.payload_link)] += experiment_.payload_kg;
+    if (world_.payload.link >= 0 && t >= world_.payload.from_s) {
+      mass[static_cast<std::size_t>(world_.payload.link)] += world_.payload.mass;
+      late_on_ = true;
+    }
+    for (std::size_t i = 0; i < mass.size(); ++i) model_->body_mass[payload_body_[i]] = mass[i];
+  }
+
+  const WorldTruth& world_;
+  const Experiment& experiment_;
+  ModelPtr model_;
+  DataPtr data_;
+  std::vector<int> qpos_, dof_, body_, payload_body_;
+  bool late_on_ = false;
+};
+
+/// Values of one signal at every step, to be read at any instant.
+struct Track {
+  std::vector<double> values;
+  double at(double t) const {
+    const double x = std::clamp(t / kStep_s, 0.0, static_cast<double>(values.size() - 1));
+    const auto i = std::min(static_cast<std::size_t>(x), values.size() - 2);
+    return values[i] + (x - static_cast<double>(i)) * (values[i + 1] - values[i]);
+  }
+};
+
+}  // namespace
+
+Signals run_experiment(const WorldTruth& world, const Experiment& experiment, std::uint64_t seed) {
+  const int n = world.robot.size();
+  const std::size_t rows = experiment.command.size();
+  Random random(seed);
+  const CommandLine commands(world, experiment, random);
+  Body body(world, experiment);
+  std::vector<JointTruth> joints = world.joints;
+  std::vector<JointMemory> memory(static_cast<std::size_t>(n));
+  for (int j = 0; j < n; ++j) {
+    joints[j].p_gain *= experiment.gain_scale;
+    memory[j].motor_angle = memory[j].creep_angle = body.angle(j);
+  }
+
+  const auto record_steps =
+      static_cast<long>(std::lround((static_cast<double>(rows) * kControlPeriod_s + 0.05) / kStep_s));
+  const auto settle_steps = static_cast<long>(std::lround(kSettle_s / kStep_s));
+  std::vector<Track> q(n), dq(n), current(n), duty(n);
+  Track volt;
+  double supply_drop = 0;
+  for (long step = -settle_steps; step < record_steps; ++step) {
+    const double t = static_cast<double>(step) * kStep_s;
+    const double open_circuit = 1 + world.supply_level + world.supply_slope_per_min * std::max(0.0, t) / 60;
+    double load = 0;
+    for (int j = 0; j < n; ++j) {
+      if ((step + settle_steps) % kServoEvery == 0) {
+        run_servo(joints[j], commands.goal(j, t), true, body.angle(j), kServoEvery * kStep_s, memory[j]);
+      }
+      const double supply = joints[j].voltage * open_circuit - supply_drop;
+      double torque =
+          run_gear(joints[j], supply, true, body.angle(j), body.rate(j), body.external(j), kStep_s, memory[j]);
+      if (world.coupling.to == j) torque -= world.coupling.viscous * body.rate(world.coupling.from);
+      body.set_torque(j, torque);
+      load += std::abs(memory[j].current * memory[j].duty);
+    }
+    supply_drop = world.supply_resistance * load;
+    if (step >= 0) {
+      for (int j = 0; j < n; ++j) {
+        q[j].values.push_back(body.angle(j));
+        dq[j].values.push_back(body.rate(j));
+        current[j].values.push_back(memory[j].current);
+        duty[j].values.push_back(memory[j].duty);
+      }
+      volt.values.push_back(joints[0].voltage * open_circuit - supply_drop);
+    }
+    body.step(t);
+  }
+
+  Signals s;
+  s.volt.resize(rows);
+  for (std::size_t row = 0; row < rows; ++row) s.volt[row] = volt.at(static_cast<double>(row) * kControlPeriod_s);
+  for (int j = 0; j < n; ++j) {
+    const JointTruth& joint = world.joints[j];
+    std::vector<double> qs(rows), dqs(rows), is(rows), ds(rows);
+    double filtered = dq[j].at(0);
+    for (std::size_t row = 0; row < rows; ++row) {
+      const double stamp = static_cast<double>(row) * kControlPeriod_s;
+      const double t = stamp - joint.sensor_delay_s + joint.jitter_s * random.normal();
+      const double blend = joint.velocity_filter_s > 0 ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s) : 1;
+      filtered += blend * (dq[j].at(t) - filtered);
+      qs[row] = encoder_angle(joint, q[j].at(t));
+      dqs[row] = filtered;
+      is[row] = current[j].at(t);
+      ds[row] =
+          duty[j].values[static_cast<std::size_t>(std::clamp(t / kStep_s, 0.0, static_cast<double>(record_steps - 1)))];
+    }
+    s.q.push_back(std::move(qs));
+    s.dq.push_back(std::move(dqs));
+    s.current.push_back(std::move(is));
+    s.duty.push_back(std::move(ds));
+  }
+  return s;
+}
+
+recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment, const Signals& signals,
+                                  std::uint64_t seed, bool electrical_channels) {
+  Random random(seed ^ 0xB05);
+  const std::size_t rows = experiment.command.size();
+  const auto grid = [](double value, double quantum) { return std::round(value / quantum) * quantum; };
+  recording::Recording r;
+  r.file = experiment.name + ".csv";
+  r.condition = experiment.condition;
+  for (std::size_t row = 0; row < rows; ++row) r.t.push_back(static_cast<double>(row) * kControlPeriod_s);
+  for (int j = 0; j < world.robot.size(); ++j) {
+    const std::string& name = world.robot.links[static_cast<std::size_t>(j)].joint;
+    std::vector<double> u(rows), q(rows), dq(rows), current(rows), pwm(rows);
+    for (std::size_t row = 0; row < rows; ++row) {
+      u[row] = grid(experiment.command[row][static_cast<std::size_t>(j)], world.joints[j].quantum);
+      q[row] = grid(signals.q[j][row], world.joints[j].quantum);
+      dq[row] = grid(signals.dq[j][row], kRateQuantum);
+      current[row] = grid(signals.current[j][row] + kCurrentQuantum * random.normal(), kCurrentQuantum);
+      pwm[row] = std::round(signals.duty[j][row] * kPwmSteps) / kPwmSteps;
+    }
+    r.set("u:" + name, std::move(u));
+    r.set("q:" + name, std::move(q));
+    r.set("dq:" + name, std::move(dq));
+    if (!electrical_channels) continue;
+    r.set("i:" + name, std::move(current));
+    r.set("pwm:" + name, std::move(pwm));
+  }
+  if (electrical_channels) {
+    std::vector<double> volt(rows);
+    for (std::size_t row = 0; row < rows; ++row) volt[row] = grid(signals.volt[row], kVoltQuantum);
+    r.set("volt", std::move(volt));
+  }
+  if (experiment.gain_scale != 1.0) {
+    recording::Override gain;
+    gain.table = "joint_default";
+    gain.key = "p_gain";
+    gain.numbers = {JointTruth{}.p_gain * experiment.gain_scale};
+    r.overrides.push_back(gain);
+  }
+  if (experiment.gravity[0] != 0) {
+    recording::Override gravity;
+    gravity.table = "robot";
+    gravity.key = "gravity";
+    gravity.numbers = {experiment.gravity[0], experiment.gravity[1], experiment.gravity[2]};
+    r.overrides.push_back(gravity);
+  }
+  if (experiment.payload_kg > 0) {
+    const LinkSpec& link = world.robot.links[static_cast<std::size_t>(world.robot.payload_link)];
+    r.payloads.push_back(
+        {link.link, experiment.payload_kg, {link.payload_at[0], link.payload_at[1], link.payload_at[2]}});
+  }
+  return r;
+}
+
+}  // namespace sanso::conceal
