@@ -216,7 +216,7 @@ recording::Recording as_recording(const WorldTruth& world, const Experiment& exp
                                   std::uint64_t seed, bool electrical_channels) {
   Random random(seed ^ 0xB05);
   const std::size_t rows = experiment.command.size();
-  const auto grid = [](double value, double quantum) { return std::round(value / quantum) * quantum; };
+  const auto grid = [](double value, double quantum) { return std::round(value / quantum) * quantum + 0.0; };  // no -0
   recording::Recording r;
   r.file = experiment.name + ".csv";
   r.condition = experiment.condition;

@@ -12,9 +12,11 @@ inline constexpr int kBadAnswer = 1;    // the answer is "bad": a mismatch, a fa
 inline constexpr int kCouldNot = 2;     // no answer: bad input, missing file, full disk
 
 void add_demo(CLI::App& app, int& result);
+void add_conceal(CLI::App& app, int& result);
 void add_learn(CLI::App& app, int& result);
 void add_motions(CLI::App& app, int& result);
 void add_report(CLI::App& app, int& result);
+void add_reveal(CLI::App& app, int& result);
 void add_score(CLI::App& app, int& result);
 void add_diagnose(CLI::App& app, int& result);
 

@@ -11,9 +11,11 @@ int main(int argc, char** argv) {
   app.footer("Examples and more: sanso COMMAND --help.\nExit codes: 0 done, 1 the answer is \"bad\", 2 could not answer.");
   int result = sanso::cli::kDone;
   sanso::cli::add_demo(app, result);
+  sanso::cli::add_conceal(app, result);
   sanso::cli::add_learn(app, result);
   sanso::cli::add_motions(app, result);
   sanso::cli::add_report(app, result);
+  sanso::cli::add_reveal(app, result);
   sanso::cli::add_score(app, result);
   sanso::cli::add_diagnose(app, result);
   try {
