@@ -25,8 +25,9 @@ model::InputLanes& as_input(double (*u)[kLineSearchLanes]) { return *reinterpret
 
 static_assert(kLineSearchLanes == model::kLanes);
 
-Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool)
-    : settings_(settings), pool_(pool), kernels_(lane_kernels()), work_(std::make_unique<Workspace>()) {
+Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool,
+                     const LaneKernels& kernels)
+    : settings_(settings), pool_(pool), kernels_(kernels), work_(std::make_unique<Workspace>()) {
   std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));
   set_model(model);
 }

@@ -19,7 +19,8 @@ struct Op3PhasesSettings {
 
 class Op3Phases : public Phases {
  public:
-  Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool);
+  Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool,
+            const LaneKernels& kernels = lane_kernels());
 
   void set_model(const host::AugmentedModel& model);
   /// Filled by the caller before every solve.

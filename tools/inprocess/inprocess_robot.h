@@ -30,8 +30,6 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
 
   /// The host is gone from this tick of the trial on, as if killed: its datagrams do not leave any more.
   void lose_host_at(std::int32_t trial_tick) { host_lost_at_ = trial_tick; }
-  /// The bus cable is pulled out at this tick of the trial.
-  void pull_bus_at(std::int32_t trial_tick) { bus_pulled_at_ = trial_tick; }
 
   emulator::EmulatedRobot& robot() { return robot_; }
   firmware::Firmware& controller_program() { return *firmware_; }
@@ -56,7 +54,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   SimulatedNetwork network_;
   std::unique_ptr<firmware::Firmware> firmware_;  // large: tables of the layers
   Nanoseconds next_tick_ = 0;
-  std::int32_t host_lost_at_ = INT32_MAX, bus_pulled_at_ = INT32_MAX;
+  std::int32_t host_lost_at_ = INT32_MAX;
   bool host_lost_ = false;
   std::vector<TrialTruth> trial_truth_;
 };
