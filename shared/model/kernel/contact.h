@@ -16,6 +16,9 @@ inline constexpr double kSoleCentreY = 0.5 * (kSoleOuter + kSoleInner), kSoleHal
 inline constexpr double kCornerX[kCornersPerFoot] = {1, -1, -1, 1};
 inline constexpr double kCornerY[kCornersPerFoot] = {1, 1, -1, -1};
 
+/// Rows of a foot: three a corner, 3 k + 0 forward, + 1 across, + 2 normal.
+inline constexpr int kFootRows = 3 * kCornersPerFoot;
+
 /// Contact frame of a foot: origin in the sole's centre, axes 0 along the foot (in the surface), 1 across, 2 normal.
 template <class T>
 struct FootContact {
@@ -27,9 +30,9 @@ struct FootContact {
   T G[6][6];                      // [base][twist]: transposed Jacobian of the base, then reduced by the leg
   T twist[6];                     // m/s, rad/s: velocity of the sole's centre, contact axes
   T impulse[6];                   // N s, N m s: sum over the corners
-  T column[kCornersPerFoot][3][6];        // response of the foot's twist to a unit impulse at a corner
-  T inverse_diagonal[kCornersPerFoot][3]; // 1 / (regularised diagonal)
-  T softness[kCornersPerFoot][3];         // regularisation x diagonal
+  T response[kFootRows][kFootRows]; // [row pushed][row that answers]: velocities per unit impulse, softness on the diagonal
+  T inverse_diagonal[kFootRows];    // of response
+  T residual[kFootRows];            // m/s: velocity of the row + its target + softness x impulse; zero where a row holds
 };
 
 /// Contact frame, corners and gaps. R_world_base[row][column].
@@ -116,56 +119,75 @@ inline void add_wrench(const T* r, const T* f, T* wrench) {
   wrench[5] += r[0] * f[1] - r[1] * f[0];
 }
 
-/// Columns and diagonals of the corner rows from the foot's 6 x 6 inverse inertia A.
+/// Velocities of a corner at r for a twist of the sole's centre: forward, across, normal.
 template <class T>
-inline void contact_columns(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
+inline void corner_velocity(const T* t, const T* r, T* u) {
+  u[0] = t[0] + t[4] * r[2] - t[5] * r[1];
+  u[1] = t[1] + t[5] * r[0] - t[3] * r[2];
+  u[2] = t[2] + t[3] * r[1] - t[4] * r[0];
+}
+
+/// Responses of all rows of a foot to each other from the foot's 6 x 6 inverse inertia A.
+template <class T>
+inline void row_responses(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
+#pragma GCC unroll 1
   for (int k = 0; k < kCornersPerFoot; ++k) {
-    const T *r = foot.corner[k];
+    const T* r = foot.corner[k];
+    T twist[3][6];  // of the sole for a unit impulse forward, across, normal at corner k
     for (int i = 0; i < 6; ++i) {
-      foot.column[k][0][i] = A[i][0] + r[2] * A[i][4] - r[1] * A[i][5];
-      foot.column[k][1][i] = A[i][1] - r[2] * A[i][3] + r[0] * A[i][5];
-      foot.column[k][2][i] = A[i][2] + r[1] * A[i][3] - r[0] * A[i][4];
+      twist[0][i] = A[i][0] + r[2] * A[i][4] - r[1] * A[i][5];
+      twist[1][i] = A[i][1] - r[2] * A[i][3] + r[0] * A[i][5];
+      twist[2][i] = A[i][2] + r[1] * A[i][3] - r[0] * A[i][4];
     }
-    const auto& c = foot.column[k];
-    const T diagonal[3] = {c[0][0] + r[2] * c[0][4] - r[1] * c[0][5], c[1][1] - r[2] * c[1][3] + r[0] * c[1][5],
-                           c[2][2] + r[1] * c[2][3] - r[0] * c[2][4]};
-    for (int i = 0; i < 3; ++i) {
-      foot.softness[k][i] = regularization * diagonal[i];
-      foot.inverse_diagonal[k][i] = 1.0 / (diagonal[i] + foot.softness[k][i]);
+    for (int a = 0; a < 3; ++a) {
+      T* row = foot.response[3 * k + a];
+      for (int other = 0; other < kCornersPerFoot; ++other) corner_velocity(twist[a], foot.corner[other], row + 3 * other);
+      row[3 * k + a] = (1.0 + regularization) * row[3 * k + a];
+      foot.inverse_diagonal[3 * k + a] = 1.0 / row[3 * k + a];
     }
   }
 }
 
-/// One Gauss-Seidel pass over the corners of a foot; the foot's own twist follows at once. The change of its impulse is
-/// added to `change`.
+/// Adds the velocities that a change of the foot's twist brings to the residuals of its rows.
 template <class T>
-inline void sweep_foot(const T* target, double mu_forward, double mu_sideways, FootContact<T>& foot,
-                       T (*lambda)[3], T* change) {
-  T* t = foot.twist;
+inline void add_twist(const T* twist, FootContact<T>& foot) {
+  for (int k = 0; k < kCornersPerFoot; ++k) {
+    T u[3];
+    corner_velocity(twist, foot.corner[k], u);
+    for (int a = 0; a < 3; ++a) foot.residual[3 * k + a] += u[a];
+  }
+}
+
+/// One Gauss-Seidel pass over the corners of a foot: normal row, then both tangents at once (they hardly see each other).
+/// The change of the foot's impulse is added to `change`.
+template <class T>
+inline void sweep_foot(double mu_forward, double mu_sideways, FootContact<T>& foot, T* lambda, T* change) {
+  T s[kFootRows];  // a local copy stays in registers: nothing else can point to it
+  for (int i = 0; i < kFootRows; ++i) s[i] = foot.residual[i];
 #pragma GCC unroll 4
   for (int k = 0; k < kCornersPerFoot; ++k) {
-    const T* r = foot.corner[k];
     T step[3];
-    {
-      const T u_n = t[2] + t[3] * r[1] - t[4] * r[0];
-      const T next = max_of(lambda[k][2] - (u_n + target[k] + foot.softness[k][2] * lambda[k][2]) * foot.inverse_diagonal[k][2],
-                            T(0.0));
-      step[2] = next - lambda[k][2];
-      lambda[k][2] = next;
-      for (int i = 0; i < 6; ++i) t[i] += foot.column[k][2][i] * step[2];
-    }
-    const T limit[2] = {mu_forward * lambda[k][2], mu_sideways * lambda[k][2]};
-#pragma GCC unroll 2
-    for (int a = 0; a < 2; ++a) {
-      const T u = a == 0 ? t[0] + t[4] * r[2] - t[5] * r[1] : t[1] + t[5] * r[0] - t[3] * r[2];
-      const T wanted = lambda[k][a] - (u + foot.softness[k][a] * lambda[k][a]) * foot.inverse_diagonal[k][a];
-      const T next = min_of(max_of(wanted, -limit[a]), limit[a]);
-      step[a] = next - lambda[k][a];
-      lambda[k][a] = next;
-      for (int i = 0; i < 6; ++i) t[i] += foot.column[k][a][i] * step[a];
-    }
-    add_wrench(r, step, change);
+    const int x = 3 * k, y = x + 1, n = x + 2;
+    const T was[3] = {lambda[x], lambda[y], lambda[n]};
+    const T normal = max_of(was[2] - s[n] * foot.inverse_diagonal[n], T(0.0));
+    step[2] = normal - was[2];
+#pragma GCC unroll 12
+    for (int i = 0; i < kFootRows; ++i) s[i] += foot.response[n][i] * step[2];
+    const T limit_x = mu_forward * normal, limit_y = mu_sideways * normal;
+    const T forward = min_of(max_of(was[0] - s[x] * foot.inverse_diagonal[x], -limit_x), limit_x);
+    const T across = min_of(max_of(was[1] - s[y] * foot.inverse_diagonal[y], -limit_y), limit_y);
+    step[0] = forward - was[0];
+    step[1] = across - was[1];
+#pragma GCC unroll 12
+    for (int i = 0; i < kFootRows; ++i) s[i] += foot.response[x][i] * step[0];
+#pragma GCC unroll 12
+    for (int i = 0; i < kFootRows; ++i) s[i] += foot.response[y][i] * step[1];
+    lambda[x] = forward;
+    lambda[y] = across;
+    lambda[n] = normal;
+    add_wrench(foot.corner[k], step, change);
   }
+  for (int i = 0; i < kFootRows; ++i) foot.residual[i] = s[i];
 }
 
 }  // namespace sanso::model::SANSO_ISA

@@ -65,8 +65,13 @@ template <int W>
 inline Pack<W> max_of(Pack<W> a, Pack<W> b) { return Pack<W>(a.v < b.v ? b.v : a.v); }
 template <int W>
 inline Pack<W> min_of(Pack<W> a, Pack<W> b) { return Pack<W>(b.v < a.v ? b.v : a.v); }
+#if defined(__AVX512F__) && defined(__GNUC__) && !defined(__clang__)
+// one instruction where the compiler would write a comparison and a blend (all lanes, rounding mode as set)
+inline Pack<8> max_of(Pack<8> a, Pack<8> b) { return Pack<8>(__builtin_ia32_maxpd512_mask(a.v, b.v, a.v, -1, 4)); }
+inline Pack<8> min_of(Pack<8> a, Pack<8> b) { return Pack<8>(__builtin_ia32_minpd512_mask(a.v, b.v, a.v, -1, 4)); }
+#endif
 template <int W>
-inline Pack<W> abs_of(Pack<W> a) { return Pack<W>(a.v < -a.v ? -a.v : a.v); }
+inline Pack<W> abs_of(Pack<W> a) { return max_of(a, -a); }
 template <int W>
 inline Pack<W> sqrt_of(Pack<W> a) {
   Pack<W> r;

@@ -192,19 +192,19 @@ inline void couple(const T (&A_cross)[6][6], const T* impulse, T* twist) {
     for (int k = 0; k < 6; ++k) twist[i] += (FromLeft ? A_cross[i][k] : A_cross[k][i]) * impulse[k];
 }
 
-/// Contact impulses by projected Gauss-Seidel with a fixed number of sweeps: the same work in every state.
+/// Residuals of all rows for the twists without contact and the impulses in `lambda`.
 template <class T>
-inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
-  const ContactSettings& s = model.contact;
-  T target[kNumFeet][kCornersPerFoot];
+inline void start_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
+  const ContactSettings& settings = model.contact;
   for (int l = 0; l < kNumFeet; ++l) {
     FootContact<T>& foot = w.foot[l];
-    contact_columns(w.A[l], s.regularization, foot);
+    row_responses(w.A[l], settings.regularization, foot);
     for (T& f : foot.impulse) f = T(0.0);
     for (int k = 0; k < kCornersPerFoot; ++k) {
       const T gap = foot.gap[k];
-      target[l][k] = max_of(gap, s.recovery * gap) * (1.0 / h);
       scratch.gap[l][k] = gap;
+      foot.residual[3 * k] = foot.residual[3 * k + 1] = T(0.0);
+      foot.residual[3 * k + 2] = max_of(gap, settings.recovery * gap) * (1.0 / h);
       if (scratch.warm_start) {
         add_wrench(foot.corner[k], scratch.lambda[l][k], foot.impulse);
       } else {
@@ -213,31 +213,53 @@ inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, Step
     }
   }
   if (scratch.warm_start) {
-    for (int l = 0; l < kNumFeet; ++l)
+    const double softness = settings.regularization / (1.0 + settings.regularization);
+    for (int l = 0; l < kNumFeet; ++l) {
+      FootContact<T>& foot = w.foot[l];
       for (int i = 0; i < 6; ++i)
-        for (int k = 0; k < 6; ++k) w.foot[l].twist[i] += w.A[l][i][k] * w.foot[l].impulse[k];
+        for (int k = 0; k < 6; ++k) foot.twist[i] += w.A[l][i][k] * foot.impulse[k];
+      for (int i = 0; i < kFootRows; ++i)
+        foot.residual[i] += softness * foot.response[i][i] * scratch.lambda[l][i / 3][i % 3];
+    }
     couple<false>(w.A_cross, w.foot[0].impulse, w.foot[1].twist);
     couple<true>(w.A_cross, w.foot[1].impulse, w.foot[0].twist);
   }
+  for (int l = 0; l < kNumFeet; ++l) add_twist(w.foot[l].twist, w.foot[l]);
+}
+
+/// Contact impulses by projected Gauss-Seidel with a fixed number of sweeps: the same work in every state.
+template <class T>
+inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
+  start_contact(model, h, w, scratch);
+  FootContact<T>&right = w.foot[0], &left = w.foot[1];
 #pragma GCC unroll 1
-  for (int sweep = 0; sweep < s.sweeps; ++sweep) {
+  for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) {
     // the other foot must know at once: telling both at the end of the sweep (Jacobi) diverges when the base is light
-    T right[6] = {}, left[6] = {};
-    sweep_foot(target[0], model.friction_forward, model.friction_sideways, w.foot[0], scratch.lambda[0], right);
-    couple<false>(w.A_cross, right, w.foot[1].twist);
-    sweep_foot(target[1], model.friction_forward, model.friction_sideways, w.foot[1], scratch.lambda[1], left);
-    couple<true>(w.A_cross, left, w.foot[0].twist);
+    T from_right[6] = {}, from_left[6] = {}, to_left[6] = {}, to_right[6] = {};
+    sweep_foot(model.friction_forward, model.friction_sideways, right, scratch.lambda[0][0], from_right);
+    couple<false>(w.A_cross, from_right, to_left);
+    add_twist(to_left, left);
+    sweep_foot(model.friction_forward, model.friction_sideways, left, scratch.lambda[1][0], from_left);
+    couple<true>(w.A_cross, from_left, to_right);
+    add_twist(to_right, right);
     for (int i = 0; i < 6; ++i) {
-      w.foot[0].impulse[i] += right[i];
-      w.foot[1].impulse[i] += left[i];
+      right.impulse[i] += from_right[i];
+      left.impulse[i] += from_left[i];
     }
   }
+}
+
+/// Velocities of the corners at the end of the step, from the residuals of their rows.
+template <class T>
+inline void report_contact(const StepModel& model, double h, const StepWork<T>& w, StepScratch<T>& scratch) {
+  const double softness = model.contact.regularization / (1.0 + model.contact.regularization);
   for (int l = 0; l < kNumFeet; ++l)
-    for (int k = 0; k < kCornersPerFoot; ++k) {
-      const T *t = w.foot[l].twist, *r = w.foot[l].corner[k];
-      scratch.corner_velocity[l][k][0] = t[0] + t[4] * r[2] - t[5] * r[1];
-      scratch.corner_velocity[l][k][1] = t[1] + t[5] * r[0] - t[3] * r[2];
-      scratch.corner_velocity[l][k][2] = t[2] + t[3] * r[1] - t[4] * r[0];
+    for (int i = 0; i < kFootRows; ++i) {
+      const FootContact<T>& foot = w.foot[l];
+      const T gap = foot.gap[i / 3];
+      const T target = i % 3 == 2 ? max_of(gap, model.contact.recovery * gap) * (1.0 / h) : T(0.0);
+      scratch.corner_velocity[l][i / 3][i % 3] =
+          foot.residual[i] - target - softness * foot.response[i][i] * scratch.lambda[l][i / 3][i % 3];
     }
 }
 
@@ -305,6 +327,7 @@ inline void single_step(const StepModel& model, const Ground& ground, const T* x
   factorize(w);
   sole_response(w);
   solve_contact(model, h, w, scratch);
+  report_contact(model, h, w, scratch);
   T dv_base[6], d_rate[kNumFeet][6];
   velocity_change(w, dv_base, d_rate);
   integrate(x, h, w, dv_base, d_rate, x_next);
