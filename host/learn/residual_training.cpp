@@ -17,8 +17,24 @@ using host::ResidualNetwork;
 using model::kNdx;
 
 constexpr float kAdamBeta1 = 0.9F, kAdamBeta2 = 0.999F, kAdamEpsilon = 1e-8F;  // Kingma and Ba 2015, algorithm 1
-// Below this spread a coordinate is constant in the data: dividing by it would amplify noise without bound.
-constexpr float kSmallestDeviation = 1e-6F;
+// Below this spread an output is constant in the data: dividing by it would amplify noise without bound.
+constexpr float kSmallestOutputDeviation = 1e-6F;
+
+// The least spread a feature is taken to have, about ten times what the sensors resolve. A joint that hardly moved
+// while the data were recorded, or the vertical part of gravity near upright, would otherwise become the most sensitive
+// input of all, and a roll-out that leaves the data by a hair would blow up (seen: a walk's first hip-yaw motion, 70
+// deviations out).
+host::Features smallest_feature_deviations() {
+  host::Features d;
+  d[0] = 0.005;                         // base height, m
+  d.segment<3>(1).setConstant(0.02);    // gravity direction, -
+  d.segment<12>(4).setConstant(0.02);   // joint angles, rad
+  d.segment<3>(16).setConstant(0.02);   // base velocity, m/s
+  d.segment<3>(19).setConstant(0.1);    // base angular velocity, rad/s
+  d.segment<12>(22).setConstant(0.2);   // joint rates, rad/s
+  d.segment<12>(34).setConstant(0.02);  // targets, rad
+  return d;
+}
 
 // C (m x n) = alpha A (m x k) op(B) + beta C, all row-major.
 void multiply_nt(int m, int n, int k, const float* A, const float* B, float* C) {
@@ -162,16 +178,16 @@ void column_statistics(const std::vector<float>& values, std::size_t columns, co
     const double m = sum / static_cast<double>(rows.size());
     for (const std::uint32_t r : rows) squares += (values[r * columns + c] - m) * (values[r * columns + c] - m);
     mean[c] = static_cast<float>(m);
-    deviation[c] =
-        std::max(kSmallestDeviation, static_cast<float>(std::sqrt(squares / static_cast<double>(rows.size()))));
+    deviation[c] = static_cast<float>(std::sqrt(squares / static_cast<double>(rows.size())));
   }
 }
 
 void set_standardisation(const TransitionSet& data, const std::vector<std::uint32_t>& rows, ResidualNetwork& n) {
   Eigen::Matrix<float, kFeatures, 1> deviation;
   column_statistics(data.features, kFeatures, rows, n.feature_mean.data(), deviation.data());
-  n.feature_scale = deviation.cwiseInverse();
+  n.feature_scale = deviation.cwiseMax(smallest_feature_deviations().cast<float>()).cwiseInverse();
   column_statistics(data.targets, kNdx, rows, n.output_mean.data(), n.output_scale.data());
+  n.output_scale = n.output_scale.cwiseMax(kSmallestOutputDeviation);
 }
 
 Standardised standardised(const TransitionSet& data, const ResidualNetwork& n) {
