@@ -17,6 +17,7 @@ inline constexpr double kArrivalInflation = 3.0;  // on the smoother's velocity 
 inline constexpr double kMassTolerance = 0.03;    // relative, weighing and CAD
 inline constexpr double kLengthTolerance = 0.02;  // relative, centre of mass along the link
 inline constexpr double kDampingTolerance = 0.05; // relative, of the actuator's own damping
+inline constexpr double kFrictionTolerance = 0.05; // relative, of the dry friction that the model states
 inline constexpr double kGainTolerance = 0.02;    // relative, servo stiffness (register rounding, supply)
 inline constexpr double kZeroTolerance = 0.003;   // rad: two counts of a 12-bit encoder, mounting
 inline constexpr double kLagTolerance = 0.0005;   // s: instants inside a bus cycle are not known better
@@ -35,8 +36,10 @@ inline constexpr int kMaximumEffects = 6;         // more names than this is a d
 inline constexpr int kFolds = 4;                  // held-out groups when recordings or conditions do not give them
 inline constexpr int kBootstrap = 199;            // resamples of a confidence interval
 
+inline constexpr double kShotOutlier = 3.0;       // times the median shot's RMS error: from there a shot's weight falls
+
 // --- fitting --------------------------------------------------------------------------------------------------------------
-inline constexpr int kIterations = 10;            // Gauss-Newton steps; most fits stop after 4
+inline constexpr int kIterations = 7;             // Gauss-Newton steps; most fits stop after 4
 inline constexpr double kConverged = 1e-3;        // relative decrease of the objective that ends a fit
 inline constexpr double kInsideBound = 0.05;      // fits start this far inside the bounds (rule 2 of the method page)
 

@@ -26,6 +26,36 @@ Surroundings make_surroundings(const Problem& problem, const Library& library, c
   return s;
 }
 
+void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
+  std::vector<double> mean_square;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
+    mean_square.push_back(energy_by_shot[static_cast<Eigen::Index>(s)] / rows);
+  }
+  shot_scale = constants::kShotOutlier * constants::kShotOutlier * std::max(1.0, median(mean_square));
+}
+
+Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
+  if (shot_scale <= 0.0) return energy_by_shot;
+  Eigen::VectorXd out = energy_by_shot;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const double scale = shot_scale * static_cast<double>(problem->shots[s].rows * problem->channels.size());
+    double& e = out[static_cast<Eigen::Index>(s)];
+    e = scale * std::log1p(std::max(e, 0.0) / scale);
+  }
+  return out;
+}
+
+Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Ones(energy_by_shot.size());
+  if (shot_scale <= 0.0) return out;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const double scale = shot_scale * static_cast<double>(problem->shots[s].rows * problem->channels.size());
+    out[static_cast<Eigen::Index>(s)] = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+  }
+  return out;
+}
+
 namespace {
 
 /// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances / tolerance.
@@ -106,9 +136,19 @@ struct Normal {
 /// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), one on nuisances.
 double prior(const Coordinates& c, Eigen::Index i) { return i < c.effects() ? 1e-6 : 1.0; }
 
-Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& gram, const Eigen::VectorXd& x) {
+Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
+  Eigen::MatrixXd all(J.rows(), J.cols() + 1);
+  all << J, r;
+  return all;
+}
+
+Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& J, const Eigen::VectorXd& r,
+                const Eigen::VectorXd& x) {
   const Eigen::Index n = c.size();
-  Normal out{gram.topLeftCorner(n, n) / around.phi, gram.topRightCorner(n, 1) / around.phi, gram(n, n) / around.phi};
+  const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
+  const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
+  Normal out{gram.topLeftCorner(n, n) / around.phi, gram.topRightCorner(n, 1) / around.phi,
+             around.bounded(energy).sum() / around.phi};
   for (Eigen::Index i = 0; i < n; ++i) {
     out.H(i, i) += prior(c, i);
     if (i < c.effects()) continue;
@@ -119,7 +159,7 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
 }
 
 double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
-  return around.starts.energy_by_shot(r).sum() / around.phi + x.tail(x.size() - c.effects()).squaredNorm();
+  return around.bounded(around.starts.energy_by_shot(r)).sum() / around.phi + x.tail(x.size() - c.effects()).squaredNorm();
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
@@ -138,12 +178,6 @@ Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Ei
   return -H.ldlt().solve(g);
 }
 
-Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
-  Eigen::MatrixXd all(J.rows(), J.cols() + 1);
-  all << J, r;
-  return all;
-}
-
 }  // namespace
 
 FitResult fit(const Surroundings& around, const Model& start, int iterations) {
@@ -156,7 +190,7 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   Normal normal;
   for (int iteration = 0;; ++iteration) {
     out.J = jacobian(around, c, x, r);
-    normal = assemble(around, c, around.starts.gram(with_error(out.J, r)), x);
+    normal = assemble(around, c, out.J, r, x);
     if (iteration >= iterations || out.converged) break;
     bool improved = false;
     for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
@@ -219,7 +253,8 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
   const Eigen::MatrixXd columns = with_error(result.J, result.r);
   const int parts = by_condition ? problem.conditions : problem.groups;
   const auto part_of = [&](const Shot& shot) { return by_condition ? shot.condition : shot.group; };
-  const std::vector<Eigen::MatrixXd> grams = around.starts.gram_by(columns, parts, part_of);
+  const std::vector<Eigen::MatrixXd> grams =
+      around.starts.gram_by(columns, parts, part_of, around.weights(around.starts.energy_by_shot(result.r)));
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
   for (const Eigen::MatrixXd& G : grams) H += G.topLeftCorner(n, n) / around.phi;
   for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < result.parameters ? 1e-6 : 1.0;
@@ -241,7 +276,7 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
       if (part_of(problem.shots[s]) == part) heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
     }
   }
-  return heldout;
+  return around.bounded(heldout);
 }
 
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {

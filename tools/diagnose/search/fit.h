@@ -1,5 +1,7 @@
 // Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts eliminated.
-// Objective   r' M r / phi + sum (nuisance / tolerance)^2      phi: overdispersion of the prediction errors
+// Objective   sum over shots rho(r' M r) / phi + sum (nuisance / tolerance)^2      phi: overdispersion of the prediction errors
+// rho(e) = c n log(1 + e / (c n)), n the shot's rows: a shot that runs away (a fall through an unstable posture, a blow) counts,
+// but does not decide alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,6 +18,13 @@ struct Surroundings {
   StartElimination starts;
   Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
   double phi = 1.0;
+  double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
+
+  /// c from the errors of a reference model: kShotOutlier^2 times the median shot's mean square.
+  void set_shot_scale(const Eigen::VectorXd& energy_by_shot);
+  /// rho of every shot's energy, and its derivative.
+  Eigen::VectorXd bounded(const Eigen::VectorXd& energy_by_shot) const;
+  Eigen::VectorXd weights(const Eigen::VectorXd& energy_by_shot) const;
 };
 
 /// Linearises starts and nuisances at `model`; 2n + nuisances passes. phi is left at 1.
@@ -42,7 +51,7 @@ double overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
 
-/// Held-out energy of every shot (r' M r), from a fit without the shot's group: one Gauss-Newton step from the full fit,
+/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one Gauss-Newton step from the full fit,
 /// exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit, bool by_condition = false);
 

@@ -63,6 +63,9 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     if (const double damping = actuator_damping(s); damping > 0.0) {
       out.push_back(make("damping" + at, "viscous_friction", constants::kDampingTolerance, here, {damping}));
     }
+    if (s.coulomb > 0.0) {
+      out.push_back(make("dry friction" + at, "coulomb_friction", constants::kFrictionTolerance, here, {s.coulomb}));
+    }
     if (s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd) {
       out.push_back(make("gain" + at, "servo_p_gain", constants::kGainTolerance, here, {1.0}));
     }

@@ -104,7 +104,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
 }
 
 std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& columns, int parts,
-                                                       const std::function<int(const Shot&)>& part_of) const {
+                                                       const std::function<int(const Shot&)>& part_of,
+                                                       const Eigen::VectorXd& weights) const {
   std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(columns.cols(), columns.cols()));
   parallel_for(parts, [&](int part) {
     Eigen::MatrixXd& G = out[static_cast<std::size_t>(part)];
@@ -114,16 +115,17 @@ std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& co
       const auto from = static_cast<Eigen::Index>(shot.offset);
       const auto B = columns.middleRows(from, entries(shot));
       const Eigen::MatrixXd Z = J_.middleRows(from, entries(shot)).transpose() * B;
-      G.noalias() += B.transpose() * B;
-      G.noalias() -= Z.transpose() * (W_[s] * Z);
+      const double weight = weights.size() == 0 ? 1.0 : weights[static_cast<Eigen::Index>(s)];
+      G.noalias() += weight * (B.transpose() * B);
+      G.noalias() -= weight * (Z.transpose() * (W_[s] * Z));
     }
   });
   return out;
 }
 
-Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns) const {
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights) const {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  for (const Eigen::MatrixXd& G : gram_by(columns, problem_->groups, [](const Shot& s) { return s.group; })) total += G;
+  for (const Eigen::MatrixXd& G : gram_by(columns, problem_->groups, [](const Shot& s) { return s.group; }, weights)) total += G;
   return total;
 }
 

@@ -22,10 +22,10 @@ class StartElimination {
  public:
   StartElimination(const Problem& problem, const Library& library, const Model& model);
 
-  /// columns' M columns, summed over the shots of every part. Result[part] is K x K.
-  std::vector<Eigen::MatrixXd> gram_by(const Eigen::MatrixXd& columns, int parts,
-                                       const std::function<int(const Shot&)>& part_of) const;
-  Eigen::MatrixXd gram(const Eigen::MatrixXd& columns) const;
+  /// columns' M columns, summed over the shots of every part with a weight by shot (empty: all 1). Result[part] is K x K.
+  std::vector<Eigen::MatrixXd> gram_by(const Eigen::MatrixXd& columns, int parts, const std::function<int(const Shot&)>& part_of,
+                                       const Eigen::VectorXd& weights = {}) const;
+  Eigen::MatrixXd gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights = {}) const;
   /// r' M r by shot.
   Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r) const;
   /// M r: what of an error cannot come from the starts.

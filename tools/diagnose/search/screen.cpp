@@ -115,12 +115,14 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
 }  // namespace
 
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
-                 Random random) {
+                 Random random, const Screening* earlier) {
   Screening out;
   std::vector<char> signed_probe;
   for (int candidate : which) {
     const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
+    const std::vector<int> again = earlier != nullptr ? earlier->two_probes(candidate) : std::vector<int>{};
     for (std::size_t p = 0; p < c.probes.size(); ++p) {
+      if (earlier != nullptr && std::find(again.begin(), again.end(), static_cast<int>(p)) == again.end()) continue;
       out.probes.push_back({candidate, static_cast<int>(p)});
       signed_probe.push_back(!c.two_sided);
     }
@@ -165,6 +167,19 @@ const ProbeScore* Screening::best(int candidate) const {
     if (p.candidate == candidate && (found == nullptr || p.score > found->score)) found = &p;
   }
   return found;
+}
+
+std::vector<int> Screening::two_probes(int candidate) const {
+  const ProbeScore* strongest = best(candidate);
+  if (strongest == nullptr) return {};
+  const ProbeScore* different = strongest;
+  double least = 2.0;
+  for (const ProbeScore& p : probes) {
+    if (p.candidate != candidate) continue;
+    const double alike = std::abs(correlation(&p - probes.data(), strongest - probes.data()));
+    if (alike < least) least = alike, different = &p;
+  }
+  return {strongest->probe, different->probe};
 }
 
 double Screening::similarity(int a, int b) const {

@@ -31,12 +31,15 @@ struct Screening {
   std::vector<int> ranking() const;
   /// Best probe of a candidate; nullptr when it was not screened.
   const ProbeScore* best(int candidate) const;
+  /// Indices of a candidate's strongest probe and of the one least like it.
+  std::vector<int> two_probes(int candidate) const;
   /// |correlation| of two candidates' best probes (0 when either was not screened).
   double similarity(int a, int b) const;
 };
 
-/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe.
+/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening only two
+/// probes of every candidate are tried again: its strongest one and its most different one.
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
-                 Random random);
+                 Random random, const Screening* earlier = nullptr);
 
 }  // namespace sanso::diagnose

@@ -43,9 +43,10 @@ class Search {
     const Eigen::VectorXd r = prediction_error(problem_, library_, Model{});
     out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1));
     out_.around->phi = out_.first.phi;
+    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(r));
     out_.nominal = fit(*out_.around, Model{}, 3);
     out_.final = out_.nominal;
-    out_.nominal_heldout = out_.final_heldout = heldout_energy(*out_.around, out_.nominal);
+    set_phi(out_.first.phi);
     say(fmt::format("screened {} candidates ({} signatures), overdispersion {:.3g}, critical score {:.2f}", all.size(),
                     out_.first.probes.size(), out_.first.phi, out_.first.critical));
   }
@@ -152,17 +153,18 @@ class Search {
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
   std::string refused_by(const Alternative& a) const {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
-    // an event of one moment cannot repeat in another shot: then likelihood decides (10 units: odds e^10)
-    const bool event = gain.concentration > 0.9 && gain.total > 20.0 * out_.around->phi;
-    if (gain.total < constants::kStandardErrors * gain.standard_error && !event) return "held-out gain within two standard errors";
+    if (gain.total < constants::kStandardErrors * gain.standard_error) return "held-out gain within two standard errors";
     if (gain.total < noise_unit()) return "held-out gain below one unit of log-likelihood";
     if (gain.total < constants::kMinimumShare * excess()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
-    if (problem_.conditions > 1) {
-      const HeldoutGain other = compare(heldout_energy(*out_.around, out_.final, true), heldout_energy(*out_.around, a.fit, true));
-      if (other.total < -other.standard_error) return "worse on conditions left out";
-    }
+    if (!holds_on_conditions(a)) return "worse on conditions left out";
     return "";
+  }
+
+  bool holds_on_conditions(const Alternative& a) const {
+    if (problem_.conditions < 2) return true;
+    const HeldoutGain gain = compare(heldout_energy(*out_.around, out_.final, true), heldout_energy(*out_.around, a.fit, true));
+    return gain.total > -gain.standard_error;
   }
 
   bool forward(int step) {
@@ -171,7 +173,8 @@ class Search {
       if (!out_.final.model.has(static_cast<int>(i))) open.push_back(static_cast<int>(i));
     }
     Screening screening = step == 0 ? out_.first
-                                    : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step));
+                                    : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
+                                             &out_.first);
     set_phi(screening.phi);
     const std::vector<int> which = rivals(screening);
     if (which.empty()) {
@@ -200,6 +203,7 @@ class Search {
 
   void set_phi(double phi) {
     out_.around->phi = phi;
+    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(out_.final.r));
     out_.nominal_heldout = heldout_energy(*out_.around, out_.nominal);
     out_.final_heldout = heldout_energy(*out_.around, out_.final);
   }
@@ -221,6 +225,7 @@ class Search {
     const double phi = out_.around->phi;
     out_.around = make_surroundings(problem_, library_, out_.final.model);
     out_.around->phi = phi;
+    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(out_.final.r));
     out_.final = fit(*out_.around, out_.final.model, 3);
     out_.nominal = fit(*out_.around, Model{{}, out_.nominal.model.nuisance}, 1);
     set_phi(phi);
@@ -238,7 +243,7 @@ class Search {
       const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
       const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > noise_unit() &&
                           gain.total > constants::kMinimumShare * excess();
-      if (needed || gain.concentration > 0.9) {
+      if (needed) {
         ++i;
         continue;
       }
@@ -283,7 +288,7 @@ class Search {
       tried.push_back(self);
       rank(tried);
       const bool replaced = tried.front().candidate != entry.candidate && !at_bound(tried.front()) && leaves_null(tried.front()) &&
-                            self.heldout.sum() - tried.front().heldout.sum() > noise_unit();
+                            self.heldout.sum() - tried.front().heldout.sum() > noise_unit() && holds_on_conditions(tried.front());
       if (replaced) {
         say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(), candidate(tried.front().candidate).title()));
         Chosen other = tried.front().fit.model.effects.back();
