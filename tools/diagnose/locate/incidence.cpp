@@ -25,12 +25,12 @@ const char* words(Signal signal) {
   return "position";
 }
 
-IncidenceRow row_of(const std::string& name, const Sums& sums, double phi) {
+IncidenceRow row_of(const std::string& name, const Sums& sums) {
   IncidenceRow row;
   row.residual = name;
   double dr = 0.0, dd = 0.0;
   for (std::size_t s = 0; s < sums.dd.size(); ++s) dr += sums.dr[s], dd += sums.dd[s];
-  row.predicted = std::sqrt(dd / phi);
+  row.predicted = std::sqrt(dd);
   row.slope = dd > 0.0 ? dr / dd : 0.0;
   double square = 0.0;
   for (std::size_t s = 0; s < sums.dd.size(); ++s) {
@@ -78,8 +78,8 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
   }
   std::vector<IncidenceRow> out;
   for (const auto& [name, sums] : table) {
-    const IncidenceRow row = row_of(name, sums, around.phi);
-    const bool told = row.predicted > 5.0 && row.predicted * row.predicted * around.phi > 0.02 * total;
+    const IncidenceRow row = row_of(name, sums);
+    const bool told = row.predicted > 5.0 && row.predicted * row.predicted > 0.02 * total;
     if (told) out.push_back(row);
   }
   return out;

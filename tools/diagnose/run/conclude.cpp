@@ -45,10 +45,10 @@ std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
 
 }  // namespace
 
-std::vector<Finding> findings_of(const Problem& problem, const Library& library, const Selection& selection,
+std::vector<Finding> findings_of(const Library& library, const Selection& selection,
                                  const Regimes& regimes) {
   std::vector<Finding> out;
-  const double excess = std::max(selection.nominal_heldout.sum() - static_cast<double>(problem.size), 1e-9);
+  const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     const Accepted& entry = selection.accepted[i];
     const Candidate& c = candidate(library, entry.candidate);
@@ -72,7 +72,7 @@ std::vector<Finding> findings_of(const Problem& problem, const Library& library,
       rival.behind_in_se = a.behind / std::max(a.behind_se, 1e-9);
       rival.similarity = a.similarity;
       rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
-      const bool level = a.behind < constants::kStandardErrors * a.behind_se + 2.0 * selection.around->phi;
+      const bool level = a.behind < constants::kStandardErrors * a.behind_se + 2.0;
       const bool other_place = other.effect == c.effect;
       if (level && rival.said_wrong.empty() && !contains(other, c) && !other_place &&
           std::find(f.one_of.begin(), f.one_of.end(), other.effect) == f.one_of.end()) {
@@ -87,9 +87,22 @@ std::vector<Finding> findings_of(const Problem& problem, const Library& library,
 }
 
 double remaining_share(const Problem& problem, const Selection& selection) {
-  const double noise = static_cast<double>(problem.size);
-  const double before = selection.nominal_heldout.sum() - noise, after = selection.final_heldout.sum() - noise;
-  return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
+  const Eigen::VectorXd before = selection.around->starts.project(selection.nominal.r);
+  const Eigen::VectorXd after = selection.around->starts.project(selection.final.r);
+  double excess_before = 0.0, excess_after = 0.0;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    if (channel.signal != Signal::q) continue;
+    for (const Shot& shot : problem.shots) {
+      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+      const auto rows = static_cast<Eigen::Index>(shot.rows);
+      // in units of the measurement noise (or the trust floor), whatever the channel was scaled by
+      const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
+      excess_before += unit * before.segment(from, rows).squaredNorm() - static_cast<double>(rows);
+      excess_after += unit * after.segment(from, rows).squaredNorm() - static_cast<double>(rows);
+    }
+  }
+  return excess_before > 0.0 ? std::clamp(excess_after / excess_before, 0.0, 1.0) : 0.0;
 }
 
 namespace {

@@ -11,7 +11,7 @@
 namespace sanso::diagnose {
 
 /// One finding for every accepted effect.
-std::vector<Finding> findings_of(const Problem& problem, const Library& library, const Selection& selection,
+std::vector<Finding> findings_of(const Library& library, const Selection& selection,
                                  const Regimes& regimes);
 
 /// Share of the nominal model's held-out error beyond noise that the final model still has, in [0, 1].

@@ -153,15 +153,26 @@ class Run {
     out_.log = selection_.log;
   }
 
+  /// The search divides channels by the error level it reaches; a person reads errors in units of the noise.
+  Eigen::VectorXd in_noise_levels(Eigen::VectorXd r) const {
+    for (const Shot& shot : problem_.shots) {
+      for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
+        r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows)) *=
+            problem_.channels[c].sigma / problem_.channels[c].floor;
+      }
+    }
+    return r;
+  }
+
   void locate_and_conclude() {
     progress_("locate, refute, test what is left");
     const Regimes regimes = find_regimes(problem_);
     out_.regimes = regimes.names;
-    out_.before = locate(problem_, regimes, selection_.around->starts.project(selection_.nominal.r));
-    out_.after = locate(problem_, regimes, selection_.around->starts.project(selection_.final.r));
+    out_.before = locate(problem_, regimes, in_noise_levels(selection_.around->starts.project(selection_.nominal.r)));
+    out_.after = locate(problem_, regimes, in_noise_levels(selection_.around->starts.project(selection_.final.r)));
     Verdict& v = out_.verdict;
     v.locations = out_.before.cells;
-    v.findings = findings_of(problem_, library_, selection_, regimes);
+    v.findings = findings_of(library_, selection_, regimes);
     add_limits(v, library_, selection_);
     const std::vector<TorqueSample> left = missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
     std::vector<Predictability> predictable(problem_.joints.size());
@@ -190,7 +201,7 @@ class Run {
     const Split split = make_split(sources_);
     const Problem fitted = restricted(problem_, split.fitted);
     Surroundings around = make_surroundings(fitted, library_, selection_.final.model);
-    around.phi = selection_.around->phi;
+    around.shot_scale = selection_.around->shot_scale;
     const FitResult refit = fit(around, selection_.final.model, constants::kIterations);
     out_.verdict.heldout = heldout_scores(sources_, loaded_.gate.noise, library_, refit.model, split.heldout);
     out_.verdict.heldout_recordings = split.heldout_names;

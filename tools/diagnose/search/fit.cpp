@@ -12,7 +12,7 @@
 namespace sanso::diagnose {
 
 Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model) {
-  Surroundings s{&problem, &library, StartElimination(problem, library, model), {}, 1.0};
+  Surroundings s{&problem, &library, StartElimination(problem, library, model), {}};
   const auto count = static_cast<int>(library.nuisances.size());
   s.A.resize(static_cast<Eigen::Index>(problem.size), count);
   const Eigen::VectorXd base = prediction_error(problem, library, model);
@@ -128,7 +128,7 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
 }
 
 struct Normal {
-  Eigen::MatrixXd H;  // J' M J / phi + prior
+  Eigen::MatrixXd H;  // J' M J + prior
   Eigen::VectorXd g;  // half gradient of the objective
   double objective;
 };
@@ -147,8 +147,8 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
   const Eigen::Index n = c.size();
   const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
   const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
-  Normal out{gram.topLeftCorner(n, n) / around.phi, gram.topRightCorner(n, 1) / around.phi,
-             around.bounded(energy).sum() / around.phi};
+  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1),
+             around.bounded(energy).sum()};
   for (Eigen::Index i = 0; i < n; ++i) {
     out.H(i, i) += prior(c, i);
     if (i < c.effects()) continue;
@@ -159,7 +159,7 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
 }
 
 double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
-  return around.bounded(around.starts.energy_by_shot(r)).sum() / around.phi + x.tail(x.size() - c.effects()).squaredNorm();
+  return around.bounded(around.starts.energy_by_shot(r)).sum() + x.tail(x.size() - c.effects()).squaredNorm();
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
@@ -223,16 +223,18 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   return out;
 }
 
-double overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
-  std::vector<double> values;
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
+  std::vector<double> out;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    std::vector<double> values;
+    for (const Shot& shot : problem.shots) {
       const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows, shot.rows);
       const double mean_square = rms(piece) * rms(piece);
       if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
     }
+    out.push_back(values.empty() ? 1.0 : std::max(1e-6, median(values)));
   }
-  return values.empty() ? 1.0 : std::max(1.0, median(values));
+  return out;
 }
 
 std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {
@@ -256,13 +258,13 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
   const std::vector<Eigen::MatrixXd> grams =
       around.starts.gram_by(columns, parts, part_of, around.weights(around.starts.energy_by_shot(result.r)));
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::MatrixXd& G : grams) H += G.topLeftCorner(n, n) / around.phi;
+  for (const Eigen::MatrixXd& G : grams) H += G.topLeftCorner(n, n);
   for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < result.parameters ? 1e-6 : 1.0;
   Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
   for (int part = 0; part < parts; ++part) {
     const Eigen::MatrixXd& G = grams[static_cast<std::size_t>(part)];
-    Eigen::MatrixXd rest = H - G.topLeftCorner(n, n) / around.phi;
-    Eigen::VectorXd gradient = G.topRightCorner(n, 1) / around.phi;  // of the part alone; the whole gradient is zero
+    Eigen::MatrixXd rest = H - G.topLeftCorner(n, n);
+    Eigen::VectorXd gradient = G.topRightCorner(n, 1);  // of the part alone; the whole gradient is zero
     for (Eigen::Index i = 0; i < result.parameters; ++i) {
       if (!result.fixed[static_cast<std::size_t>(i)]) continue;
       rest.row(i).setZero();

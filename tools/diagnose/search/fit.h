@@ -1,5 +1,5 @@
 // Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts eliminated.
-// Objective   sum over shots rho(r' M r) / phi + sum (nuisance / tolerance)^2      phi: overdispersion of the prediction errors
+// Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2
 // rho(e) = c n log(1 + e / (c n)), n the shot's rows: a shot that runs away (a fall through an unstable posture, a blow) counts,
 // but does not decide alone.
 #pragma once
@@ -11,13 +11,12 @@
 
 namespace sanso::diagnose {
 
-/// What all fits around one model share: start elimination, nuisance derivatives, overdispersion.
+/// What all fits around one model share: start elimination and nuisance derivatives.
 struct Surroundings {
   const Problem* problem = nullptr;
   const Library* library = nullptr;
   StartElimination starts;
   Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
-  double phi = 1.0;
   double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
 
   /// c from the errors of a reference model: kShotOutlier^2 times the median shot's mean square.
@@ -27,7 +26,7 @@ struct Surroundings {
   Eigen::VectorXd weights(const Eigen::VectorXd& energy_by_shot) const;
 };
 
-/// Linearises starts and nuisances at `model`; 2n + nuisances passes. phi is left at 1.
+/// Linearises starts and nuisances at `model`; 2n + nuisances passes.
 Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model);
 
 struct FitResult {
@@ -44,9 +43,9 @@ struct FitResult {
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
 
-/// Overdispersion of a projected error: median over shots and channels of mean square x autocorrelation time, at least 1.
-/// Errors that are correlated or larger than the noise carry less information than their number says.
-double overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
+/// Overdispersion of a projected error by channel: median over shots of mean square x autocorrelation time. Errors that are
+/// correlated or larger than the noise carry less information than their number says.
+std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
 
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);

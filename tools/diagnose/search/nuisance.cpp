@@ -69,6 +69,10 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     if (s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd) {
       out.push_back(make("gain" + at, "servo_p_gain", constants::kGainTolerance, here, {1.0}));
     }
+    if (s.actuator == Actuator::dc_servo) {
+      out.push_back(make("torque constant" + at, "torque_constant", constants::kMotorTolerance, here, {1.0, 0.0}));
+      out.push_back(make("resistance" + at, "torque_constant", constants::kMotorTolerance, here, {0.0, 1.0}));
+    }
     const double zero = joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
     out.push_back(make("zero" + at, "encoder_offset", zero, here, {1.0}));
     if (s.armature > 0.0) out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));

@@ -144,7 +144,7 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
       const double floor = signal == Signal::q ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
                                                : constants::kSecondaryFloor * rms(values);
       channel.noise = std::max(sigma, 1e-12);
-      channel.sigma = std::max({sigma, floor, 1e-9});
+      channel.sigma = channel.floor = std::max({sigma, floor, 1e-9});
       out.push_back(channel);
     }
   }

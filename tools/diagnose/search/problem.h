@@ -19,7 +19,8 @@ const char* to_string(Signal signal);
 struct Observed {
   Signal signal = Signal::q;
   int joint = 0;
-  double sigma = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
+  double sigma = 1.0;  // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if larger
+  double floor = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
   double noise = 1.0;  // unit of the signal; measurement noise alone
 };
 

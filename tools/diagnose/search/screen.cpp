@@ -31,25 +31,19 @@ Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const
 struct Eliminated {
   Eigen::MatrixXd G;  // probes x probes
   Eigen::VectorXd b;  // probes: s' M r
-  Eigen::MatrixXd nuisance_of;  // how each nuisance answers a probe: (A'MA + prior)^-1 A'MS, and r in the last column
 };
-Eliminated eliminate(const Eigen::MatrixXd& gram, Eigen::Index nuisances, Eigen::Index probes, double phi) {
-  Eigen::MatrixXd H = gram.topLeftCorner(nuisances, nuisances) / phi;
+Eliminated eliminate(const Eigen::MatrixXd& gram, Eigen::Index nuisances, Eigen::Index probes) {
+  Eigen::MatrixXd H = gram.topLeftCorner(nuisances, nuisances);
   H.diagonal().array() += 1.0;
-  const Eigen::MatrixXd cross = gram.block(0, nuisances, nuisances, probes + 1) / phi;
-  Eliminated out;
-  out.nuisance_of = H.ldlt().solve(cross);
-  const Eigen::MatrixXd reduced =
-      gram.block(nuisances, nuisances, probes + 1, probes + 1) / phi - cross.transpose() * out.nuisance_of;
-  out.G = reduced.topLeftCorner(probes, probes);
-  out.b = reduced.topRightCorner(probes, 1);
-  return out;
+  const Eigen::MatrixXd cross = gram.block(0, nuisances, nuisances, probes + 1);
+  const Eigen::MatrixXd reduced = gram.block(nuisances, nuisances, probes + 1, probes + 1) - cross.transpose() * H.ldlt().solve(cross);
+  return {reduced.topLeftCorner(probes, probes), reduced.topRightCorner(probes, 1)};
 }
 
 /// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit): the
 /// error level of a model large enough, as in ordinary regression.
-double saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S, const Eigen::VectorXd& r,
-                                const Eigen::MatrixXd& gram, double phi) {
+std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S, const Eigen::VectorXd& r,
+                                             const Eigen::MatrixXd& gram) {
   const Eigen::Index a = around.A.cols(), k = S.cols();
   std::vector<Eigen::Index> chosen;
   Eigen::VectorXd coefficients;
@@ -60,9 +54,9 @@ double saturated_overdispersion(const Surroundings& around, const Eigen::MatrixX
     Eigen::VectorXd g(a + m);
     const auto index = [&](Eigen::Index i) { return i < a ? i : a + chosen[static_cast<std::size_t>(i - a)]; };
     for (Eigen::Index i = 0; i < a + m; ++i) {
-      for (Eigen::Index j = 0; j < a + m; ++j) H(i, j) = gram(index(i), index(j)) / phi;
+      for (Eigen::Index j = 0; j < a + m; ++j) H(i, j) = gram(index(i), index(j));
       H(i, i) += i < a ? 1.0 : 1e-9 * (1.0 + H(i, i));
-      g[i] = gram(index(i), a + k) / phi;
+      g[i] = gram(index(i), a + k);
     }
     coefficients = -H.ldlt().solve(g);
     if (round == kPursuit) break;
@@ -82,6 +76,18 @@ double saturated_overdispersion(const Surroundings& around, const Eigen::MatrixX
     left += S.col(chosen[i]) * coefficients[a + static_cast<Eigen::Index>(i)];
   }
   return overdispersion(*around.problem, around.starts.project(left));
+}
+
+/// Divides every channel's rows by the square root of its overdispersion; the scale never falls below the channel's floor.
+void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXd& columns, std::vector<double>& sigma) {
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
+    for (const Shot& shot : problem.shots) {
+      columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows)) *=
+          channel.sigma / sigma.back();
+    }
+  }
 }
 
 /// Symmetric square root by eigenvalues: draws with this covariance are root * standard normals, also when it is singular.
@@ -130,9 +136,9 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   const Eigen::MatrixXd S = signatures(around, model, r, out.probes);
   Eigen::MatrixXd all(r.size(), around.A.cols() + S.cols() + 1);
   all << around.A, S, r;
-  const Eigen::MatrixXd gram = around.starts.gram(all);
-  out.phi = saturated_overdispersion(around, S, r, gram, 1.0);
-  const Eliminated e = eliminate(gram, around.A.cols(), S.cols(), out.phi);
+  const std::vector<double> phi = saturated_overdispersion(around, S, r, around.starts.gram(all));
+  rescale(*around.problem, phi, all, out.channel_sigma);
+  const Eliminated e = eliminate(around.starts.gram(all), around.A.cols(), S.cols());
   out.correlation.resize(S.cols(), S.cols());
   for (Eigen::Index i = 0; i < S.cols(); ++i) {
     ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];

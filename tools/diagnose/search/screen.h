@@ -1,5 +1,5 @@
 // Screening by matched filter: the signature of every candidate at every probe size, compared with what is left of the error.
-//   z_h = s' M r / sqrt(phi s' M s)   after projecting out starts and nuisances
+//   z_h = s' M r / sqrt(s' M s)   after projecting out starts and nuisances, channels scaled by their overdispersed errors
 // Family-wise p over all candidates, places and probes: step-down max-T, null law N(0, correlation of the signatures).
 #pragma once
 
@@ -17,7 +17,7 @@ struct ProbeScore {
   double z = 0.0;           // matched-filter score; sign: + means towards the probe
   double score = 0.0;       // |z|, or max(z, 0) where the parameter can leave its null in one direction only
   double amount = 0.0;      // best multiple of (probe - null), linear
-  double signature = 0.0;   // sqrt(s' M s / phi): size of the full probe in noise levels
+  double signature = 0.0;   // sqrt(s' M s): size of the full probe in noise levels
   double p_family = 1.0;
 };
 
@@ -25,7 +25,7 @@ struct Screening {
   std::vector<ProbeScore> probes;
   Eigen::MatrixXd correlation;   // of the projected signatures, probes x probes
   double critical = 0.0;         // |z| that the family's maximum exceeds with probability kFamilyWise under the null
-  double phi = 1.0;              // overdispersion of what the strongest few signatures leave
+  std::vector<double> channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
 
   /// Candidates by their best score, strongest first.
   std::vector<int> ranking() const;

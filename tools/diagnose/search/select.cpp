@@ -14,7 +14,7 @@ namespace {
 /// One state of the search.
 class Search {
  public:
-  Search(const Problem& problem, const Library& library, const SelectOptions& options)
+  Search(Problem& problem, const Library& library, const SelectOptions& options)
       : problem_(problem), library_(library), options_(options) {}
 
   Selection run() {
@@ -42,13 +42,24 @@ class Search {
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
     const Eigen::VectorXd r = prediction_error(problem_, library_, Model{});
     out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1));
-    out_.around->phi = out_.first.phi;
-    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(r));
-    out_.nominal = fit(*out_.around, Model{}, 3);
-    out_.final = out_.nominal;
-    set_phi(out_.first.phi);
-    say(fmt::format("screened {} candidates ({} signatures), overdispersion {:.3g}, critical score {:.2f}", all.size(),
-                    out_.first.probes.size(), out_.first.phi, out_.first.critical));
+    calibrate(out_.first);
+    say(fmt::format("screened {} candidates ({} signatures), error level {}, critical score {:.2f}", all.size(),
+                    out_.first.probes.size(), error_levels(), out_.first.critical));
+  }
+
+  std::string error_levels() const {
+    std::string text;
+    for (const Observed& c : problem_.channels) {
+      text += fmt::format("{}{}:{} {:.2g}", text.empty() ? "" : ", ", to_string(c.signal),
+                          problem_.joints[static_cast<std::size_t>(c.joint)], c.sigma);
+    }
+    return text;
+  }
+
+  /// Channels to their error levels, and everything that depends on them again.
+  void calibrate(const Screening& screening) {
+    for (std::size_t c = 0; c < problem_.channels.size(); ++c) problem_.channels[c].sigma = screening.channel_sigma[c];
+    relinearise();
   }
 
   /// The strongest significant candidates, one of every cluster first, then the rest by score.
@@ -120,7 +131,7 @@ class Search {
   }
 
   /// A difference of this many energy units is one unit of log-likelihood.
-  double noise_unit() const { return 2.0 * out_.around->phi; }
+  double noise_unit() const { return 2.0; }
 
   /// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it returns true.
   template <class F>
@@ -146,16 +157,14 @@ class Search {
       return fixed && std::abs(value - p.null) > 1e-6 * p.typical;
     });
   }
-  double excess() const {
-    return std::max(out_.nominal_heldout.sum() - static_cast<double>(problem_.size), 1e-9);
-  }
+  double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
   std::string refused_by(const Alternative& a) const {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
     if (gain.total < constants::kStandardErrors * gain.standard_error) return "held-out gain within two standard errors";
     if (gain.total < noise_unit()) return "held-out gain below one unit of log-likelihood";
-    if (gain.total < constants::kMinimumShare * excess()) return "removes less than 1 % of the error";
+    if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
     return "";
@@ -175,7 +184,7 @@ class Search {
     Screening screening = step == 0 ? out_.first
                                     : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
                                              &out_.first);
-    set_phi(screening.phi);
+    if (step > 0) calibrate(screening);
     const std::vector<int> which = rivals(screening);
     if (which.empty()) {
       say(fmt::format("step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
@@ -190,7 +199,7 @@ class Search {
         const std::string refused = refused_by(fitted[i]);
         const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
         say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error ({:.1f} standard errors){}{}", step + 1,
-                        candidate(fitted[i].candidate).title(), 100 * gain.total / excess(),
+                        candidate(fitted[i].candidate).title(), 100 * gain.total / whole(),
                         gain.total / std::max(gain.standard_error, 1e-9), bounds_allowed ? ", ends at a bound" : "",
                         refused.empty() ? ", accepted" : ", refused: " + refused));
         if (!refused.empty()) continue;
@@ -199,13 +208,6 @@ class Search {
       }
     }
     return false;
-  }
-
-  void set_phi(double phi) {
-    out_.around->phi = phi;
-    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(out_.final.r));
-    out_.nominal_heldout = heldout_energy(*out_.around, out_.nominal);
-    out_.final_heldout = heldout_energy(*out_.around, out_.final);
   }
 
   void accept(std::vector<Alternative> fitted, std::size_t i, const Screening& screening) {
@@ -220,15 +222,14 @@ class Search {
     relinearise();
   }
 
-  /// Starts and nuisances at the current model; its fit polished there.
+  /// Starts and nuisances at the current model; its fit polished there, the nominal model's too.
   void relinearise() {
-    const double phi = out_.around->phi;
     out_.around = make_surroundings(problem_, library_, out_.final.model);
-    out_.around->phi = phi;
-    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(out_.final.r));
+    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(prediction_error(problem_, library_, out_.final.model)));
     out_.final = fit(*out_.around, out_.final.model, 3);
-    out_.nominal = fit(*out_.around, Model{{}, out_.nominal.model.nuisance}, 1);
-    set_phi(phi);
+    out_.nominal = out_.accepted.empty() ? out_.final : fit(*out_.around, Model{{}, out_.nominal.model.nuisance}, 1);
+    out_.nominal_heldout = heldout_energy(*out_.around, out_.nominal);
+    out_.final_heldout = heldout_energy(*out_.around, out_.final);
   }
 
   FitResult without(std::size_t index) const {
@@ -242,7 +243,7 @@ class Search {
       const FitResult reduced = without(i);
       const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
       const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > noise_unit() &&
-                          gain.total > constants::kMinimumShare * excess();
+                          gain.total > constants::kMinimumShare * whole();
       if (needed) {
         ++i;
         continue;
@@ -329,7 +330,7 @@ class Search {
     }
   }
 
-  const Problem& problem_;
+  Problem& problem_;
   const Library& library_;
   const SelectOptions& options_;
   Selection out_;
@@ -337,7 +338,7 @@ class Search {
 
 }  // namespace
 
-Selection select(const Problem& problem, const Library& library, const SelectOptions& options) {
+Selection select(Problem& problem, const Library& library, const SelectOptions& options) {
   return Search(problem, library, options).run();
 }
 

@@ -47,6 +47,7 @@ struct SelectOptions {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
-Selection select(const Problem& problem, const Library& library, const SelectOptions& options);
+/// Sets the channels' scales (Observed::sigma) in `problem` to the error levels that it finds.
+Selection select(Problem& problem, const Library& library, const SelectOptions& options);
 
 }  // namespace sanso::diagnose
