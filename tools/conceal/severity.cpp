@@ -107,15 +107,19 @@ double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without,
     effect.apply(world, at, size, same);
     return meter.ratio(world);
   };
+  // secant on the logarithm inside a bracket; an effect with a threshold may be silent at first
   double size = effect.typical;
-  reached = ratio_at(size);
-  constexpr int kTries = 5;
-  for (int i = 0; i < kTries && reached > 0 && std::abs(std::log(target / reached)) > 0.1; ++i) {
-    const double next =
-        std::clamp(size * std::clamp(target / reached, 0.05, 20.0), 1e-5 * effect.typical, effect.largest);
-    if (next == size) break;
-    size = next;
+  double low = 1e-5 * effect.typical, high = effect.largest;
+  constexpr int kTries = 7;
+  for (int i = 0;; ++i) {
     reached = ratio_at(size);
+    const bool close = reached > 0 && std::abs(std::log(target / reached)) < 0.1;
+    const bool cannot = (reached < target && size >= effect.largest) || low >= high;
+    if (close || cannot || i == kTries) break;
+    (reached < target ? low : high) = size;
+    const double secant = reached > 1e-3 * target ? size * target / reached : high;
+    size = secant > low && secant < high ? secant : secant >= high ? std::min(high, 2 * size) : std::sqrt(low * high);
+    if (size == low) size = std::sqrt(low * high);
   }
   return size;
 }

@@ -1,0 +1,162 @@
+// Cases: deterministic, sealed, loud as asked, and readable as recordings.
+#include "tools/conceal/conceal.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tools/conceal/seal.h"
+#include "tools/conceal/severity.h"
+#include "tools/plant/world_error.h"
+#include "tools/recording/csv_reader.h"
+
+namespace sanso::conceal {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Folder {
+  explicit Folder(const std::string& name)
+      : path((fs::temp_directory_path() / (name + std::to_string(getpid()))).string()) {
+    fs::remove_all(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string path;
+};
+
+std::string read(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+ConcealOptions options(const std::string& out, std::uint64_t seed, Family family, double ratio) {
+  ConcealOptions o;
+  o.seed = seed;
+  o.out = out;
+  o.family = family;
+  o.ratio = ratio;
+  return o;
+}
+
+TEST(Conceal, SameSeedSameBytesAndSameHash) {
+  const Folder a("conceal_a"), b("conceal_b");
+  const Concealed first = conceal(options(a.path, 5, Family::clean, 1));
+  const Concealed second = conceal(options(b.path, 5, Family::clean, 1));
+  EXPECT_EQ(first.hash, second.hash);
+  ASSERT_EQ(first.recordings.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(read(first.recordings[i]), read(second.recordings[i]));
+  EXPECT_THROW(conceal(options(a.path, 6, Family::clean, 1)), plant::WorldError);  // never overwrites a case
+}
+
+TEST(Conceal, NothingInTheClearTellsTheAnswer) {
+  const Folder f("conceal_clear");
+  ConcealOptions o = options(f.path, 424242, Family::single, 3);
+  o.effect = "backlash";
+  conceal(o);
+  for (const auto& entry : fs::recursive_directory_iterator(f.path)) {
+    if (!entry.is_regular_file()) continue;
+    const std::string text = read(entry.path());
+    EXPECT_EQ(text.find("backlash"), std::string::npos) << entry.path();
+    EXPECT_EQ(text.find("424242"), std::string::npos) << entry.path();
+    EXPECT_EQ(text.find("single"), std::string::npos) << entry.path();
+  }
+}
+
+TEST(Conceal, RecordingsReadBackWithTheirConditions) {
+  const Folder f("conceal_read");
+  const Concealed made = conceal(options(f.path, 7, Family::clean, 1));
+  const auto usual = recording::read_csv(made.recordings[0]);
+  EXPECT_EQ(usual.condition, "usual");
+  EXPECT_EQ(usual.rows(), 2000u);
+  for (const char* column : {"u:pivot", "q:pivot", "dq:pivot", "i:pivot", "pwm:pivot", "volt"}) {
+    EXPECT_TRUE(usual.has(column)) << column;
+  }
+  EXPECT_EQ(recording::read_csv(made.recordings[2]).overrides.size(), 1u);
+  EXPECT_EQ(recording::read_csv(made.recordings[4]).payloads.size(), 1u);
+}
+
+TEST(Seal, OpensOnlyWhatWasSealed) {
+  auto sealed = make_seal("{\"truth\": 1}");
+  EXPECT_EQ(open_seal(sealed), "{\"truth\": 1}");
+  const std::string hash = seal_hash(sealed);
+  sealed.back() ^= 1;
+  EXPECT_THROW(open_seal(sealed), plant::WorldError);
+  EXPECT_NE(seal_hash(sealed), hash);
+  EXPECT_THROW(open_seal(std::vector<std::uint8_t>(10, 0)), plant::WorldError);
+}
+
+TEST(Severity, HitsItsTargetAndGrowsWithTheEffect) {
+  Random random(3);
+  const RobotSpec robot = make_robot("pendulum");
+  WorldTruth world;
+  world.robot = as_built(robot, random);
+  world.joints.resize(1);
+  const auto experiments = make_experiments(robot, random);
+  const SeverityMeter meter(world, {experiments[0]}, 1);
+  EXPECT_NEAR(meter.ratio(world), 0, 1e-9);
+  for (const char* id : {"coulomb_friction", "backlash", "command_delay", "rotor_inertia"}) {
+    double reached = 0;
+    const double small = size_for_ratio(hideable(id), 0, world, meter, 1, Random(1), reached);
+    EXPECT_NEAR(std::log(reached), 0, 0.4) << id;  // a delay comes in steps of the servo's loop
+    const double large = size_for_ratio(hideable(id), 0, world, meter, 4, Random(1), reached);
+    EXPECT_GT(large, small) << id;
+  }
+}
+
+TEST(Severity, NuisancesAloneAreQuiet) {
+  Random random(4);
+  const RobotSpec robot = make_robot("pendulum");
+  WorldTruth world;
+  world.robot = robot;
+  world.joints.resize(1);
+  const auto experiments = make_experiments(robot, random);
+  const SeverityMeter meter(world, {experiments[0]}, 1);
+  WorldTruth heavier = world;
+  heavier.robot.links[0].mass *= 1.03;
+  for (double& i : heavier.robot.links[0].inertia) i *= 1.03;
+  EXPECT_LT(meter.ratio(heavier), 0.3);
+}
+
+TEST(Hideables, EveryEffectCompilesAndChangesSomething) {
+  const RobotSpec robot = make_robot("arm");
+  Random random(9);
+  WorldTruth world;
+  world.robot = robot;
+  world.joints.resize(2);
+  auto experiment = make_experiments(robot, random)[0];
+  experiment.command.resize(600);
+  const Signals before = run_experiment(world, experiment, 1);
+  for (const Hideable& h : hideables()) {
+    SCOPED_TRACE(h.id);
+    double change = 0;
+    // joint 0 carries the load; a stop or a push may lie outside the first seconds, so the size is taken large
+    WorldTruth changed = world;
+    Random same(2);
+    const HiddenEffect effect = h.apply(changed, 0, h.id == "sample_hold" ? 3 : h.largest, same);
+    EXPECT_EQ(effect.id, h.id);
+    const bool late = h.id == "payload" || h.id == "external_push";
+    if (late) {
+      changed.payload.from_s = std::min(changed.payload.from_s, 2.0);
+      changed.push.from_s = std::min(changed.push.from_s, 2.0);
+    }
+    const Signals after = run_experiment(changed, experiment, 1);
+    for (int j = 0; j < 2; ++j) {
+      for (std::size_t row = 0; row < 600; ++row) {
+        ASSERT_TRUE(std::isfinite(after.q[j][row])) << row;
+        change = std::max({change, std::abs(after.q[j][row] - before.q[j][row]),
+                           0.05 * std::abs(after.dq[j][row] - before.dq[j][row])});
+      }
+    }
+    EXPECT_GT(change, 5e-4);
+  }
+}
+
+TEST(MakeRobot, RefusesUnknownNames) { EXPECT_THROW(make_robot("spider"), plant::WorldError); }
+
+}  // namespace
+}  // namespace sanso::conceal
