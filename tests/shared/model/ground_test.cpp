@@ -1,0 +1,83 @@
+// The ground's profiles, and that lanes see the same surface as the plain functions.
+#include "shared/model/ground.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "shared/model/kernel/ground_lanes.h"
+#include "shared/model/op3_step.h"
+#include "shared/model/state_layout.h"
+#include "shared/model/op3_kinematics.h"
+
+namespace sanso::model {
+namespace {
+
+TEST(Ground, RampFallsFromTopToRunOut) {
+  const Ground g = make_ramp(0.10, 0.2094, 0.30);
+  EXPECT_NEAR(ground_height(g, -1.0), 0.10, 1e-12);
+  EXPECT_NEAR(ground_height(g, 0.30), 0.10, 1e-12);
+  EXPECT_NEAR(ground_height(g, 5.0), 0.0, 1e-12);
+  double steepest = 0, last = ground_height(g, 0.0);
+  for (double x = 0.0; x < 3.0; x += 1e-3) {
+    const double z = ground_height(g, x);
+    EXPECT_LE(z, last + 1e-12) << "never uphill";
+    EXPECT_LT(std::abs(z - last), 1e-3 * std::tan(0.2094) + 1e-9) << "no step, x " << x;
+    last = z;
+    steepest = std::fmin(steepest, ground_slope(g, x));
+  }
+  EXPECT_NEAR(steepest, -std::tan(0.2094), 1e-9);
+}
+
+TEST(Ground, JumpRampHasKickerAndLip) {
+  const Ground g = make_jump_ramp(0.11, 0.2094, 0.1745, 0.03);
+  double lip = -1;
+  for (double x = 0; x < 4.0; x += 1e-4)
+    if (ground_height(g, x) - ground_height(g, x + 1e-4) > 0.02) lip = x;
+  ASSERT_GT(lip, 0) << "there is a vertical step";
+  EXPECT_NEAR(ground_slope(g, lip - 0.01), std::tan(0.1745), 1e-6) << "exit angle";
+  EXPECT_NEAR(ground_height(g, lip + 0.01), 0.0, 1e-12);
+  EXPECT_NEAR(ground_height(g, 0.0) - ground_height(g, lip), 0.11, 1e-3) << "net drop from the top to the lip";
+}
+
+TEST(Ground, SlopeIsDerivativeOfHeightAndLanesAgree) {
+  for (const Ground& g : {make_plane(0.2), make_ramp(), make_jump_ramp()})
+    for (double x = -0.5; x < 3.0; x += 0.0137) {
+      const portable::GroundPoint<double> p = portable::ground_at(g, x);
+      EXPECT_NEAR(p.z, ground_height(g, x), 1e-12);
+      EXPECT_NEAR(p.sin_slope / p.cos_slope, ground_slope(g, x), 1e-12);
+      const double rise = ground_height(g, x + 1e-7) - ground_height(g, x - 1e-7);
+      if (std::abs(rise) < 1e-3) {
+        EXPECT_NEAR(rise / 2e-7, p.sin_slope / p.cos_slope, 1e-5) << "x " << x;
+      }
+    }
+}
+
+// On a plane tilted by `angle`, standing robot turned with the plane: speed along the slope after one second.
+double slide_speed(double angle, double friction_forward) {
+  ModelParameters theta = nominal_parameters();
+  theta.friction_forward = friction_forward;
+  const StepModel model = make_step_model(theta);
+  Ground slope = make_plane();
+  slope.segment[0].sin_slope = -std::sin(angle);
+  State x = standing_state();
+  const math::Quat turn = math::quat_exp(math::Vec3(0, angle, 0));
+  x.segment<3>(kXPos) = math::rotation_matrix(turn) * x.segment<3>(kXPos);
+  x.segment<4>(kXQuat) = turn;
+  const Input u = joints(x);
+  StepScratch scratch;
+  scratch.warm_start = true;
+  for (int k = 0; k < 10; ++k) analytical_step(model, slope, x.data(), u.data(), 0.06, 1, x.data(), scratch);
+  return x.segment<3>(kXVel).dot(math::Vec3(std::cos(angle), 0, -std::sin(angle)));
+}
+
+TEST(Ground, SolesHoldOnASlopeAndWheelsRoll) {
+  const double angle = 0.06;
+  EXPECT_LT(std::abs(slide_speed(angle, 0.8)), 0.02);
+  // free rolling: v = g (sin a - c cos a) t; legs sway a little
+  const double expected = 9.81 * (std::sin(angle) - 0.02 * std::cos(angle)) * 0.6;
+  EXPECT_NEAR(slide_speed(angle, 0.02), expected, 0.2 * expected);
+}
+
+}  // namespace
+}  // namespace sanso::model
