@@ -14,6 +14,7 @@ inline constexpr int kCouldNot = 2;     // no answer: bad input, missing file, f
 void add_demo(CLI::App& app, int& result);
 void add_conceal(CLI::App& app, int& result);
 void add_learn(CLI::App& app, int& result);
+void add_bench(CLI::App& app, int& result);
 void add_motions(CLI::App& app, int& result);
 void add_report(CLI::App& app, int& result);
 void add_reveal(CLI::App& app, int& result);

@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.footer("Examples and more: sanso COMMAND --help.\nExit codes: 0 done, 1 the answer is \"bad\", 2 could not answer.");
   int result = sanso::cli::kDone;
   sanso::cli::add_demo(app, result);
+  sanso::cli::add_bench(app, result);
   sanso::cli::add_conceal(app, result);
   sanso::cli::add_learn(app, result);
   sanso::cli::add_motions(app, result);
