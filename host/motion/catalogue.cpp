@@ -78,7 +78,8 @@ std::vector<Clause> walking() {
 Motion walk_forward() {
   Motion m = entry("walk_forward", "Walking forward", kAccad, MotionKind::gait, "accad/Male1_B3_Walk.bvh");
   m.recipe.kx = 0.35;
-  m.recipe.kappa = 0.92;
+  m.recipe.kappa = 0.90;  // bent knees lift the foot at a lower knee speed
+  m.recipe.swing_height_m = 0.032;
   m.recipe.basis_per_second = 20.0;
   m.recipe.zmp_inside_m = 0.008;
   m.success = walking();
@@ -88,7 +89,8 @@ Motion walk_forward() {
 Motion walk_backward() {
   Motion m = entry("walk_backward", "Walking backward", kAccad, MotionKind::gait, "accad/Male1_B6_WalkBackwards.bvh");
   m.recipe.kx = 0.35;
-  m.recipe.kappa = 0.92;
+  m.recipe.kappa = 0.90;  // bent knees lift the foot at a lower knee speed
+  m.recipe.swing_height_m = 0.032;
   m.recipe.basis_per_second = 20.0;
   m.recipe.zmp_inside_m = 0.008;
   m.success = walking();
@@ -106,6 +108,7 @@ Motion sidestep() {
   m.recipe.basis_per_second = 20.0;
   m.recipe.kappa = 0.86;  // low enough to reach sideways with the other leg
   m.recipe.zmp_inside_m = 0.012;
+  m.recipe.swing_height_m = 0.036;
   m.success = upright({at_least("steps", 6), at_least("distance_share", 0.6), at_most("cross_drift_m", 0.08),
                        at_most("yaw_deg", 20)});
   return m;
@@ -113,14 +116,15 @@ Motion sidestep() {
 
 Motion jog() {
   Motion m = entry("jog", "Jogging forward", kDeepMimic, MotionKind::gait, "deepmimic/humanoid3d_jog.txt");
-  m.recipe.kt = 1.3;
+  m.recipe.kt = 1.5;
+  m.recipe.kappa = 0.90;
   m.recipe.kx = 0.12;
   m.recipe.kz = 0.25;
   m.recipe.loops = 6;
   m.recipe.cutoff_Hz = 8.0;
   m.recipe.double_support_s = -1.0;  // swings may overlap: flight
   m.recipe.swing_stretch = 0.8;
-  m.recipe.swing_height_m = 0.011;
+  m.recipe.swing_height_m = 0.018;
   m.recipe.basis_per_second = 30.0;
   m.success = upright({at_least("steps", 10), at_most("double_support_share", 0.05), at_most("stance_share", 0.5),
                        at_least("flight_share", 0.5), at_least("distance_share", 0.5)});
