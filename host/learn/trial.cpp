@@ -190,6 +190,7 @@ Episode Trial::run() {
     if (!running_ || newest.trial_tick < next_step_ * kTicksPerUpper) continue;
     judge(newest);
     next_step_ = newest.trial_tick / kTicksPerUpper + 1;
+    robot_.send_sign_of_life();  // policies may be off, late or lost
     if (setup_.layers.upper && episode_.end == TrialEnd::completed) plan_from(newest);
   }
   finish();

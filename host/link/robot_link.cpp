@@ -154,6 +154,8 @@ Status RobotLink::upload(const policy::MiddleTable& table) {
   return upload(wire::UploadKind::middle_table, std::span(bytes).first(*n));
 }
 
+void RobotLink::send_sign_of_life() { send(wire::Command{}); }
+
 void RobotLink::send_policy(const policy::UpperPolicy& policy) {
   std::array<std::uint8_t, policy::kMaxUpperBytes> bytes;
   const Result<std::size_t> n = policy::to_bytes(policy, bytes);

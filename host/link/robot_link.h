@@ -40,6 +40,9 @@ class RobotLink {
   /// Sends a policy, without waiting: the next one is worth more than a repetition. Call with rounded numbers.
   void send_policy(const policy::UpperPolicy& policy);
 
+  /// Tells the controller that the host is there: it ends a trial when it hears nothing (docs/wire.md).
+  void send_sign_of_life();
+
   /// Reads what has arrived. Called by everything that waits; call it before looking at observations.
   void poll();
   /// Returns when `time` is reached or an observation newer than the last seen has arrived.
