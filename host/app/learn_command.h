@@ -17,6 +17,7 @@ struct LearnOptions {
   std::string motion = "squat";
   int iterations = 10;
   std::string robot = "in-process";   // or "emulated", or HOST:PORT
+  std::filesystem::path key;          // of a robot at HOST:PORT: file with the pre-shared key
   std::filesystem::path out;
   bool resume = false;
   std::uint64_t seed = 1;

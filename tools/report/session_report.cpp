@@ -12,6 +12,7 @@
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
 #include "tools/report/session_figures.h"
+#include "tools/report/svg_chart.h"
 
 namespace sanso::report {
 namespace {
@@ -84,6 +85,28 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   const fs::path file = folder / "report.html";
   learn::write_atomically(file, page.finish());
   return file;
+}
+
+std::string compare_costs(const std::vector<fs::path>& folders) {
+  LineChart chart{.title = "Cost over trials", .x_label = "trial", .y_label = "J", .series = {}, .log_y = true};
+  for (const fs::path& folder : folders) {
+    Series series{.name = (folder.has_filename() ? folder : folder.parent_path()).filename().string(), .x = {}, .y = {}};
+    for (const TrialSummary& t : state_of(folder)->history) {
+      series.x.push_back(t.trial + 1);
+      series.y.push_back(t.cost);
+    }
+    chart.series.push_back(series);
+  }
+  return svg(chart, {820, 320});
+}
+
+void write_session_figures(const fs::path& folder, const fs::path& to) {
+  const std::unique_ptr<SessionState> state = state_of(folder);
+  fs::create_directories(to);
+  learn::write_atomically(to / "cost.svg", cost_over_trials(*state));
+  learn::write_atomically(to / "layers.svg", layers_over_trials(*state));
+  learn::write_atomically(to / "gains.svg", gains_over_trials(*state));
+  learn::write_atomically(to / "updates.svg", update_times(*state));
 }
 
 std::string session_table(const fs::path& folder) {

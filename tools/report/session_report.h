@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace sanso::report {
 
@@ -11,5 +12,11 @@ std::filesystem::path write_session_report(const std::filesystem::path& folder);
 
 /// The table a terminal shows: one line a trial (cost, failed, policy updates, late updates, bus errors).
 std::string session_table(const std::filesystem::path& folder);
+
+/// Cost over trials of several sessions in one figure, each named after its folder, as SVG.
+std::string compare_costs(const std::vector<std::filesystem::path>& folders);
+
+/// Writes the session's figures over trials as SVG files: cost, layers, gains, update times.
+void write_session_figures(const std::filesystem::path& folder, const std::filesystem::path& to);
 
 }  // namespace sanso::report

@@ -65,9 +65,10 @@ ChildProcess::~ChildProcess() {
 
 fs::path find_program(const std::string& name) {
   const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-  const fs::path build = here.parent_path().parent_path();  // here = build/tools/sanso
-  for (const fs::path& folder : {here, build / "firmware", build / "tools" / "emulator"})
-    if (fs::exists(folder / name)) return folder / name;
+  if (fs::exists(here / name)) return here / name;
+  for (fs::path up = here; up != up.parent_path(); up = up.parent_path())  // up to the top of a build tree
+    for (const fs::path& folder : {up / "firmware", up / "tools" / "emulator"})
+      if (fs::is_regular_file(folder / name)) return folder / name;
   std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
   for (std::string folder; std::getline(path, folder, ':');)
     if (!folder.empty() && fs::exists(fs::path(folder) / name)) return fs::path(folder) / name;

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "host/app/learn_command.h"
+#include "host/app/network_robot.h"
 #include "tools/inprocess/inprocess_access.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
@@ -15,7 +16,9 @@ namespace {
 std::unique_ptr<learn::RobotAccess> make_robot(const app::LearnOptions& options) {
   if (options.robot == "in-process") return std::make_unique<inprocess::InProcessAccess>(options.world);
   if (options.robot == "emulated") return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
-  throw std::runtime_error("--robot " + options.robot + ": expected in-process or emulated");
+  if (options.robot.find(':') == std::string::npos)
+    throw std::runtime_error("--robot " + options.robot + ": expected in-process, emulated or HOST:PORT");
+  return std::make_unique<app::NetworkRobot>(options.robot, options.key, stderr, stdin);
 }
 
 }  // namespace
@@ -26,7 +29,8 @@ void add_learn(CLI::App& app, int& result) {
   command->add_option("--motion", options->motion, "name of a motion file (see sanso motions)")->required();
   command->add_option("--iterations", options->iterations, "trials in all, including those of a resumed session")
       ->required()->check(CLI::Range(1, 100000));
-  command->add_option("--robot", options->robot, "in-process (virtual clock), emulated (three processes, real clock)")->capture_default_str();
+  command->add_option("--robot", options->robot, "in-process (virtual clock), emulated (three processes, real clock) or HOST:PORT of a controller")->capture_default_str();
+  command->add_option("--key", options->key, "with HOST:PORT: file of 64 hexadecimal digits, the controller's key_file");
   command->add_option("--out", options->out, "folder of the session: episodes, state, summary.json, report.html")->required();
   command->add_flag("--resume", options->resume, "continue the session in --out after its last finished trial");
   command->add_option("--seed", options->seed, "of everything random; same seed, same bits")->capture_default_str();
