@@ -34,6 +34,9 @@ Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedMod
 
 void Op3Phases::set_model(const host::AugmentedModel& model) {
   model_ = model;
+  perturbed_model_ = model.analytical;
+  perturbed_model_.contact.sweeps = settings_.linearize_sweeps;
+  perturbed_model_.contact.newton_steps = settings_.linearize_newton_steps;
   work_->residual.present = false;
   if (model_.residual) fold(*model_.residual, work_->residual);
 }
@@ -128,7 +131,7 @@ void Op3Phases::prepare_along_x(const Trajectory& nominal) {
   }
 }
 
-/// Every evaluation starts the contact solver from the nominal solution with the same number of sweeps, the nominal point
+/// Every evaluation starts the contact solver from the nominal solution with the same amount of work, the nominal point
 /// too: otherwise the difference would contain what the sweeps left over.
 void Op3Phases::evaluate_group(int item) {
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
@@ -140,14 +143,14 @@ void Op3Phases::evaluate_group(int item) {
       for (int i = 0; i < model::kNumContactRows; ++i) contact.v[i][l] = work_->nominal_contact[stage][i];
     }
     model::StateLanes& x = work_->along_x[along];
-    model::step_batch(model_.analytical, model_.ground, &x, &work_->along_x_input[along], step, &x, &contact, 1);
+    model::step_batch(perturbed_model_, model_.ground, &x, &work_->along_x_input[along], step, &x, &contact, 1);
     return;
   }
   const int stage = item / kEvaluationGroups, group = item % kEvaluationGroups;
   for (int i = 0; i < model::kNumContactRows; ++i)
     for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
   StageEvaluations& e = work_->evaluations[stage];
-  model::step_batch(model_.analytical, model_.ground, &as_lanes(e.x[group]), &as_input(e.u[group]), step,
+  model::step_batch(perturbed_model_, model_.ground, &as_lanes(e.x[group]), &as_input(e.u[group]), step,
                     &as_lanes(e.x[group]), &contact, 1);
 }
 

@@ -15,6 +15,9 @@ struct Op3PhasesSettings {
   int horizon = 12;
   double dt_s = 0.06;
   double difference_step = 1e-4;
+  // Contact work of the perturbed evaluations, which start from the nominal solution; the roll-outs use the model's own.
+  int linearize_sweeps = 2;
+  int linearize_newton_steps = 1;
 };
 
 class Op3Phases : public Phases {
@@ -57,6 +60,7 @@ class Op3Phases : public Phases {
 
   Op3PhasesSettings settings_;
   host::AugmentedModel model_;
+  model::StepModel perturbed_model_;  // model_.analytical with the contact work of the linearisation
   SpinPool& pool_;
   const LaneKernels& kernels_;
   std::unique_ptr<Workspace> work_;

@@ -30,7 +30,8 @@ ModelParameters nominal_parameters();
 
 /// Fixed-work contact solver.
 struct ContactSettings {
-  int sweeps = 24;              // Gauss-Seidel sweeps over all corners
+  int sweeps = 24;              // Gauss-Seidel sweeps over all corners, before the Newton steps
+  int newton_steps = 2;         // each followed by one more sweep (kernel/contact_newton.h)
   double regularization = 0.03; // softness relative to the diagonal: makes forces unique; a standing OP3 sinks 0.8 mm
   double recovery = 0.3;        // share of a penetration that one step removes
 };

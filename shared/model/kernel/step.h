@@ -4,7 +4,7 @@
 // same effective inertia. Base velocities are in base axes inside (orientation frozen at the start of the step).
 #pragma once
 
-#include "shared/model/kernel/contact.h"
+#include "shared/model/kernel/contact_newton.h"
 
 namespace sanso::model::SANSO_ISA {
 
@@ -227,25 +227,39 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w, Step
   for (int l = 0; l < kNumFeet; ++l) add_twist(w.foot[l].twist, w.foot[l]);
 }
 
-/// Contact impulses by projected Gauss-Seidel with a fixed number of sweeps: the same work in every state.
+/// One Gauss-Seidel sweep over both feet. The other foot must know at once: telling both at the end of the sweep (Jacobi)
+/// diverges when the base is light.
+template <class T>
+inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& scratch) {
+  FootContact<T>&right = w.foot[0], &left = w.foot[1];
+  T from_right[6] = {}, from_left[6] = {}, to_left[6] = {}, to_right[6] = {};
+  sweep_foot(model.friction_forward, model.friction_sideways, right, scratch.lambda[0][0], from_right);
+  couple<false>(w.A_cross, from_right, to_left);
+  add_twist(to_left, left);
+  sweep_foot(model.friction_forward, model.friction_sideways, left, scratch.lambda[1][0], from_left);
+  couple<true>(w.A_cross, from_left, to_right);
+  add_twist(to_right, right);
+  for (int i = 0; i < 6; ++i) {
+    right.impulse[i] += from_right[i];
+    left.impulse[i] += from_left[i];
+  }
+}
+
+/// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, Newton steps solve for them. Fixed
+/// numbers of both: the same work in every state.
 template <class T>
 inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
   start_contact(model, h, w, scratch);
-  FootContact<T>&right = w.foot[0], &left = w.foot[1];
 #pragma GCC unroll 1
-  for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) {
-    // the other foot must know at once: telling both at the end of the sweep (Jacobi) diverges when the base is light
-    T from_right[6] = {}, from_left[6] = {}, to_left[6] = {}, to_right[6] = {};
-    sweep_foot(model.friction_forward, model.friction_sideways, right, scratch.lambda[0][0], from_right);
-    couple<false>(w.A_cross, from_right, to_left);
-    add_twist(to_left, left);
-    sweep_foot(model.friction_forward, model.friction_sideways, left, scratch.lambda[1][0], from_left);
-    couple<true>(w.A_cross, from_left, to_right);
-    add_twist(to_right, right);
-    for (int i = 0; i < 6; ++i) {
-      right.impulse[i] += from_right[i];
-      left.impulse[i] += from_left[i];
-    }
+  for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) sweep_feet(model, w, scratch);
+  if (model.contact.newton_steps == 0) return;
+  T negative_inertia[kTwists][kTwists];
+  sole_inertia(w.A, w.A_cross, negative_inertia);
+#pragma GCC unroll 1
+  for (int i = 0; i < model.contact.newton_steps; ++i) {
+    newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A, w.A_cross,
+                negative_inertia, w.foot, scratch.lambda);
+    sweep_feet(model, w, scratch);
   }
 }
 

@@ -23,7 +23,7 @@ struct DrawnProblem {
     model.ground = ground;
     if (residual) model.residual = problems::random_network(seed);
     model.analytical.contact.sweeps = sweeps;
-    phases = std::make_unique<Op3Phases>(Op3PhasesSettings{}, model, pool, kernels);
+    phases = std::make_unique<Op3Phases>(Op3PhasesSettings{.linearize_sweeps = sweeps}, model, pool, kernels);
     reference = problems::reference_of("walk_forward");
     tick = static_cast<int>(std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
     context = problems::make_context(reference, tick, 12, CostWeights{}, middle ? &random : nullptr);
