@@ -32,8 +32,8 @@ void run_portable() { multiply_add<Vector2>(); }
 #ifdef __x86_64__
 typedef double Vector4 __attribute__((vector_size(32)));
 typedef double Vector8 __attribute__((vector_size(64)));
-[[gnu::target("avx2,fma"), gnu::optimize("fp-contract=fast")]] void run_avx2() { multiply_add<Vector4>(); }
-[[gnu::target("avx512f,fma"), gnu::optimize("fp-contract=fast")]] void run_avx512() { multiply_add<Vector8>(); }
+[[gnu::target("avx2,fma")]] void run_avx2() { multiply_add<Vector4>(); }
+[[gnu::target("avx512f,fma")]] void run_avx512() { multiply_add<Vector8>(); }
 #endif
 
 double fastest(void (*run)(), int width) {

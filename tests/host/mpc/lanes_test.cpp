@@ -182,7 +182,7 @@ TEST(Lanes, ThreadsDoNotChangeABit) {
   one.phases->linearize(*one.trajectory, d1.get(), c.get());
   SpinPool pool(4, false);
   const SpinPool::Session session(pool);
-  Op3Phases many({}, one.model, pool, lane_kernels());
+  Op3Phases many({.linearize_sweeps = model::ContactSettings{}.sweeps}, one.model, pool, lane_kernels());
   many.context() = *one.context;
   auto lanes = std::make_unique<LaneTrajectories>();
   LinePolicy policy;

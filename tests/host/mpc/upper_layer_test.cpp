@@ -72,7 +72,7 @@ TEST(UpperLayer, PlansLowerTheCostAllAlongAMotionAndAllocateNothing) {
     EXPECT_EQ(result->policy.first_tick, tick + 6);
     EXPECT_EQ(result->policy.ticks_per_knot, 6);
     EXPECT_EQ(result->policy.trial_id, 3u);
-    EXPECT_EQ(model::minus(result->policy.knots[0].x, result->x_plan).norm(), 0.0) << "the plan starts where it was predicted";
+    EXPECT_EQ(result->policy.knots[0].x, result->x_plan) << "the plan starts where it was predicted";
     for (const policy::Knot& knot : result->policy.knots) {
       EXPECT_LE(knot.K.norm(), 13.0 * (1 + 1e-12));
       EXPECT_LE(knot.u.cwiseAbs().maxCoeff(), 0.5);
