@@ -51,6 +51,7 @@ void InProcessRobot::run_tick() {
   firmware_->tick(due);
   firmware_->poll_link(now());
   record_truth();
+  if (controller().observation().trial_tick >= bus_pulled_at_) bus_.pull(true);
   next_tick_ = std::max(due + kTickPeriod, now());  // a tick that ran over starts the next one late, as on a machine
 }
 

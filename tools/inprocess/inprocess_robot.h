@@ -1,5 +1,5 @@
-// Firmware, emulated robot and the host's link in one process on one virtual clock: the real bytes of bus, IMU and wire,
-// deterministic given the seed, as fast as the machine. The host waiting is what makes the robot live.
+// Firmware, emulated robot and the host's link in one process on one virtual clock: the real bytes of bus, IMU and
+// wire, deterministic given the seed, as fast as the machine. The host waiting is what makes the robot live.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,8 @@ namespace sanso::inprocess {
 
 class InProcessRobot : public link::DatagramChannel, public link::HostClock {
  public:
-  InProcessRobot(const plant::World& world, std::uint64_t seed, const wire::Key& key, const firmware::Settings& settings = {});
+  InProcessRobot(const plant::World& world, std::uint64_t seed, const wire::Key& key,
+                 const firmware::Settings& settings = {});
 
   // link::DatagramChannel
   bool send(const std::uint8_t* data, std::size_t size) override;
@@ -30,6 +31,8 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
 
   /// The host is gone from this tick of the trial on, as if killed: its datagrams do not leave any more.
   void lose_host_at(std::int32_t trial_tick) { host_lost_at_ = trial_tick; }
+  /// The bus cable is pulled out at this tick of the trial.
+  void pull_bus_at(std::int32_t trial_tick) { bus_pulled_at_ = trial_tick; }
 
   emulator::EmulatedRobot& robot() { return robot_; }
   firmware::Firmware& controller_program() { return *firmware_; }
@@ -54,7 +57,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   SimulatedNetwork network_;
   std::unique_ptr<firmware::Firmware> firmware_;  // large: tables of the layers
   Nanoseconds next_tick_ = 0;
-  std::int32_t host_lost_at_ = INT32_MAX;
+  std::int32_t host_lost_at_ = INT32_MAX, bus_pulled_at_ = INT32_MAX;
   bool host_lost_ = false;
   std::vector<TrialTruth> trial_truth_;
 };
