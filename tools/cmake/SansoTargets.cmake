@@ -17,8 +17,9 @@ if(CCACHE_PROGRAM)
 endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-warning-option)
-# gcc 12 reports false positives of these two inside Eigen and the standard library when it inlines deeply.
+# gcc 12 reports false positives of these inside Eigen and the standard library when it inlines deeply.
 add_compile_options(-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
+add_compile_options($<$<CONFIG:Release>:-Wno-restrict>)
 # The same source must give the same bits in every build: no contraction differences between call sites.
 add_compile_options(-ffp-contract=off)
 if(SANSO_WERROR)
