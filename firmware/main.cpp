@@ -23,6 +23,30 @@ namespace {
 
 using namespace sanso;
 
+constexpr char kHelp[] = R"(sanso-firmware: the onboard controller of the OP3; a tick every 10 ms until SIGINT or SIGTERM
+
+usage: sanso-firmware --config FILE
+
+Example of FILE, on the robot:
+  [device]
+  bus = "/dev/serial/by-id/usb-FTDI_USB__-__Serial_Converter-if00-port0"
+  imu = "/dev/hidraw0"
+  key_file = "robot.key"          # 64 hexadecimal digits, the same on the host: openssl rand -hex 32 > robot.key
+  log_directory = "/var/log/sanso"
+
+Example against `sanso-emulator --dir /tmp/sanso-robot`:
+  [device]
+  bus = "/tmp/sanso-robot/bus"
+  imu = "unix:/tmp/sanso-robot/imu"
+  pose = "unix:/tmp/sanso-robot/pose"
+  key_file = "robot.key"
+  listen = "127.0.0.1"            # hosts of this machine only
+  port = 7531
+
+All settings: docs/settings.md. On a robot: docs/howto/robot.md. Faults: docs/faults.md.
+Exit codes: 0 stopped, 2 could not start (says why).
+)";
+
 std::atomic<bool> stop_requested{false};
 void request_stop(int) { stop_requested = true; }
 
@@ -100,9 +124,11 @@ void run_poll(Poll poll, Nanoseconds wait) {
 void run_log(firmware::Firmware& controller, const std::string& directory) {
   firmware::FlightRecorder recorder(controller.handover(), directory);
   std::uint16_t told = 0;
+  std::string complained;
   while (!stop_requested) {
     board::LinuxClock::sleep_until(board::LinuxClock().now() + 50 * kMillisecond);
     if (recorder.poll()) std::fprintf(stderr, "sanso-firmware: flight record in %s\n", recorder.last_file().c_str());
+    if (recorder.error() != complained) warn(complained = recorder.error());
     const firmware::LogRecord record = recorder.newest();
     if (record.observation.fault != told) {
       told = record.observation.fault;
@@ -150,10 +176,11 @@ int run(const std::string& config_path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 || std::strcmp(argv[1], "--config") != 0) {
-    std::fprintf(stderr, "usage: sanso-firmware --config FILE\n");
-    return 2;
+  if (argc == 2 && std::strcmp(argv[1], "--help") == 0) {
+    std::fputs(kHelp, stdout);
+    return 0;
   }
+  if (argc != 3 || std::strcmp(argv[1], "--config") != 0) return refuse("expected --config FILE; sanso-firmware --help shows an example");
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   return run(argv[2]);

@@ -1,7 +1,9 @@
 #include "firmware/log/flight_recorder.h"
 
+#include <cerrno>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 
 #include "shared/model/joints.h"
 
@@ -12,7 +14,9 @@ void write_header(std::FILE* file) {
   std::fprintf(file, "t,tick,state,fault,fault_detail,limits,trial_tick,tick_cpu_us,late_ticks,bus_lost,bus_corrupt,volt");
   for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",base_p:%s", axis);
   for (const char* part : {"w", "x", "y", "z"}) std::fprintf(file, ",base_q:%s", part);
-  for (const char* what : {"q", "u", "i"})
+  for (const char* what : {"base_v", "base_w"})
+    for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",%s:%s", what, axis);
+  for (const char* what : {"q", "dq", "u", "i"})
     for (const model::JointInfo& joint : model::kJoints) std::fprintf(file, ",%s:%s", what, joint.name);
   for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",imu_acc:%s", axis);
   std::fprintf(file, "\n");
@@ -24,7 +28,9 @@ void write_row(std::FILE* file, const LogRecord& record) {
                o.fault, record.fault_detail, o.limits, o.trial_tick, o.tick_cpu_ns * 1e-3, o.late_ticks, o.bus_lost,
                o.bus_corrupt, static_cast<double>(o.voltage_V));
   for (int i = 0; i < 7; ++i) std::fprintf(file, ",%.6f", o.x[i]);
-  for (int j = 0; j < model::kNumJoints; ++j) std::fprintf(file, ",%.6f", o.x[model::kXJoint + j]);
+  for (int i = 0; i < 6; ++i) std::fprintf(file, ",%.6f", o.x[model::kXVel + i]);
+  for (int first : {model::kXJoint, model::kXJointRate})
+    for (int j = 0; j < model::kNumJoints; ++j) std::fprintf(file, ",%.6f", o.x[first + j]);
   for (int j = 0; j < model::kNumJoints; ++j) std::fprintf(file, ",%.6f", o.u_out[j]);
   for (const std::int16_t current : o.current_raw) std::fprintf(file, ",%.5f", current * 2.69e-3);
   for (const double a : o.imu_acc) std::fprintf(file, ",%.5f", a);
@@ -61,19 +67,26 @@ std::vector<LogRecord> FlightRecorder::records() const {
 }
 
 bool FlightRecorder::write(const std::string& path) {
-  std::FILE* file = std::fopen(path.c_str(), "w");
-  if (file == nullptr) {
-    error_ = path + ": cannot be written";
-    return false;
-  }
+  const std::string unfinished = path + ".new";  // a record with its final name is whole
+  std::FILE* file = std::fopen(unfinished.c_str(), "w");
+  if (file == nullptr) return fail(path, errno);
   write_header(file);
   for (const LogRecord& record : records()) write_row(file, record);
-  if (std::fclose(file) != 0) {
-    error_ = path + ": not written completely";
-    return false;
+  const bool written = std::ferror(file) == 0;
+  const int error = errno;
+  if (std::fclose(file) != 0 || !written || std::rename(unfinished.c_str(), path.c_str()) != 0) {
+    const int reason = written ? errno : error;
+    std::remove(unfinished.c_str());
+    return fail(path, reason);
   }
   last_file_ = path;
+  error_.clear();
   return true;
+}
+
+bool FlightRecorder::fail(const std::string& path, int error) {
+  error_ = path + ": the flight record cannot be written: " + std::strerror(error) + "; it is lost; look at device.log_directory";
+  return false;
 }
 
 }  // namespace sanso::firmware

@@ -23,13 +23,15 @@ class FlightRecorder {
   std::vector<LogRecord> records() const;
   /// The newest record; a default one before the first.
   LogRecord newest() const { return ring_[(next_ + kTicksKept - 1) % kTicksKept]; }
-  /// Path of the last file written, empty before; its first error message in `error()`.
+  /// Path of the last file written, empty before; why the newest one could not be written in `error()`, empty when it was.
   const std::string& last_file() const { return last_file_; }
   const std::string& error() const { return error_; }
   /// Writes all records to `path` (CSV, one row a tick). False: error() says why.
   bool write(const std::string& path);
 
  private:
+  bool fail(const std::string& path, int error);
+
   Handover& handover_;
   std::string directory_;
   std::vector<LogRecord> ring_;  // allocated once
