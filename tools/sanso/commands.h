@@ -20,5 +20,6 @@ void add_report(CLI::App& app, int& result);
 void add_reveal(CLI::App& app, int& result);
 void add_score(CLI::App& app, int& result);
 void add_diagnose(CLI::App& app, int& result);
+void add_bench_diagnose(CLI::App& app, int& result);
 
 }  // namespace sanso::cli

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   sanso::cli::add_reveal(app, result);
   sanso::cli::add_score(app, result);
   sanso::cli::add_diagnose(app, result);
+  sanso::cli::add_bench_diagnose(app, result);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,44 @@
+// `sanso bench diagnose`: conceals cases, diagnoses them, has the answers revealed, counts. Cases are made and opened by the
+// caller's functions: neither this folder nor the diagnosis can read an answer.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace sanso::bench {
+
+struct DiagnoseCase {
+  std::string model;                    // folder
+  std::vector<std::string> recordings;  // files
+};
+
+/// What the revealed answer says about a verdict.
+struct DiagnoseScore {
+  std::string family;
+  double ratio = 0.0;  // target severity; 0: none
+  std::vector<std::string> truth, named;
+  std::string status;
+  bool detected = false, named_first = false, in_set = false, where_exact = false, refused_by_name = false, unnamed = false,
+       right = false;
+  double set_size = 0.0, f1 = 0.0;
+  std::map<std::string, double> relative_error;
+  std::map<std::string, bool> covered;
+};
+
+struct DiagnoseBenchOptions {
+  int cases = 20;
+  unsigned long seed = 1;
+  std::string robot = "pendulum";
+  std::string folder;   // where the cases are put
+  bool json = false;
+  std::function<DiagnoseCase(unsigned long seed, const std::string& robot, const std::string& folder)> conceal;
+  std::function<DiagnoseScore(const std::string& folder, const std::string& verdict_file)> reveal;
+};
+
+/// Prints every score with its 95 % interval by family and ratio, the confusion list, failures with their seeds, times.
+/// Exit code 0.
+int bench_diagnose(const DiagnoseBenchOptions& options);
+
+}  // namespace sanso::bench

@@ -1,0 +1,70 @@
+// `sanso bench diagnose`: joins the maker of concealed cases with the diagnosis; neither knows the other.
+#include <filesystem>
+#include <memory>
+
+#include "tools/bench/diagnose/diagnose_bench.h"
+#include "tools/conceal/conceal.h"
+#include "tools/conceal/reveal.h"
+#include "tools/sanso/commands.h"
+
+namespace sanso::cli {
+namespace {
+
+bench::DiagnoseScore opened(const conceal::Score& s) {
+  bench::DiagnoseScore out;
+  out.family = s.family;
+  out.ratio = s.ratio_target;
+  out.truth = s.truth;
+  out.named = s.named;
+  out.status = s.status;
+  out.detected = s.detected, out.named_first = s.named_first, out.in_set = s.in_set, out.where_exact = s.where_exact;
+  out.refused_by_name = s.refused_by_name, out.unnamed = s.unnamed, out.right = s.right;
+  out.set_size = s.set_size, out.f1 = s.f1;
+  out.relative_error = s.relative_error;
+  out.covered = s.covered;
+  return out;
+}
+
+}  // namespace
+
+void add_bench_diagnose(CLI::App& app, int& result) {
+  struct Options {
+    bench::DiagnoseBenchOptions bench;
+    std::string family, effect;
+    double ratio = 0.0;
+  };
+  auto options = std::make_shared<Options>();
+  // `bench` may exist already with the benchmarks that take no options; "diagnose" then stands beside them
+  const auto existing = app.get_subcommands([](const CLI::App* a) { return a->get_name() == "bench"; });
+  CLI::App* group = existing.empty() ? app.add_subcommand("bench", "measure against the budgets")->require_subcommand(1) : existing.front();
+  if (CLI::Option* what = group->get_option_no_throw("what")) what->required(false);
+  CLI::App* command = group->add_subcommand("diagnose", "conceal, diagnose and reveal cases; print the scores");
+  options->bench.folder = (std::filesystem::temp_directory_path() / "sanso_bench_diagnose").string();
+  command->add_option("--cases", options->bench.cases, "how many")->capture_default_str();
+  command->add_option("--seed", options->bench.seed, "of the first case; the others follow")->capture_default_str();
+  command->add_option("--robot", options->bench.robot, "pendulum, arm or op3-stand")->capture_default_str();
+  command->add_option("--family", options->family, "only clean, single, pair, decoy, outside or ambiguous cases");
+  command->add_option("--effect", options->effect, "only this effect hidden");
+  command->add_option("--ratio", options->ratio, "only this severity");
+  command->add_option("--folder", options->bench.folder, "where the cases are put")->capture_default_str();
+  command->add_flag("--json", options->bench.json, "print every case as JSON");
+  command->callback([options, &result] {
+    options->bench.conceal = [options](unsigned long seed, const std::string& robot, const std::string& folder) {
+      conceal::ConcealOptions c;
+      c.seed = seed;
+      c.robot = robot;
+      c.out = folder;
+      if (!options->family.empty()) c.family = conceal::family_from_string(options->family);
+      if (!options->effect.empty()) c.effect = options->effect;
+      if (options->ratio > 0.0) c.ratio = options->ratio;
+      const conceal::Concealed made = conceal::conceal(c);
+      return bench::DiagnoseCase{made.model, made.recordings};
+    };
+    options->bench.reveal = [](const std::string& folder, const std::string& verdict) {
+      return opened(conceal::reveal(folder, verdict));
+    };
+    result = bench::bench_diagnose(options->bench);
+  });
+}
+
+}  // namespace sanso::cli
