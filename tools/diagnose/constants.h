@@ -32,6 +32,7 @@ inline constexpr double kTestable = 3.0;          // noise levels that a typical
 inline constexpr double kSameSignature = 0.9;     // |correlation| above which two effects are one cluster (method 3.6)
 inline constexpr double kMinimumShare = 0.01;     // of the first model's error: smaller effects are not worth a name
 inline constexpr double kNamedShare = 0.8;        // of the excess error a complete explanation removes; below: also "unnamed"
+inline constexpr double kClearlyWrong = 3.0;      // noise levels of position error: above, "no mismatch" would be no answer
 inline constexpr int kRivals = 8;                 // cluster representatives fitted fully at every step (method 3.7a)
 inline constexpr int kMaximumEffects = 6;         // more names than this is a different robot, not a missing effect
 inline constexpr int kFolds = 4;                  // held-out groups when recordings or conditions do not give them

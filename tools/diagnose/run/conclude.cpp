@@ -107,6 +107,28 @@ double remaining_share(const Problem& problem, const Selection& selection) {
 
 namespace {
 
+/// RMS of the final model's position errors in noise levels (or trust floors), starts taken out.
+double position_error_level(const Problem& problem, const Selection& selection) {
+  const Eigen::VectorXd r = selection.around->starts.project(selection.final.r);
+  double square = 0.0, rows = 0.0;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    if (channel.signal != Signal::q) continue;
+    for (const Shot& shot : problem.shots) {
+      const auto piece = r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows));
+      square += piece.squaredNorm() * channel.sigma * channel.sigma / (channel.floor * channel.floor);
+      rows += static_cast<double>(shot.rows);
+    }
+  }
+  return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
+}
+
+/// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later gates.
+bool detected(const Selection& selection) {
+  return std::any_of(selection.first.probes.begin(), selection.first.probes.end(),
+                     [](const ProbeScore& p) { return p.p_family < constants::kFamilyWise; });
+}
+
 /// The joint whose remaining missing torque is most surely physics: predictable, and larger than noise makes it.
 const Predictability* most_predictable(const std::vector<Predictability>& left) {
   const Predictability* best = nullptr;
@@ -158,7 +180,15 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
     u.regime = location;
     verdict.unexplained = u;
   }
-  if (unnamed != nullptr && much_left) {
+  const bool clearly_wrong = position_error_level(problem, selection) > constants::kClearlyWrong && detected(selection);
+  if (unnamed == nullptr && verdict.findings.empty() && clearly_wrong) {
+    Unexplained u;
+    u.energy_share = share;
+    u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
+    u.regime = location;
+    verdict.unexplained = u;
+  }
+  if ((unnamed != nullptr && much_left) || (verdict.findings.empty() && clearly_wrong)) {
     verdict.status = VerdictStatus::present_unnamed;
   } else if (verdict.findings.empty()) {
     verdict.status = VerdictStatus::absent;
@@ -173,7 +203,7 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
     return;
   }
   if (verdict.findings.empty()) {
-    verdict.answer = "Physics is missing that no effect of the library describes: " + verdict.unexplained->where + " (" + location + ").";
+    verdict.answer = "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where + " (" + location + ").";
     return;
   }
   verdict.answer = "Missing: ";

@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/experiment/experiment.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/heldout/heldout.h"
 #include "tools/diagnose/run/conclude.h"
@@ -174,6 +175,7 @@ class Run {
     v.locations = out_.before.cells;
     v.findings = findings_of(library_, selection_, regimes);
     add_limits(v, library_, selection_);
+    v.next_experiment = next_experiment(problem_, library_, selection_, v.findings);
     const std::vector<TorqueSample> left = missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
     std::vector<Predictability> predictable(problem_.joints.size());
     parallel_for(static_cast<int>(problem_.joints.size()), [&](int j) {

@@ -28,7 +28,7 @@ void add_refusal(report::HtmlPage& page, const Verdict& v) {
 void add_where(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("Where simulation and recording part");
   report::HeatMap map;
-  map.title = "size of the prediction error after 0.5 s (root mean square, noise levels), nominal model";
+  map.title = "prediction error of the nominal model (RMS, noise levels)";
   map.unit = "noise levels";
   map.rows = d.joints;
   for (std::size_t g = 0; g < d.regimes.size(); ++g) {
@@ -42,7 +42,7 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
     }
   }
   if (!map.columns.empty()) {
-    page.figure(svg(map, {std::max(720, 44 * static_cast<int>(map.columns.size()) + 140), 150 + 26 * static_cast<int>(d.joints.size())}),
+    page.figure(svg(map, {std::max(720, 84 * static_cast<int>(map.columns.size()) + 140), 150 + 26 * static_cast<int>(d.joints.size())}),
                 "Joint by regime. An empty field: the recordings hold no such moments.");
   }
   report::LineChart strip{"error over time", "time, recordings one after the other [s]", "noise levels", {}};
@@ -70,7 +70,7 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
 
 void add_finding(report::HtmlPage& page, const Finding& f) {
   page.heading("Why " + f.effect + " at " + joined(f.where, "the whole robot") + ", and not its rivals");
-  page.paragraph(fmt::format("Removes {:.0f} % (standard error {:.0f} %) of the error beyond noise on held-out data; family-wise p = {:.3g}; "
+  page.paragraph(fmt::format("Removes {:.0f} % (standard error {:.0f} %) of the whole prediction error on held-out data; family-wise p = {:.3g}; "
                              "shows most: {}.",
                              100 * f.heldout_gain, 100 * f.heldout_gain_se, f.p_family, f.regime));
   report::Table parameters{{"parameter", "value", "95 % interval", "unit"}, {}};

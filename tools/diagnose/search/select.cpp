@@ -62,22 +62,39 @@ class Search {
     relinearise();
   }
 
-  /// The strongest significant candidates, one of every cluster first, then the rest by score.
+  int free_parameters(int c) const {
+    const std::vector<CandidateParameter>& all = candidate(c).parameters;
+    return static_cast<int>(std::count_if(all.begin(), all.end(), [](const CandidateParameter& p) { return !p.structural; }));
+  }
+
+  /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its strongest, then the strongest
+  /// members, then the rest by score.
   std::vector<int> rivals(const Screening& screening) const {
-    std::vector<int> significant, chosen;
+    std::vector<int> significant, leaders, chosen;
     for (int c : screening.ranking()) {
       if (screening.best(c)->p_family < constants::kFamilyWise) significant.push_back(c);
     }
     for (int c : significant) {
-      const bool new_cluster = std::none_of(chosen.begin(), chosen.end(), [&](int other) {
+      const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](int other) {
         return screening.similarity(c, other) > constants::kSameSignature;
       });
-      if (new_cluster && chosen.size() < constants::kRivals) chosen.push_back(c);
+      if (new_cluster) leaders.push_back(c);
     }
-    for (int c : significant) {
-      if (chosen.size() >= constants::kRivals) break;
-      if (std::find(chosen.begin(), chosen.end(), c) == chosen.end()) chosen.push_back(c);
+    const auto add = [&](int c) {
+      if (chosen.size() < constants::kRivals && std::find(chosen.begin(), chosen.end(), c) == chosen.end()) chosen.push_back(c);
+    };
+    for (int leader : leaders) {
+      int simplest = leader;
+      for (int c : significant) {
+        const bool member = screening.similarity(c, leader) > constants::kSameSignature;
+        const bool nearly = screening.best(c)->score > 0.8 * screening.best(leader)->score;
+        if (member && nearly && free_parameters(c) < free_parameters(simplest)) simplest = c;
+      }
+      add(simplest);
+      if (leader == leaders.front()) add(leader);
     }
+    for (int leader : leaders) add(leader);
+    for (int c : significant) add(c);
     return chosen;
   }
 

@@ -1,0 +1,131 @@
+// The whole command on practice data made with the library's own simulator (the sealed proof uses another world: bench diagnose).
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/run/diagnose.h"
+#include "tools/diagnose/stats/random.h"
+#include "tools/recording/csv_writer.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
+constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = 0.0015339808";
+
+/// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not know.
+recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
+  ModelFolder world = test::pendulum(kServo);
+  world.effects = effects;
+  const Drive drive = test::make_test_drive(world, 10.0, 0.01, [&](int, double t) {
+    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t) + (t > 5.0 ? 0.3 : 0.0);
+  });
+  const SimParams params = params_with_effects(world);
+  const Prediction p = simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
+  Random random(77, static_cast<std::uint64_t>(index));
+  recording::Recording r;
+  r.t = drive.t;
+  std::vector<double> q;
+  for (const double x : p.of(p.q, 0)) q.push_back(kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum));
+  r.set("u:a", drive.joints[0].command);
+  r.set("q:a", q);
+  return r;
+}
+
+class DiagnoseRun : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) / ("diagnose_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    write_model_folder(test::pendulum(kServo), (folder_ / "model").string());
+    options_.model = (folder_ / "model").string();
+    options_.out = (folder_ / "out").string();
+    options_.quiet = true;
+  }
+  void add(const recording::Recording& r) {
+    options_.recordings.push_back((folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
+    recording::write_csv(r, options_.recordings.back());
+  }
+  nlohmann::json verdict() const {
+    std::ifstream file(folder_ / "out" / "verdict.json");
+    return nlohmann::json::parse(file);
+  }
+  std::filesystem::path folder_;
+  DiagnoseOptions options_;
+};
+
+TEST_F(DiagnoseRun, CleanRecordingsGiveNoMismatch) {
+  for (int i = 0; i < 3; ++i) add(record({}, i));
+  EXPECT_EQ(run_diagnose(options_), 0);
+  EXPECT_EQ(verdict().at("status"), "ABSENT") << verdict().dump(1);
+  EXPECT_FALSE(verdict().at("detectable").empty());
+}
+
+TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolder) {
+  for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.02}}, 0}}, i));
+  EXPECT_EQ(run_diagnose(options_), 1);
+  const nlohmann::json v = verdict();
+  ASSERT_FALSE(v.at("findings").empty()) << v.dump(1);
+  const nlohmann::json& finding = v.at("findings").at(0);
+  EXPECT_EQ(finding.at("effect"), "command_delay") << v.at("answer");
+  EXPECT_NEAR(finding.at("parameters").at("delay").at("value").get<double>(), 0.02, 0.002);
+  EXPECT_GT(v.at("fit").at("heldout").at("0.5s").at("explained").get<double>(), 0.9);
+  EXPECT_FALSE(read_model_folder((folder_ / "out" / "model").string()).effects.empty());
+}
+
+TEST_F(DiagnoseRun, NamesDryFriction) {
+  for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.25}}, 0}}, i));
+  EXPECT_EQ(run_diagnose(options_), 1);
+  const nlohmann::json v = verdict();
+  ASSERT_FALSE(v.at("findings").empty()) << v.dump(1);
+  const auto names = v.at("findings").at(0).at("one_of").get<std::vector<std::string>>();
+  EXPECT_NE(std::find(names.begin(), names.end(), "coulomb_friction"), names.end()) << v.at("answer");
+}
+
+TEST_F(DiagnoseRun, SameSeedSameVerdict) {
+  for (int i = 0; i < 2; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.015}}, 0}}, i));
+  const std::string first = verdict_json(diagnose(options_, [](const std::string&) {}).verdict);
+  EXPECT_EQ(first, verdict_json(diagnose(options_, [](const std::string&) {}).verdict));
+}
+
+TEST_F(DiagnoseRun, BrokenInputIsRefusedByNameAndNothingElseIsWritten) {
+  add(record({}, 0));
+  recording::Recording broken = record({}, 1);
+  std::vector<double> q(broken.find("q:a").begin(), broken.find("q:a").end());
+  for (double& x : q) x *= 57.29578;
+  broken.set("q:a", q);
+  add(broken);
+  EXPECT_EQ(run_diagnose(options_), 2);
+  EXPECT_EQ(verdict().at("status"), "REFUSED");
+  EXPECT_EQ(verdict().at("refused").at(0).at("defect"), "wrong unit");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "out" / "model"));
+  options_.recordings = {"/nowhere/at_all.csv"};
+  EXPECT_EQ(run_diagnose(options_), 2);
+}
+
+/// The page in a real browser: loads, and is not blank (a blank page compresses to a few kB).
+TEST_F(DiagnoseRun, ReportOpensInABrowser) {
+  for (int i = 0; i < 2; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.02}}, 0}}, i));
+  run_diagnose(options_);
+  const std::string page = (folder_ / "out" / "report.html").string(), image = (folder_ / "report.png").string();
+  std::ifstream file(page);
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_NE(text.str().find("What to record next"), std::string::npos);
+  EXPECT_EQ(text.str().find("http://www.w3.org/1999/xlink"), std::string::npos);
+  if (std::system("command -v chromium >/dev/null 2>&1") != 0) GTEST_SKIP() << "SKIPPED: no chromium to open the report with";
+  const std::string command = "timeout 60 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=900,2400 --screenshot=" +
+                              image + " file://" + page + " >/dev/null 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_GT(std::filesystem::file_size(image), 30'000U);
+}
+
+}  // namespace
+}  // namespace sanso::diagnose
