@@ -24,6 +24,8 @@ inline constexpr double kZeroTolerance = 0.003;   // rad: two counts of a 12-bit
 inline constexpr double kLagTolerance = 0.0005;   // s: instants inside a bus cycle are not known better
 inline constexpr double kArmatureTolerance = 0.1; // relative, rotor inertia
 
+inline constexpr double kToleranceReach = 2.0;    // of the above: further off, something is missing that wants a name
+
 // --- decisions ------------------------------------------------------------------------------------------------------------
 inline constexpr double kFamilyWise = 0.01;       // level of every naming decision (method 3.7)
 inline constexpr int kNullDraws = 999;            // draws of the family's null law: p resolves to 0.001
@@ -41,7 +43,11 @@ inline constexpr int kBootstrap = 199;            // resamples of a confidence i
 inline constexpr double kShotOutlier = 3.0;       // times the median shot's RMS error: from there a shot's weight falls
 
 // --- fitting --------------------------------------------------------------------------------------------------------------
+inline constexpr double kSearchStep = 2e-3;       // s: at 1 ms errors differ by a tenth of an encoder count
 inline constexpr int kIterations = 7;             // Gauss-Newton steps; most fits stop after 4
+inline constexpr int kFirstIterations = 3;        // after these a rival far behind the best is not polished further
+inline constexpr double kPolishShare = 0.3;       // "far behind": by this share of what the best rival removes
+inline constexpr double kLinearReach = 4.0;       // a fit removes at most this many times what the linear screening promises
 inline constexpr double kConverged = 1e-3;        // relative decrease of the objective that ends a fit
 inline constexpr double kInsideBound = 0.05;      // fits start this far inside the bounds (rule 2 of the method page)
 

@@ -1,4 +1,5 @@
-// The whole command on practice data made with the library's own simulator (the sealed proof uses another world: bench diagnose).
+// The whole command on practice data made with the library's own simulator (the sealed proof uses another world: bench
+// diagnose).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "tests/tools/diagnose/worlds.h"
@@ -18,7 +20,8 @@ namespace sanso::diagnose {
 namespace {
 
 constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
-constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = 0.0015339808";
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = 0.0015339808";
 
 /// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not know.
 recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
@@ -33,7 +36,8 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index) 
   recording::Recording r;
   r.t = drive.t;
   std::vector<double> q;
-  for (const double x : p.of(p.q, 0)) q.push_back(kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum));
+  for (const double x : p.of(p.q, 0))
+    q.push_back(kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum));
   r.set("u:a", drive.joints[0].command);
   r.set("q:a", q);
   return r;
@@ -42,7 +46,8 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index) 
 class DiagnoseRun : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) / ("diagnose_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("diagnose_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     std::filesystem::remove_all(folder_);
     write_model_folder(test::pendulum(kServo), (folder_ / "model").string());
     options_.model = (folder_ / "model").string();
@@ -74,7 +79,10 @@ TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolde
   const nlohmann::json v = verdict();
   ASSERT_FALSE(v.at("findings").empty()) << v.dump(1);
   const nlohmann::json& finding = v.at("findings").at(0);
-  EXPECT_EQ(finding.at("effect"), "command_delay") << v.at("answer");
+  // without a torque-off recording the goal's and the reading's delay look alike: the answer has to be the set
+  const auto set = finding.at("one_of").get<std::set<std::string>>();
+  EXPECT_TRUE(set.contains("command_delay")) << v.at("answer");
+  EXPECT_LE(set.size(), 2U) << v.at("answer");
   EXPECT_NEAR(finding.at("parameters").at("delay").at("value").get<double>(), 0.02, 0.002);
   EXPECT_GT(v.at("fit").at("heldout").at("0.5s").at("explained").get<double>(), 0.9);
   EXPECT_FALSE(read_model_folder((folder_ / "out" / "model").string()).effects.empty());
@@ -120,9 +128,12 @@ TEST_F(DiagnoseRun, ReportOpensInABrowser) {
   text << file.rdbuf();
   EXPECT_NE(text.str().find("What to record next"), std::string::npos);
   EXPECT_EQ(text.str().find("http://www.w3.org/1999/xlink"), std::string::npos);
-  if (std::system("command -v chromium >/dev/null 2>&1") != 0) GTEST_SKIP() << "SKIPPED: no chromium to open the report with";
-  const std::string command = "timeout 60 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=900,2400 --screenshot=" +
-                              image + " file://" + page + " >/dev/null 2>&1";
+  if (std::system("command -v chromium >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "SKIPPED: no chromium to open the report with";
+  const std::string command =
+      "timeout 60 chromium --headless --no-sandbox --disable-gpu --hide-scrollbars --window-size=900,2400 "
+      "--screenshot=" +
+      image + " file://" + page + " >/dev/null 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_GT(std::filesystem::file_size(image), 30'000U);
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/diagnose/run/diagnose.h"
+#include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -33,7 +34,8 @@ struct Count {
 };
 
 Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
-  const std::filesystem::path folder = std::filesystem::path(options.folder) / fmt::format("{}_{}", options.robot, seed);
+  const std::filesystem::path folder =
+      std::filesystem::path(options.folder) / fmt::format("{}_{}", options.robot, seed);
   std::filesystem::remove_all(folder);
   const DiagnoseCase made = options.conceal(seed, options.robot, folder.string());
   diagnose::DiagnoseOptions task;
@@ -63,7 +65,8 @@ void print_row(const std::vector<Outcome>& all, const std::string& family, doubl
   for (const Outcome& o : all) {
     const DiagnoseScore& s = o.score;
     if (s.family != family || (ratio >= 0.0 && s.ratio != ratio)) continue;
-    right.add(s.right), detected.add(s.detected), named.add(s.named_first), in_set.add(s.in_set), where.add(s.where_exact);
+    right.add(s.right), detected.add(s.detected), named.add(s.named_first), in_set.add(s.in_set),
+        where.add(s.where_exact);
     refused.add(s.refused_by_name), unnamed.add(s.unnamed);
     sizes.push_back(s.set_size), f1.push_back(s.f1);
     for (const auto& [name, e] : s.relative_error) errors.push_back(e);
@@ -75,9 +78,10 @@ void print_row(const std::vector<Outcome>& all, const std::string& family, doubl
   if (family == "decoy") fmt::print("   refused by name {}", refused.text());
   if (family == "outside") fmt::print("   unnamed {}   place {}", unnamed.text(), where.text());
   if (family == "single" || family == "pair" || family == "ambiguous") {
-    fmt::print("   detected {}   name first {}   in set {} (mean size {:.2f})   place {}   f1 {:.2f}", detected.text(), named.text(), in_set.text(),
-               diagnose::mean(sizes), where.text(), diagnose::mean(f1));
-    if (!errors.empty()) fmt::print("   parameter error, median {:.1f} %, covered {}", 100 * diagnose::median(errors), covered.text());
+    fmt::print("   detected {}   name first {}   in set {} (mean size {:.2f})   place {}   f1 {:.2f}", detected.text(),
+               named.text(), in_set.text(), diagnose::mean(sizes), where.text(), diagnose::mean(f1));
+    if (!errors.empty())
+      fmt::print("   parameter error, median {:.1f} %, covered {}", 100 * diagnose::median(errors), covered.text());
   }
   fmt::print("\n");
 }
@@ -99,8 +103,8 @@ void print_confusions(const std::vector<Outcome>& all) {
   fmt::print("failures, by seed\n");
   for (const Outcome& o : all) {
     if (o.score.right) continue;
-    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, o.score.family, o.score.ratio, joined(o.score.truth), o.score.status,
-               joined(o.score.named));
+    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, o.score.family, o.score.ratio, joined(o.score.truth),
+               o.score.status, joined(o.score.named));
   }
 }
 
@@ -108,9 +112,20 @@ void print_json(const std::vector<Outcome>& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const Outcome& o : all) {
     const DiagnoseScore& s = o.score;
-    out.push_back({{"seed", o.seed}, {"family", s.family}, {"ratio", s.ratio}, {"truth", s.truth}, {"named", s.named}, {"status", s.status},
-                   {"right", s.right}, {"detected", s.detected}, {"in_set", s.in_set}, {"set_size", s.set_size},
-                   {"where_exact", s.where_exact}, {"relative_error", s.relative_error}, {"covered", s.covered}, {"seconds", o.seconds}});
+    out.push_back({{"seed", o.seed},
+                   {"family", s.family},
+                   {"ratio", s.ratio},
+                   {"truth", s.truth},
+                   {"named", s.named},
+                   {"status", s.status},
+                   {"right", s.right},
+                   {"detected", s.detected},
+                   {"in_set", s.in_set},
+                   {"set_size", s.set_size},
+                   {"where_exact", s.where_exact},
+                   {"relative_error", s.relative_error},
+                   {"covered", s.covered},
+                   {"seconds", o.seconds}});
   }
   fmt::print("{}\n", out.dump(2));
 }
@@ -118,24 +133,26 @@ void print_json(const std::vector<Outcome>& all) {
 }  // namespace
 
 int bench_diagnose(const DiagnoseBenchOptions& options) {
-  std::vector<Outcome> all;
+  std::vector<Outcome> all(static_cast<std::size_t>(options.cases));
+  diagnose::parallel_for(options.cases, [&](int k) {
+    Outcome& o = all[static_cast<std::size_t>(k)];
+    o = run_case(options, options.seed + static_cast<unsigned long>(k));
+    fmt::print(stderr, "seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", o.seed, o.score.family, o.score.ratio,
+               joined(o.score.truth), o.score.status, joined(o.score.named), o.score.right ? "right" : "wrong",
+               o.seconds);
+  });
   std::vector<double> seconds;
-  for (int k = 0; k < options.cases; ++k) {
-    all.push_back(run_case(options, options.seed + static_cast<unsigned long>(k)));
-    seconds.push_back(all.back().seconds);
-    const DiagnoseScore& s = all.back().score;
-    fmt::print(stderr, "case {} of {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", k + 1, options.cases, s.family, s.ratio, joined(s.truth),
-               s.status, joined(s.named), s.right ? "right" : "wrong", all.back().seconds);
-  }
+  for (const Outcome& o : all) seconds.push_back(o.seconds);
   if (options.json) {
     print_json(all);
     return 0;
   }
-  fmt::print("{} cases of {}, seeds {} to {}; intervals are 95 % (Wilson)\n", options.cases, options.robot, options.seed,
-             options.seed + static_cast<unsigned long>(std::max(0, options.cases - 1)));
+  fmt::print("{} cases of {}, seeds {} to {}; intervals are 95 % (Wilson)\n", options.cases, options.robot,
+             options.seed, options.seed + static_cast<unsigned long>(std::max(0, options.cases - 1)));
   print_table(all);
   print_confusions(all);
-  fmt::print("time of a diagnosis: median {:.1f} s, largest {:.1f} s\n", diagnose::median(seconds), diagnose::quantile(seconds, 1.0));
+  fmt::print("time of a diagnosis: median {:.1f} s, largest {:.1f} s\n", diagnose::median(seconds),
+             diagnose::quantile(seconds, 1.0));
   return 0;
 }
 

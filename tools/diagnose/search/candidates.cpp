@@ -62,7 +62,8 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   for (const std::string_view id : effect.confounders) c.confounders.emplace_back(id);
   for (const EffectParameter& p : effect.parameters) {
     const EffectParameter here = scaled(p, scale);
-    c.parameters.push_back({std::string(p.name), std::string(p.unit), here.null, here.low, here.high, here.typical, p.structural});
+    c.parameters.push_back(
+        {std::string(p.name), std::string(p.unit), here.null, here.low, here.high, here.typical, p.structural});
   }
   c.probes = scaled_probes(effect, scale);
   for (const std::size_t j : joints) {
@@ -96,8 +97,10 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
     std::string reason;
     for (std::size_t j = 0; j < (robot ? 1 : problem.joints.size()); ++j) {
       const std::string missing = why_untestable(effect, nominal, drives, robot ? -1 : static_cast<int>(j));
-      if (missing.empty()) able.push_back(j);
-      else reason = missing;
+      if (missing.empty())
+        able.push_back(j);
+      else
+        reason = missing;
     }
     if (able.empty()) {
       out.untestable.emplace_back(std::string(effect.id), reason);
@@ -109,9 +112,8 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
     }
     for (const std::size_t j : able) out.candidates.push_back(place(effect, problem, scales, {j}));
     for (const std::vector<std::size_t>& joints : tied) {
-      const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
-        return std::find(able.begin(), able.end(), j) != able.end();
-      });
+      const bool all = std::all_of(joints.begin(), joints.end(),
+                                   [&](std::size_t j) { return std::find(able.begin(), able.end(), j) != able.end(); });
       if (all) out.candidates.push_back(place(effect, problem, scales, joints));
     }
   }

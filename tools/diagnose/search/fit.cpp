@@ -51,7 +51,8 @@ Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) con
   if (shot_scale <= 0.0) return out;
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
     const double scale = shot_scale * static_cast<double>(problem->shots[s].rows * problem->channels.size());
-    out[static_cast<Eigen::Index>(s)] = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    out[static_cast<Eigen::Index>(s)] =
+        1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
   }
   return out;
 }
@@ -79,7 +80,8 @@ class Coordinates {
     for (const Chosen& c : model.effects) {
       for (double v : c.theta) x[i] = v / parameter(i).typical, ++i;
     }
-    for (std::size_t k = 0; k < model.nuisance.size(); ++k) x[i++] = model.nuisance[k] / library_->nuisances[k].tolerance;
+    for (std::size_t k = 0; k < model.nuisance.size(); ++k)
+      x[i++] = model.nuisance[k] / library_->nuisances[k].tolerance;
     return x;
   }
   Model model(const Eigen::VectorXd& x) const {
@@ -93,9 +95,11 @@ class Coordinates {
   }
   double low(Eigen::Index i) const {
     if (i < effects()) return parameter(i).low / parameter(i).typical;
-    return library_->nuisances[static_cast<std::size_t>(i - effects())].positive ? 0.0 : -INFINITY;
+    return library_->nuisances[static_cast<std::size_t>(i - effects())].positive ? 0.0 : -constants::kToleranceReach;
   }
-  double high(Eigen::Index i) const { return i < effects() ? parameter(i).high / parameter(i).typical : INFINITY; }
+  double high(Eigen::Index i) const {
+    return i < effects() ? parameter(i).high / parameter(i).typical : constants::kToleranceReach;
+  }
   Eigen::VectorXd inside(Eigen::VectorXd x) const {
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i], low(i), high(i));
     return x;
@@ -112,7 +116,8 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
                          const Eigen::VectorXd& r) {
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
-  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of the integrator's step
+  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of the integrator's
+  // step
   constexpr double kStep = 0.03;
   parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
     if (coordinates.parameter(i).structural) {
@@ -147,8 +152,7 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
   const Eigen::Index n = c.size();
   const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
   const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
-  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1),
-             around.bounded(energy).sum()};
+  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1), around.bounded(energy).sum()};
   for (Eigen::Index i = 0; i < n; ++i) {
     out.H(i, i) += prior(c, i);
     if (i < c.effects()) continue;
@@ -158,7 +162,8 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
   return out;
 }
 
-double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
+                    const Eigen::VectorXd& r) {
   return around.bounded(around.starts.energy_by_shot(r)).sum() + x.tail(x.size() - c.effects()).squaredNorm();
 }
 
@@ -212,12 +217,18 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   out.model = c.model(x);
   out.objective = normal.objective;
   out.r = std::move(r);
-  out.fixed.assign(static_cast<std::size_t>(c.effects()), 0);
+  out.fixed.assign(static_cast<std::size_t>(c.size()), 0);
   Eigen::MatrixXd H = normal.H;
-  for (Eigen::Index i = 0; i < c.effects(); ++i) {
+  for (Eigen::Index i = 0; i < c.size(); ++i) {
     const double width = c.high(i) - c.low(i);
-    if (!c.parameter(i).structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
+    const bool structural = i < c.effects() && c.parameter(i).structural;
+    if (!structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
     out.fixed[static_cast<std::size_t>(i)] = 1;
+    if (i < c.effects()) continue;
+    // a nuisance at the end of its tolerance lends no freedom to the effects' intervals
+    H.row(i).setZero();
+    H.col(i).setZero();
+    H(i, i) = 1.0;
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   return out;
@@ -265,7 +276,7 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
     const Eigen::MatrixXd& G = grams[static_cast<std::size_t>(part)];
     Eigen::MatrixXd rest = H - G.topLeftCorner(n, n);
     Eigen::VectorXd gradient = G.topRightCorner(n, 1);  // of the part alone; the whole gradient is zero
-    for (Eigen::Index i = 0; i < result.parameters; ++i) {
+    for (Eigen::Index i = 0; i < n; ++i) {
       if (!result.fixed[static_cast<std::size_t>(i)]) continue;
       rest.row(i).setZero();
       rest.col(i).setZero();
@@ -275,7 +286,8 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
     const Eigen::VectorXd delta = rest.ldlt().solve(gradient);
     const Eigen::VectorXd energy = around.starts.energy_by_shot(result.r + result.J * delta);
     for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-      if (part_of(problem.shots[s]) == part) heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
+      if (part_of(problem.shots[s]) == part)
+        heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
     }
   }
   return around.bounded(heldout);

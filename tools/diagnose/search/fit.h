@@ -35,7 +35,7 @@ struct FitResult {
   Eigen::VectorXd r;                   // prediction error at the optimum
   Eigen::MatrixXd J;                   // d r / d (effects' parameters / typical, nuisances / tolerance)
   Eigen::MatrixXd covariance;          // of the same coordinates
-  std::vector<char> fixed;             // by effect parameter: held at its bound
+  std::vector<char> fixed;             // by the same coordinates: held at a bound, or structural
   int parameters = 0;                  // number of effect parameters = leading columns of J
   bool converged = false;
 };

@@ -75,7 +75,8 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     }
     const double zero = joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
     out.push_back(make("zero" + at, "encoder_offset", zero, here, {1.0}));
-    if (s.armature > 0.0) out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));
+    if (s.armature > 0.0)
+      out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));
   }
   out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
   out.back().positive = true;

@@ -6,12 +6,15 @@
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace sanso::diagnose {
 namespace {
 
 std::atomic<bool> stop{false};
+/// True on threads that work for a parallel_for already: loops inside it run one after the other.
+thread_local bool inside = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "set from a signal handler");
 
 }  // namespace
@@ -24,6 +27,7 @@ void parallel_for(int count, const std::function<void(int)>& task) {
   std::exception_ptr failure;
   std::mutex guard;
   const auto work = [&] {
+    const bool outer = std::exchange(inside, true);
     for (int i = next++; i < count && !stop_requested(); i = next++) {
       try {
         task(i);
@@ -33,8 +37,10 @@ void parallel_for(int count, const std::function<void(int)>& task) {
         next = count;
       }
     }
+    inside = outer;
   };
-  const int threads = std::min<int>(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  const int cores = inside ? 1 : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int threads = std::min(count, cores);
   std::vector<std::thread> pool;
   for (int i = 1; i < threads; ++i) pool.emplace_back(work);
   work();

@@ -26,6 +26,7 @@ Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const M
     library.apply(model, params);
     SimOptions options;
     options.motion = &problem.sources[source].motion;
+    options.max_step_s = constants::kSearchStep;
     const std::vector<Prediction> predictions = simulate(params, problem.sources[source].drive, windows, options);
     for (std::size_t i = 0; i < predictions.size(); ++i) {
       const Shot& shot = problem.shots[begin + i];
@@ -35,7 +36,8 @@ Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const M
   return r;
 }
 
-/// Beyond this many joints the starts are moved all at once and coupling between joints is left out of their derivative.
+/// Beyond this many joints the starts are moved all at once and coupling between joints is left out of their
+/// derivative.
 constexpr std::size_t kCoupledStarts = 4;
 
 }  // namespace
@@ -44,8 +46,8 @@ Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
   return one_pass(problem, library, model, [](Window&) {});
 }
 
-Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model, int joint,
-                                                  double dq0, double ddq0) {
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
+                                                  int joint, double dq0, double ddq0) {
   return one_pass(problem, library, model, [&](Window& w) {
     for (std::size_t j = 0; j < w.q.size(); ++j) {
       if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
@@ -55,7 +57,8 @@ Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const 
   });
 }
 
-StartElimination::StartElimination(const Problem& problem, const Library& library, const Model& model) : problem_(&problem) {
+StartElimination::StartElimination(const Problem& problem, const Library& library, const Model& model)
+    : problem_(&problem) {
   const std::size_t n = problem.joints.size();
   const bool coupled = n <= kCoupledStarts;
   J_.setZero(static_cast<Eigen::Index>(problem.size), static_cast<Eigen::Index>(2 * n));
@@ -106,7 +109,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
 std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& columns, int parts,
                                                        const std::function<int(const Shot&)>& part_of,
                                                        const Eigen::VectorXd& weights) const {
-  std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(parts), Eigen::MatrixXd::Zero(columns.cols(), columns.cols()));
+  std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(parts),
+                                   Eigen::MatrixXd::Zero(columns.cols(), columns.cols()));
   parallel_for(parts, [&](int part) {
     Eigen::MatrixXd& G = out[static_cast<std::size_t>(part)];
     for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
@@ -125,7 +129,9 @@ std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& co
 
 Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights) const {
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  for (const Eigen::MatrixXd& G : gram_by(columns, problem_->groups, [](const Shot& s) { return s.group; }, weights)) total += G;
+  for (const Eigen::MatrixXd& G : gram_by(
+           columns, problem_->groups, [](const Shot& s) { return s.group; }, weights))
+    total += G;
   return total;
 }
 

@@ -15,11 +15,16 @@ namespace sanso::diagnose {
 
 const char* to_string(Signal signal) {
   switch (signal) {
-    case Signal::q: return "q";
-    case Signal::dq: return "dq";
-    case Signal::tau: return "tau";
-    case Signal::i: return "i";
-    case Signal::pwm: return "pwm";
+    case Signal::q:
+      return "q";
+    case Signal::dq:
+      return "dq";
+    case Signal::tau:
+      return "tau";
+    case Signal::i:
+      return "i";
+    case Signal::pwm:
+      return "pwm";
   }
   return "q";
 }
@@ -28,16 +33,21 @@ namespace {
 
 const std::vector<double>& column(const JointData& data, Signal signal) {
   switch (signal) {
-    case Signal::dq: return data.dq;
-    case Signal::tau: return data.tau;
-    case Signal::i: return data.i;
-    case Signal::pwm: return data.pwm;
-    default: return data.q;
+    case Signal::dq:
+      return data.dq;
+    case Signal::tau:
+      return data.tau;
+    case Signal::i:
+      return data.i;
+    case Signal::pwm:
+      return data.pwm;
+    default:
+      return data.q;
   }
 }
 
-/// Recordings faster than kFastestRate: commands and efforts averaged over blocks (their impulse is what acts), positions
-/// taken at the block's first row.
+/// Recordings faster than kFastestRate: commands and efforts averaged over blocks (their impulse is what acts),
+/// positions taken at the block's first row.
 recording::Recording thinned(const recording::Recording& r) {
   const double rate = 1.0 / std::max(gate::sampling_interval(r.t), 1e-9);
   const auto block = static_cast<std::size_t>(std::ceil(rate / constants::kFastestRate));
@@ -116,7 +126,8 @@ std::vector<Source> make_sources(const ModelFolder& model, const std::vector<rec
     }();
     sigmas.push_back(std::max({noise_of(noise, "q:" + joint.name), 1e-6 * range, 1e-9}));
   }
-  parallel_for(static_cast<int>(sources.size()), [&](int i) { smooth_source(sources[static_cast<std::size_t>(i)], sigmas); });
+  parallel_for(static_cast<int>(sources.size()),
+               [&](int i) { smooth_source(sources[static_cast<std::size_t>(i)], sigmas); });
   return sources;
 }
 
@@ -141,8 +152,9 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
       channel.signal = signal;
       channel.joint = static_cast<int>(j);
       const double sigma = noise_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
-      const double floor = signal == Signal::q ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
-                                               : constants::kSecondaryFloor * rms(values);
+      const double floor = signal == Signal::q
+                               ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
+                               : constants::kSecondaryFloor * rms(values);
       channel.noise = std::max(sigma, 1e-12);
       channel.sigma = channel.floor = std::max({sigma, floor, 1e-9});
       out.push_back(channel);
@@ -154,7 +166,8 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
 void add_shots(Problem& problem, int source_index, double seconds) {
   const Source& source = problem.sources[static_cast<std::size_t>(source_index)];
   const std::vector<double>& t = source.drive.t;
-  constexpr std::size_t kComparedRows = 100;  // 200 Hz at half a second: above it neighbouring errors are the same error
+  constexpr std::size_t kComparedRows =
+      100;  // 200 Hz at half a second: above it neighbouring errors are the same error
   for (std::size_t first = 0; first + 1 < t.size();) {
     std::size_t last = first;
     while (last + 1 < t.size() && t[last + 1] - t[first] <= seconds + 1e-9) ++last;
@@ -169,7 +182,8 @@ void add_shots(Problem& problem, int source_index, double seconds) {
       shot.window.dq.push_back(source.motion.dq[j][first]);
     }
     shot.stride = static_cast<int>(std::max<std::size_t>(1, (last - first) / kComparedRows));
-    shot.rows = (last - first) / static_cast<std::size_t>(shot.stride);  // row `first` itself is the start, not a prediction
+    shot.rows =
+        (last - first) / static_cast<std::size_t>(shot.stride);  // row `first` itself is the start, not a prediction
     problem.shots.push_back(std::move(shot));
     first = last;
   }
@@ -179,7 +193,8 @@ void add_shots(Problem& problem, int source_index, double seconds) {
 void thin_shots(Problem& problem, int maximum_rows) {
   std::size_t total = 0;
   for (const Shot& s : problem.shots) total += s.rows * problem.joints.size();
-  problem.used_share = std::min(1.0, static_cast<double>(maximum_rows) / static_cast<double>(std::max<std::size_t>(total, 1)));
+  problem.used_share =
+      std::min(1.0, static_cast<double>(maximum_rows) / static_cast<double>(std::max<std::size_t>(total, 1)));
   if (problem.used_share >= 1.0) return;
   std::vector<Shot> kept;
   double credit = 0.5;
@@ -216,7 +231,8 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   problem.sources = std::move(sources);
   for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints) problem.joints.push_back(joint.name);
   problem.channels = observed_channels(problem, noise, options.secondary);
-  for (std::size_t i = 0; i < problem.sources.size(); ++i) add_shots(problem, static_cast<int>(i), options.shot_seconds);
+  for (std::size_t i = 0; i < problem.sources.size(); ++i)
+    add_shots(problem, static_cast<int>(i), options.shot_seconds);
   thin_shots(problem, options.maximum_rows);
   for (Shot& s : problem.shots) {
     s.offset = problem.size;

@@ -36,14 +36,15 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, Eigen::Index nuisances, Eigen:
   Eigen::MatrixXd H = gram.topLeftCorner(nuisances, nuisances);
   H.diagonal().array() += 1.0;
   const Eigen::MatrixXd cross = gram.block(0, nuisances, nuisances, probes + 1);
-  const Eigen::MatrixXd reduced = gram.block(nuisances, nuisances, probes + 1, probes + 1) - cross.transpose() * H.ldlt().solve(cross);
+  const Eigen::MatrixXd reduced =
+      gram.block(nuisances, nuisances, probes + 1, probes + 1) - cross.transpose() * H.ldlt().solve(cross);
   return {reduced.topLeftCorner(probes, probes), reduced.topRightCorner(probes, 1)};
 }
 
-/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit): the
-/// error level of a model large enough, as in ordinary regression.
-std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S, const Eigen::VectorXd& r,
-                                             const Eigen::MatrixXd& gram) {
+/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit):
+/// the error level of a model large enough, as in ordinary regression.
+std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S,
+                                             const Eigen::VectorXd& r, const Eigen::MatrixXd& gram) {
   const Eigen::Index a = around.A.cols(), k = S.cols();
   std::vector<Eigen::Index> chosen;
   Eigen::VectorXd coefficients;
@@ -78,19 +79,22 @@ std::vector<double> saturated_overdispersion(const Surroundings& around, const E
   return overdispersion(*around.problem, around.starts.project(left));
 }
 
-/// Divides every channel's rows by the square root of its overdispersion; the scale never falls below the channel's floor.
-void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXd& columns, std::vector<double>& sigma) {
+/// Divides every channel's rows by the square root of its overdispersion; the scale never falls below the channel's
+/// floor.
+void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXd& columns,
+             std::vector<double>& sigma) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Observed& channel = problem.channels[c];
     sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
     for (const Shot& shot : problem.shots) {
-      columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows)) *=
-          channel.sigma / sigma.back();
+      columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
+                         static_cast<Eigen::Index>(shot.rows)) *= channel.sigma / sigma.back();
     }
   }
 }
 
-/// Symmetric square root by eigenvalues: draws with this covariance are root * standard normals, also when it is singular.
+/// Symmetric square root by eigenvalues: draws with this covariance are root * standard normals, also when it is
+/// singular.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
@@ -108,7 +112,8 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
   std::vector<double> statistic(out.probes.size()), maxima;
   for (std::size_t i = 0; i < out.probes.size(); ++i) {
     statistic[i] = out.probes[i].score;
-    if (one_sided_probe[i] == 0) draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+    if (one_sided_probe[i] == 0)
+      draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   }
   const std::vector<double> p = step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
     for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
@@ -120,8 +125,8 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
 
 }  // namespace
 
-Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
-                 Random random, const Screening* earlier) {
+Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
+                 const std::vector<int>& which, Random random, const Screening* earlier) {
   Screening out;
   std::vector<char> signed_probe;
   for (int candidate : which) {

@@ -64,15 +64,20 @@ class Search {
 
   int free_parameters(int c) const {
     const std::vector<CandidateParameter>& all = candidate(c).parameters;
-    return static_cast<int>(std::count_if(all.begin(), all.end(), [](const CandidateParameter& p) { return !p.structural; }));
+    return static_cast<int>(
+        std::count_if(all.begin(), all.end(), [](const CandidateParameter& p) { return !p.structural; }));
   }
 
-  /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its strongest, then the strongest
-  /// members, then the rest by score.
+  /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its strongest, then the
+  /// strongest members, then the rest by score.
   std::vector<int> rivals(const Screening& screening) const {
     std::vector<int> significant, leaders, chosen;
     for (int c : screening.ranking()) {
-      if (screening.best(c)->p_family < constants::kFamilyWise) significant.push_back(c);
+      const ProbeScore& best = *screening.best(c);
+      // what a fit can remove is the squared score, as far as the model is linear; below a share of what counts it is
+      // not tried
+      const bool worth = constants::kLinearReach * best.score * best.score > constants::kMinimumShare * whole();
+      if (best.p_family < constants::kFamilyWise && worth) significant.push_back(c);
     }
     for (int c : significant) {
       const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](int other) {
@@ -81,7 +86,8 @@ class Search {
       if (new_cluster) leaders.push_back(c);
     }
     const auto add = [&](int c) {
-      if (chosen.size() < constants::kRivals && std::find(chosen.begin(), chosen.end(), c) == chosen.end()) chosen.push_back(c);
+      if (chosen.size() < constants::kRivals && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+        chosen.push_back(c);
     };
     for (int leader : leaders) {
       int simplest = leader;
@@ -115,15 +121,30 @@ class Search {
     return theta;
   }
 
-  /// Fits `base` + each of `which`, in parallel; held-out energies included.
-  std::vector<Alternative> fit_all(const Model& base, const std::vector<int>& which, const Screening& screening) const {
+  /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of the same
+  /// candidates, to start from. Candidates far behind after the first steps are not polished.
+  std::vector<Alternative> fit_all(const Model& base, const std::vector<int>& which, const Screening& screening,
+                                   const std::vector<Alternative>& known = {}) const {
     std::vector<Alternative> out(which.size());
     parallel_for(static_cast<int>(which.size()), [&](int i) {
       Alternative& a = out[static_cast<std::size_t>(i)];
       a.candidate = which[static_cast<std::size_t>(i)];
+      const auto before =
+          std::find_if(known.begin(), known.end(), [&](const Alternative& k) { return k.candidate == a.candidate; });
       Model start = base;
-      start.effects.push_back({a.candidate, start_of(a.candidate, screening.best(a.candidate))});
-      a.fit = fit(*out_.around, start, constants::kIterations);
+      start.effects.push_back({a.candidate, before != known.end()
+                                                ? before->fit.model.effects.back().theta
+                                                : start_of(a.candidate, screening.best(a.candidate))});
+      a.fit = fit(*out_.around, start, constants::kFirstIterations);
+    });
+    double best = INFINITY;
+    for (const Alternative& a : out) best = std::min(best, a.fit.objective);
+    const double near = best + constants::kPolishShare * std::max(0.0, out_.final.objective - best);
+    parallel_for(static_cast<int>(which.size()), [&](int i) {
+      Alternative& a = out[static_cast<std::size_t>(i)];
+      if (!a.fit.converged && a.fit.objective <= near) {
+        a.fit = fit(*out_.around, a.fit.model, constants::kIterations - constants::kFirstIterations);
+      }
       a.heldout = heldout_energy(*out_.around, a.fit);
     });
     return out;
@@ -132,7 +153,8 @@ class Search {
   /// Best first. Among those within one standard error of the best, the one with fewest parameters (one-SE rule).
   void rank(std::vector<Alternative>& all) const {
     if (all.empty()) return;
-    std::stable_sort(all.begin(), all.end(), [](const Alternative& a, const Alternative& b) { return a.heldout.sum() < b.heldout.sum(); });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Alternative& a, const Alternative& b) { return a.heldout.sum() < b.heldout.sum(); });
     const Eigen::VectorXd best = all.front().heldout;
     for (Alternative& a : all) {
       const HeldoutGain g = compare(a.heldout, best);
@@ -144,7 +166,8 @@ class Search {
       const bool close = all[i].behind <= all[i].behind_se + noise_unit();
       if (close && all[i].fit.parameters < all[pick].fit.parameters) pick = i;
     }
-    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick), all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
+    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
+                all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
   }
 
   /// A difference of this many energy units is one unit of log-likelihood.
@@ -158,7 +181,8 @@ class Search {
     const std::size_t first = sigma.size() - parameters.size();
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       if (parameters[i].structural) continue;
-      if (f(parameters[i], a.fit.model.effects.back().theta[i], sigma[first + i], a.fit.fixed[first + i] != 0)) return true;
+      if (f(parameters[i], a.fit.model.effects.back().theta[i], sigma[first + i], a.fit.fixed[first + i] != 0))
+        return true;
     }
     return false;
   }
@@ -179,7 +203,8 @@ class Search {
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
   std::string refused_by(const Alternative& a) const {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
-    if (gain.total < constants::kStandardErrors * gain.standard_error) return "held-out gain within two standard errors";
+    if (gain.total < constants::kStandardErrors * gain.standard_error)
+      return "held-out gain within two standard errors";
     if (gain.total < noise_unit()) return "held-out gain below one unit of log-likelihood";
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
@@ -189,7 +214,8 @@ class Search {
 
   bool holds_on_conditions(const Alternative& a) const {
     if (problem_.conditions < 2) return true;
-    const HeldoutGain gain = compare(heldout_energy(*out_.around, out_.final, true), heldout_energy(*out_.around, a.fit, true));
+    const HeldoutGain gain =
+        compare(heldout_energy(*out_.around, out_.final, true), heldout_energy(*out_.around, a.fit, true));
     return gain.total > -gain.standard_error;
   }
 
@@ -199,13 +225,14 @@ class Search {
       if (!out_.final.model.has(static_cast<int>(i))) open.push_back(static_cast<int>(i));
     }
     Screening screening = step == 0 ? out_.first
-                                    : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
-                                             &out_.first);
+                                    : screen(*out_.around, out_.final.model, out_.final.r, open,
+                                             Random(options_.seed, 10 + step), &out_.first);
     if (step > 0) calibrate(screening);
     const std::vector<int> which = rivals(screening);
     if (which.empty()) {
       say(fmt::format("step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
-                      screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score, screening.critical));
+                      screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score,
+                      screening.critical));
       return false;
     }
     std::vector<Alternative> fitted = fit_all(out_.final.model, which, screening);
@@ -242,7 +269,8 @@ class Search {
   /// Starts and nuisances at the current model; its fit polished there, the nominal model's too.
   void relinearise() {
     out_.around = make_surroundings(problem_, library_, out_.final.model);
-    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(prediction_error(problem_, library_, out_.final.model)));
+    out_.around->set_shot_scale(
+        out_.around->starts.energy_by_shot(prediction_error(problem_, library_, out_.final.model)));
     out_.final = fit(*out_.around, out_.final.model, 3);
     out_.nominal = out_.accepted.empty() ? out_.final : fit(*out_.around, Model{{}, out_.nominal.model.nuisance}, 1);
     out_.nominal_heldout = heldout_energy(*out_.around, out_.nominal);
@@ -272,7 +300,8 @@ class Search {
     }
   }
 
-  /// Which candidates to try in place of an accepted one: its cluster, its known confounders, what was fitted beside it.
+  /// Which candidates to try in place of an accepted one: its cluster, its known confounders, what was fitted beside
+  /// it.
   std::vector<int> replacements(const Accepted& entry) const {
     std::vector<std::pair<double, int>> order;
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
@@ -280,11 +309,13 @@ class Search {
       if (out_.final.model.has(c)) continue;
       const Candidate &own = candidate(entry.candidate), &other = candidate(c);
       const double similarity = out_.first.similarity(entry.candidate, c);
-      const bool known = std::find(own.confounders.begin(), own.confounders.end(), other.effect) != own.confounders.end() &&
-                         other.where == own.where;
+      const bool known =
+          std::find(own.confounders.begin(), own.confounders.end(), other.effect) != own.confounders.end() &&
+          other.where == own.where;
       const bool fitted = std::any_of(entry.alternatives.begin(), entry.alternatives.end(),
                                       [&](const Alternative& a) { return a.candidate == c; });
-      if (similarity > constants::kSameSignature || known || fitted) order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
+      if (similarity > constants::kSameSignature || known || fitted)
+        order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
     }
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<int> out;
@@ -294,21 +325,24 @@ class Search {
     return out;
   }
 
-  /// Every accepted effect against its rivals, everything else refitted; the better one stays, the others are kept as rivals.
+  /// Every accepted effect against its rivals, everything else refitted; the better one stays, the others are kept as
+  /// rivals.
   void swap() {
     for (std::size_t i = 0; i < out_.accepted.size(); ++i) {
       Accepted& entry = out_.accepted[i];
       Model base = out_.final.model;
       const Chosen own = base.effects[i];
       base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
-      std::vector<Alternative> tried = fit_all(base, replacements(entry), out_.first);
+      std::vector<Alternative> tried = fit_all(base, replacements(entry), out_.first, entry.alternatives);
       Alternative self{entry.candidate, out_.final, out_.final_heldout};
       tried.push_back(self);
       rank(tried);
-      const bool replaced = tried.front().candidate != entry.candidate && !at_bound(tried.front()) && leaves_null(tried.front()) &&
-                            self.heldout.sum() - tried.front().heldout.sum() > noise_unit() && holds_on_conditions(tried.front());
+      const bool replaced =
+          tried.front().candidate != entry.candidate && !at_bound(tried.front()) && leaves_null(tried.front()) &&
+          self.heldout.sum() - tried.front().heldout.sum() > noise_unit() && holds_on_conditions(tried.front());
       if (replaced) {
-        say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(), candidate(tried.front().candidate).title()));
+        say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(),
+                        candidate(tried.front().candidate).title()));
         Chosen other = tried.front().fit.model.effects.back();
         entry.candidate = other.candidate;
         Model model = tried.front().fit.model;  // the new effect stands last: put it in its predecessor's place
@@ -327,7 +361,8 @@ class Search {
         a.similarity = out_.first.similarity(a.candidate, entry.candidate);
         others.push_back(std::move(a));
       }
-      std::stable_sort(others.begin(), others.end(), [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
+      std::stable_sort(others.begin(), others.end(),
+                       [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
       entry.alternatives = std::move(others);
     }
   }

@@ -81,6 +81,7 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources, con
     library.apply(model, params);
     SimOptions sim;
     sim.motion = &problem.sources[s].motion;
+    sim.max_step_s = constants::kSearchStep;
     replay[s] = simulate(params, problem.sources[s].drive, windows, sim);
   }
   std::vector<Eigen::VectorXd> projected;
