@@ -1,5 +1,9 @@
 #include "host/mpc/lane_kernels.h"
 
+#include <cstring>
+
+#include "shared/model/step_batch.h"
+
 namespace sanso::mpc {
 
 namespace baseline {
@@ -30,9 +34,11 @@ int available_lane_kernels(const LaneKernels** out, int capacity) {
 }
 
 const LaneKernels& lane_kernels() {
-  const LaneKernels* best = nullptr;
-  available_lane_kernels(&best, 1);
-  return *best;
+  const LaneKernels* list[3];
+  const int count = available_lane_kernels(list, 3);
+  for (int i = 0; i < count; ++i)
+    if (std::strcmp(list[i]->name, model::batch_isa()) == 0) return *list[i];
+  return *list[count - 1];
 }
 
 }  // namespace sanso::mpc

@@ -61,7 +61,8 @@ struct LaneKernels {
   void (*finish_stage)(const StageFinish&, StageDerivatives&);
 };
 
-/// The fastest table this processor runs.
+/// The table of the instruction set that the batch step uses (model::batch_isa): the widest this processor runs, unless a
+/// test or a benchmark has chosen another.
 const LaneKernels& lane_kernels();
 /// All tables this processor runs.
 int available_lane_kernels(const LaneKernels** out, int capacity);

@@ -46,6 +46,10 @@ bool Op3Phases::ground_varies() const {
   return model_.ground.num_segments > 1 || first.sin_slope != 0 || first.curvature != 0;
 }
 
+// Columns of joint rates and inputs fill the last groups.
+static_assert(model::kDJointRate % kLineSearchLanes == 0);
+int Op3Phases::full_groups() const { return shares() ? model::kDJointRate / kLineSearchLanes : kEvaluationGroups; }
+
 int Op3Phases::along_x_groups() const { return ground_varies() ? (stages() + model::kLanes - 1) / model::kLanes : 0; }
 
 void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) {
@@ -85,7 +89,7 @@ void Op3Phases::lane_taken(int lane) {
 void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
   pool_.run(stages(), [&](int stage, int) { prepare_stage(nominal, stage); });
   if (ground_varies()) prepare_along_x(nominal);
-  pool_.run(stages() * kEvaluationGroups + along_x_groups(), [&](int item, int) { evaluate_group(item); });
+  pool_.run(stages() * full_groups() + along_x_groups(), [&](int item, int) { evaluate_group(item); });
   pool_.run(stages() + 1, [&](int knot, int) { finish_knot(nominal, knot, derivatives, costs); });
 }
 
@@ -136,7 +140,7 @@ void Op3Phases::prepare_along_x(const Trajectory& nominal) {
 void Op3Phases::evaluate_group(int item) {
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
   model::ContactLanes contact;
-  const int along = item - stages() * kEvaluationGroups;
+  const int along = item - stages() * full_groups();
   if (along >= 0) {
     for (int l = 0; l < model::kLanes; ++l) {
       const int stage = along * model::kLanes + l < stages() ? along * model::kLanes + l : 0;
@@ -146,10 +150,18 @@ void Op3Phases::evaluate_group(int item) {
     model::step_batch(perturbed_model_, model_.ground, &x, &work_->along_x_input[along], step, &x, &contact, 1);
     return;
   }
-  const int stage = item / kEvaluationGroups, group = item % kEvaluationGroups;
+  const int stage = item / full_groups(), group = item % full_groups();
   for (int i = 0; i < model::kNumContactRows; ++i)
     for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
   StageEvaluations& e = work_->evaluations[stage];
+  if (shares() && group == 0) {
+    model::step_batch_keep(perturbed_model_, model_.ground, as_lanes(e.x[0]), as_input(e.u[0]), step, as_lanes(e.x[0]),
+                           &contact, work_->step[stage]);
+    model::StateLanes* rest = &as_lanes(e.x[full_groups()]);
+    model::step_neighbours(perturbed_model_, work_->step[stage], rest, &as_input(e.u[full_groups()]), settings_.dt_s, rest,
+                           kEvaluationGroups - full_groups());
+    return;
+  }
   model::step_batch(perturbed_model_, model_.ground, &as_lanes(e.x[group]), &as_input(e.u[group]), step,
                     &as_lanes(e.x[group]), &contact, 1);
 }

@@ -18,6 +18,7 @@ struct Op3PhasesSettings {
   // Contact work of the perturbed evaluations, which start from the nominal solution; the roll-outs use the model's own.
   int linearize_sweeps = 2;
   int linearize_newton_steps = 1;
+  bool share_mass_matrix = true;  // columns of joint rates and inputs from the nominal step (false: for comparison)
 };
 
 class Op3Phases : public Phases {
@@ -45,6 +46,7 @@ class Op3Phases : public Phases {
     ResidualWeights residual;
     StageEvaluations evaluations[kMaxStages];
     Nominal nominal[kMaxStages];
+    model::NominalStep step[kMaxStages];
     model::ContactLanes rolled_contact[kMaxStages];   // of the last roll-out
     double nominal_contact[kMaxStages][model::kNumContactRows];
     model::StateLanes along_x[kMaxStages / model::kLanes + 1];  // lane = stage: steps along base x, on ground that needs them
@@ -57,6 +59,8 @@ class Op3Phases : public Phases {
   void finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs);
   bool ground_varies() const;
   int along_x_groups() const;
+  bool shares() const { return settings_.share_mass_matrix && model_.substeps == 1; }
+  int full_groups() const;  // of a stage: the others share the nominal step
 
   Op3PhasesSettings settings_;
   host::AugmentedModel model_;

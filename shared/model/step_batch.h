@@ -3,6 +3,7 @@
 #pragma once
 
 #include "shared/model/ground.h"
+#include "shared/model/nominal_step.h"
 #include "shared/model/step_model.h"
 
 namespace sanso::model {
@@ -26,6 +27,15 @@ struct BatchStep {
 /// Arrays are aligned to 64 bytes; x_next may alias x.
 void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
                 const BatchStep& step, StateLanes* x_next, ContactLanes* contact, int groups);
+
+/// One group in one substep (step.substeps is not read); keeps the step of lane 0 for its neighbours.
+void step_batch_keep(const StepModel& model, const Ground& ground, const StateLanes& x, const InputLanes& u,
+                     const BatchStep& step, StateLanes& x_next, ContactLanes* contact, NominalStep& lane0);
+
+/// Steps of states that differ from the kept one in joint rates and inputs only: right to first order in the difference,
+/// with the contact set held (kernel/neighbour.h). For derivatives by differences; same alignment rules as step_batch.
+void step_neighbours(const StepModel& model, const NominalStep& nominal, const StateLanes* x, const InputLanes* u, double h,
+                     StateLanes* x_next, int groups);
 
 /// What step_batch uses on this machine: "avx512", "avx2" or "portable".
 const char* batch_isa();

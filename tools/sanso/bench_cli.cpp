@@ -1,7 +1,8 @@
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
-#include <vector>
+#include <type_traits>
 
 #include "tools/bench/bench_dynamics.h"
 #include "tools/bench/bench_tick.h"
@@ -13,41 +14,67 @@ namespace {
 
 struct Bench {
   const char* name;
+  const char* about;
   int (*run)(bool json);
 };
 
-int bench_mpc(bool json) {
-  bench::BenchMpcOptions options;
-  options.json = json;
-  options.peer = true;
-  return bench::bench_mpc(options);
+constexpr std::array kBenches{
+    Bench{"dynamics", "one 60 ms step of the whole body: time, arithmetic, share of the peak", bench::bench_dynamics},
+    Bench{"tick", "one 10 ms tick of the controller", bench::bench_tick},
+    Bench{"bus", "one bus cycle, by arithmetic", bench::bench_bus},
+};
+
+/// `sanso bench mpc`: the only one with settings of its own.
+void add_mpc(CLI::App& bench, int& result) {
+  auto o = std::make_shared<bench::BenchMpcOptions>();
+  CLI::App* command = bench.add_subcommand("mpc", "one policy update along a motion, beside the same iLQG on MuJoCo");
+  command->add_flag("--json", o->json, "figures as JSON");
+  command->add_option("--updates", o->updates, "policy updates timed")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_flag("--peer", o->peer, "also run the peer, interleaved, and print the ratio");
+  command->add_option("--peer-updates", o->peer_updates, "updates that the peer repeats")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--motion", o->motion, "motion of the library whose states the updates start from")
+      ->capture_default_str();
+  command->add_option("--disturbance", o->disturbance, "1: centimetres, hundredths of a radian")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command->add_option("--lanes", o->lanes, "avx512, avx2 or portable; default the widest this processor has");
+  command->add_option("--budget-ms", o->budget_ms, "time given to the solver; 0: none")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_flag("!--no-residual", o->residual, "without the residual network");
+  o->mpc.visit([&](const char* name, auto& value, auto low, auto high) {
+    std::string flag = std::string("--") + name;
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>)
+      command->add_flag(flag, value, "a setting of the upper layer");
+    else
+      command->add_option(flag, value, "a setting of the upper layer")
+          ->check(CLI::Range(low, high))
+          ->capture_default_str();
+  });
+  command->footer("Example:\n  sanso bench mpc --threads 2 --peer");
+  command->callback([o, &result] { result = bench::bench_mpc(*o); });
 }
 
-constexpr std::array kBenches{
-    Bench{"mpc", bench_mpc},
-    Bench{"dynamics", bench::bench_dynamics},
-    Bench{"tick", bench::bench_tick},
-    Bench{"bus", bench::bench_bus},
-};
+void add_simple(CLI::App& bench, const Bench& b, int& result) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = bench.add_subcommand(b.name, b.about);
+  command->add_flag("--json", *json, "figures as JSON");
+  command->callback([run = b.run, json, &result] { result = run(*json); });
+}
 
 }  // namespace
 
 void add_bench(CLI::App& app, int& result) {
-  struct Options {
-    std::string what;
-    bool json = false;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("bench", "timing against the budgets of docs/tour.md");
-  std::vector<std::string> names;
-  for (const Bench& b : kBenches) names.emplace_back(b.name);
-  command->add_option("what", options->what, "what to time")->required()->check(CLI::IsMember(names));
-  command->add_flag("--json", options->json, "figures as JSON");
-  command->footer("Example:\n  sanso bench tick");
-  command->callback([options, &result] {
-    for (const Bench& b : kBenches)
-      if (options->what == b.name) result = b.run(options->json);
-  });
+  CLI::App* bench = app.add_subcommand("bench", "timing against the budgets of docs/tour.md");
+  bench->require_subcommand(1);
+  bench->footer("Example:\n  sanso bench tick");
+  add_mpc(*bench, result);
+  for (const Bench& b : kBenches) add_simple(*bench, b, result);
 }
 
 }  // namespace sanso::cli

@@ -34,8 +34,8 @@ inline void forward6(const T (&L)[6][6], T (&X)[6][N]) {
       for (int c = 0; c < N; ++c) X[i][c] -= L[i][k] * X[k][c];
 }
 
-template <class T>
-inline void forward6(const T (&L)[6][6], T (&x)[6]) {
+template <class S, class T>
+inline void forward6(const S (&L)[6][6], T (&x)[6]) {
 #pragma GCC unroll 6
   for (int i = 1; i < 6; ++i)
 #pragma GCC unroll 6
@@ -43,8 +43,8 @@ inline void forward6(const T (&L)[6][6], T (&x)[6]) {
 }
 
 /// x <- L^-T x.
-template <class T>
-inline void backward6(const T (&L)[6][6], T (&x)[6]) {
+template <class S, class T>
+inline void backward6(const S (&L)[6][6], T (&x)[6]) {
 #pragma GCC unroll 6
   for (int i = 4; i >= 0; --i)
 #pragma GCC unroll 6

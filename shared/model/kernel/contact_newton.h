@@ -33,18 +33,24 @@ inline void negative_inverse(T (&M)[kTwists][kTwists]) {
   }
 }
 
-/// Solves M x = b in place by elimination without exchanges: M is positive definite but for the part of sliding friction.
+/// L U of M in place by elimination without exchanges (M is positive definite but for the part of sliding friction): U above
+/// the diagonal, inverse pivots on it, multipliers below.
 template <class T>
-inline void eliminate(T (&M)[kTwists][kTwists], T (&b)[kTwists]) {
+inline void factorize12(T (&M)[kTwists][kTwists]) {
   for (int k = 0; k < kTwists; ++k) {
-    const T pivot = 1.0 / M[k][k];
+    M[k][k] = 1.0 / M[k][k];
     for (int i = k + 1; i < kTwists; ++i) {
-      const T factor = M[i][k] * pivot;
-      for (int j = k + 1; j < kTwists; ++j) M[i][j] -= factor * M[k][j];
-      b[i] -= factor * b[k];
+      M[i][k] = M[i][k] * M[k][k];
+      for (int j = k + 1; j < kTwists; ++j) M[i][j] -= M[i][k] * M[k][j];
     }
-    M[k][k] = pivot;
   }
+}
+
+/// b <- M^-1 b with M from factorize12.
+template <class S, class T>
+inline void solve12(const S (&M)[kTwists][kTwists], T (&b)[kTwists]) {
+  for (int i = 1; i < kTwists; ++i)
+    for (int k = 0; k < i; ++k) b[i] -= M[i][k] * b[k];
   for (int i = kTwists - 1; i >= 0; --i) {
     for (int j = i + 1; j < kTwists; ++j) b[i] -= M[i][j] * b[j];
     b[i] = b[i] * M[i][i];
@@ -173,7 +179,8 @@ inline void newton_step(double mu_forward, double mu_sideways, double regulariza
       add_corner(foot[l], k, set[l][k], 6 * l, M, tau);
     }
   }
-  eliminate(M, tau);
+  factorize12(M);
+  solve12(M, tau);
 
   T change[kNumFeet][kFootRows], wrench[kNumFeet][6] = {}, twist[kNumFeet][6] = {};
   for (int l = 0; l < kNumFeet; ++l)

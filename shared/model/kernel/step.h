@@ -28,6 +28,7 @@ struct StepWork {
   T base[6][6];          // effective inertia of the base, then its factor
   T rhs_leg[kNumFeet][6], rhs_base[6];
   T A[kNumFeet][6][6], A_cross[6][6];  // inverse inertias of the soles; A_cross: right rows, left columns
+  T dv_base[6], d_rate[kNumFeet][6];   // velocity changes of the step: base (base axes), joints
 };
 
 constexpr double side_of(int leg) { return leg == 0 ? -1.0 : 1.0; }
@@ -112,21 +113,30 @@ inline void rigid_body(const StepModel& model, StepWork<T>& w) {
 /// Full duty is a secant stiffness, K min(1, limit / |K e|): continuous in the error, and with the back-EMF in the damping
 /// it is the motor's torque-speed line. Dry friction likewise is a secant damping, coulomb / max(|rate|, 0.05 rad/s).
 template <class T>
-inline void servo(const StepModel& model, const T* x, const T* u, double h, StepWork<T>& w) {
+struct ServoTerms {
+  T implicit;  // kg m^2, h D + h^2 K: adds to the diagonal
+  T rhs;       // N m s
+};
+template <class T>
+inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error, T rate, T bias, double h) {
   constexpr double kFrictionRate = 0.05;  // rad/s, about two steps of the servo's velocity register
+  const T limited = p.torque_limit / max_of(abs_of(p.stiffness * error), T(p.torque_limit));
+  const T stiffness = p.stiffness * limited;
+  const T damping = p.damping + p.coulomb / max_of(abs_of(rate), T(kFrictionRate));
+  const T implicit = h * damping + (h * h) * stiffness;
+  return {implicit, h * (sign * stiffness * error - bias) - implicit * rate};
+}
+
+template <class T>
+inline void servo(const StepModel& model, const T* x, const T* u, double h, StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l)
     for (int j = 0; j < kLegJoints; ++j) {
       const int joint = l * kLegJoints + j;
       const ServoParameters& p = model.servo[joint];
-      const double sign = kOp3Joints[joint].sign;
       const T error = u[joint] - x[kXJoint + joint];
-      const T limited = p.torque_limit / max_of(abs_of(p.stiffness * error), T(p.torque_limit));
-      const T stiffness = p.stiffness * limited;
-      const T rate = w.leg[l].rate[j];
-      const T damping = p.damping + p.coulomb / max_of(abs_of(rate), T(kFrictionRate));
-      const T implicit = h * damping + (h * h) * stiffness;
-      w.rhs_leg[l][j] = h * (sign * stiffness * error - w.leg[l].bias[j]) - implicit * rate;
-      w.leg[l].M[j][j] += implicit + p.armature;
+      const ServoTerms<T> terms = servo_terms<T>(p, kOp3Joints[joint].sign, error, w.leg[l].rate[j], w.leg[l].bias[j], h);
+      w.rhs_leg[l][j] = terms.rhs;
+      w.leg[l].M[j][j] += terms.implicit + p.armature;
     }
   for (int i = 0; i < 6; ++i) w.rhs_base[i] = -h * w.rhs_base[i];
 }
@@ -302,11 +312,11 @@ inline void velocity_change(StepWork<T>& w, T* dv_base, T (&d_rate)[kNumFeet][6]
 
 /// x_next = x integrated over h with the velocities at its end.
 template <class T>
-inline void integrate(const T* x, double h, const StepWork<T>& w, const T* dv_base, const T (&d_rate)[kNumFeet][6],
-                      T* x_next) {
+inline void integrate(const T* x, double h, const T (&R_world_base)[3][3], const T* dv_base,
+                      const T (&d_rate)[kNumFeet][6], T* x_next) {
   T turn[3];
   for (int i = 0; i < 3; ++i) {
-    const T v = x[kXVel + i] + dot(w.R_world_base[i], dv_base);
+    const T v = x[kXVel + i] + dot(R_world_base[i], dv_base);
     const T omega = x[kXOmega + i] + dv_base[3 + i];
     x_next[kXVel + i] = v;
     x_next[kXOmega + i] = omega;
@@ -326,8 +336,7 @@ inline void integrate(const T* x, double h, const StepWork<T>& w, const T* dv_ba
 /// One implicit step of length h [s]; x and x_next may be the same array.
 template <class T>
 inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, T* x_next,
-                        StepScratch<T>& scratch) {
-  StepWork<T> w;
+                        StepScratch<T>& scratch, StepWork<T>& w) {
   read_state(x, w);
   rigid_body(model, w);
 #pragma GCC unroll 1
@@ -342,9 +351,8 @@ inline void single_step(const StepModel& model, const Ground& ground, const T* x
   sole_response(w);
   solve_contact(model, h, w, scratch);
   report_contact(model, h, w, scratch);
-  T dv_base[6], d_rate[kNumFeet][6];
-  velocity_change(w, dv_base, d_rate);
-  integrate(x, h, w, dv_base, d_rate, x_next);
+  velocity_change(w, w.dv_base, w.d_rate);
+  integrate(x, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
 }
 
 /// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps. Shapes: x (37), u (12).
@@ -354,8 +362,9 @@ template <class T>
 inline void analytical_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, int substeps,
                             T* x_next, StepScratch<T>& scratch) {
   const double part = h / substeps;
-  single_step(model, ground, x, u, part, x_next, scratch);
-  for (int i = 1; i < substeps; ++i) single_step(model, ground, x_next, u, part, x_next, scratch);
+  StepWork<T> w;
+  single_step(model, ground, x, u, part, x_next, scratch, w);
+  for (int i = 1; i < substeps; ++i) single_step(model, ground, x_next, u, part, x_next, scratch, w);
 }
 
 }  // namespace sanso::model::SANSO_ISA

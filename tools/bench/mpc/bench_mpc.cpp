@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 #include "host/motion/motion.h"
@@ -144,6 +145,10 @@ double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x
 }  // namespace
 
 BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
+  BenchMpcResult r;
+  if (!o.lanes.empty() && !model::select_batch_isa(o.lanes.c_str()))
+    throw std::invalid_argument(fmt::format("--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable", o.lanes));
+  r.lanes = model::batch_isa();
   Walk walk(o);
   host::AugmentedModel model;
   if (o.residual) model.residual = plausible_network();
@@ -156,14 +161,13 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   std::unique_ptr<Peer> peer;
   if (o.peer) peer = std::make_unique<Peer>(o, walk);
 
-  BenchMpcResult r;
   r.threads = o.mpc.threads;
   r.updates = o.updates;
-  r.lanes = model::batch_isa();
   std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize, ratios;
   mpc::PlanResult plan;
   for (int i = -20; i < o.updates; ++i) {  // the first ones warm caches and clock
-    const mpc::PlanRequest request = walk.next();
+    mpc::PlanRequest request = walk.next();
+    request.time_budget = static_cast<Nanoseconds>(1e6 * o.budget_ms);
     const long taken_before = preemptions();
     upper.plan(request, plan);
     const bool quiet = preemptions() == taken_before;
@@ -174,6 +178,7 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
     before.push_back(plan.cost_before);
     after.push_back(plan.cost_after);
     r.iterations += plan.iterations / static_cast<double>(o.updates);
+    r.cut_short += plan.stop == mpc::StopReason::deadline;
     r.max_iterations = std::max(r.max_iterations, static_cast<double>(plan.iterations));
     r.predict_ms += ms(plan.timing.predict) / o.updates;
     r.linearize_ms += ms(plan.timing.linearize) / o.updates;
@@ -216,6 +221,7 @@ void print_json(const BenchMpcResult& r) {
                       {"updates", r.updates},
                       {"undisturbed", r.undisturbed},
                       {"ddp_iterations", r.iterations},
+                      {"cut_short", r.cut_short},
                       {"threads", r.threads},
                       {"dynamics_eval_us", r.dynamics_eval_us},
                       {"predict_ms", r.predict_ms},
@@ -240,6 +246,7 @@ void print_table(const BenchMpcResult& r) {
              r.undisturbed_ms.p50, r.undisturbed_ms.p99, r.undisturbed_ms.max);
   fmt::print("  iterations           mean {:.2f}, most {:.0f};  cost {:.3f} -> {:.3f} (medians)\n", r.iterations,
              r.max_iterations, r.cost_before, r.cost_after);
+  if (r.cut_short > 0) fmt::print("  {} updates used up their time budget and returned the best plan found\n", r.cut_short);
   fmt::print("  mean of an update    predict {:.3f}  linearise {:.3f}  backward {:.3f}  roll-outs {:.3f} ms\n", r.predict_ms,
              r.linearize_ms, r.backward_ms, r.line_search_ms);
   fmt::print("  one dynamics step    {:.3f} us a lane\n", r.dynamics_eval_us);

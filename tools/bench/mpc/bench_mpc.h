@@ -16,6 +16,8 @@ struct BenchMpcOptions {
   double disturbance = 0.5; // 1: centimetres and hundredths of a radian
   bool json = false;
   std::string motion = "walk_forward";
+  std::string lanes;        // "avx512", "avx2", "portable"; empty: the widest this processor has
+  double budget_ms = 0;     // time given to the solver, 0: none
   mpc::MpcSettings mpc;
 };
 
@@ -29,6 +31,7 @@ struct BenchMpcResult {
   int updates = 0, undisturbed = 0;
   double iterations = 0;         // mean
   double max_iterations = 0;
+  int cut_short = 0;             // updates that the time budget ended
   int threads = 0;
   double dynamics_eval_us = 0;   // one evaluation, one lane of eight
   double predict_ms = 0, linearize_ms = 0, backward_ms = 0, line_search_ms = 0;  // mean per update

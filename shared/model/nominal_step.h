@@ -1,0 +1,27 @@
+// What one step leaves behind so that steps with other joint rates and inputs, from the same configuration, need not
+// repeat it: mass matrix, soles and contact set do not change with them. Plain numbers, shared by all instruction sets.
+#pragma once
+
+#include "shared/model/dimensions.h"
+
+namespace sanso::model {
+
+/// Leg index 0 right, 1 left; joints about the positive coordinate axes; twists and wrenches of a sole in contact axes.
+struct NominalStep {
+  double R_world_base[3][3];    // [row][column]
+  double w_base[3], a_base[3];  // rad/s; m/s^2, acceleration of the base that stands for gravity; base axes
+  double cosine[kNumFeet][6], sine[kNumFeet][6];
+  double rate[kNumFeet][6];      // rad/s at the beginning
+  double bias_on_base[6];        // N, N m: share of both legs
+  double rhs_leg[kNumFeet][6];   // N m s: right-hand sides of the legs, before elimination
+  double implicit[kNumFeet][6];  // kg m^2: h D + h^2 K of the servos
+  double leg_factor[kNumFeet][6][6], leg_inverse_d[kNumFeet][6];  // L D L' of the effective inertia
+  double base_factor[6][6], base_inverse_d[6];
+  double F[kNumFeet][6][6];                // L^-1 of the coupling with the base           [joint][base]
+  double X[kNumFeet][6][6];                // L^-1 of the transposed Jacobian of the sole  [joint][twist]
+  double G[kNumFeet][6][6];                // the same of the base                         [base][twist]
+  double contact[2 * 6][2 * 6 + 4];        // impulses of both soles per change of their free twists; rows padded to 16
+  double dv_base[6], d_rate[kNumFeet][6];  // velocity changes of the step
+};
+
+}  // namespace sanso::model
