@@ -23,7 +23,7 @@ inline constexpr const char* kArmUrdf = R"(<robot name="arm"><link name="base"/>
 <inertia ixx="0.01" ixy="0.001" ixz="0" iyy="0.012" iyz="0" izz="0.003"/></inertial></link>
 <joint name="b" type="continuous"><parent link="upper"/><child link="lower"/><origin xyz="0 0.05 -0.3" rpy="0 0.1 0.4"/><axis xyz="0.6 0.8 0"/></joint>
 <link name="lower"><inertial><origin xyz="0 0.03 -0.2"/><mass value="0.5"/>
-<inertia ixx="0.006" ixy="0" ixz="0.0005" iyy="0.005" iyz="0" izz="0.001"/></inertial></link>
+<inertia ixx="0.006" ixy="0" ixz="0.0005" iyy="0.005" iyz="0" izz="0.002"/></inertial></link>
 <joint name="c" type="prismatic"><parent link="lower"/><child link="rod"/><origin xyz="0 0 -0.3"/><axis xyz="0 0 1"/>
 <limit lower="-1" upper="1" effort="10" velocity="2"/></joint>
 <link name="rod"><inertial><origin xyz="0.04 0 -0.05"/><mass value="0.2"/>

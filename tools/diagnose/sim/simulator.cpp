@@ -72,7 +72,7 @@ class WindowRun {
     const int steps = std::max(1, static_cast<int>(std::ceil(span / options_.max_step_s - 1e-9)));
     const double h = span / steps;
     for (int s = 0; s < steps; ++s) {
-      before_ = state_;
+      if (longest_delay_ > 0.0) before_ = state_;  // old readings lie inside a step
       t_before_ = from + s * h;
       t_now_ = s + 1 == steps ? until : from + (s + 1) * h;
       if (!diverged_) diverged_ = !integrator_.step(t_before_, h, state_, torques_);
