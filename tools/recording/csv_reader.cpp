@@ -69,7 +69,8 @@ class CsvParser {
   }
 
   void column(std::string_view name) {
-    if (target_.size() >= limits_.max_columns) fail(line_, "", "too many columns", name, "at most " + std::to_string(limits_.max_columns));
+    if (target_.size() >= limits_.max_columns)
+      fail(line_, "", "too many columns", name, "at most " + std::to_string(limits_.max_columns));
     if (name.empty()) fail(line_, "", "column without a name", "", "a name such as q:knee");
     if (std::find(names_.begin(), names_.end(), name) != names_.end()) {
       fail(line_, std::string(name), "column given twice", name, "every column once");
@@ -203,7 +204,8 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
   }
   int code = Z_OK;
   gzerror(file.get(), &code);
-  if (code != Z_OK && code != Z_STREAM_END) throw InputError(path, line, "", "truncated gzip file", "", "an intact file");
+  if (code != Z_OK && code != Z_STREAM_END)
+    throw InputError(path, line, "", "truncated gzip file", "", "an intact file");
   if (!pending.empty()) parser.line(pending);
 
   Recording recording = parser.finish();

@@ -1,4 +1,5 @@
-// What went wrong in a file a person gave us: which file, which line, what stood there, what was expected, what to do next.
+// What went wrong in a file a person gave us: which file, which line, what stood there, what was expected, what to do
+// next.
 #pragma once
 
 #include <stdexcept>
@@ -21,7 +22,7 @@ struct InputError : std::runtime_error {
 
   std::string file;
   int line;
-  std::string channel;   // column or key, empty when the whole line or file is meant
+  std::string channel;  // column or key, empty when the whole line or file is meant
   std::string defect;
   std::string value;     // what stood there, shortened
   std::string expected;  // what should stand there, or the next step

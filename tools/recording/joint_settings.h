@@ -22,25 +22,25 @@ constexpr std::optional<Actuator> actuator_from(std::string_view name) {
 /// For prismatic joints read m for rad, N for N m, kg for kg m^2. The defaults of the servo are the XM430-W350 at 12 V.
 struct JointSettings {
   Actuator actuator = Actuator::dc_servo;
-  double kp = 0.0;                 // position_pd stiffness
-  double kd = 0.0;                 // position_pd damping, on the joint's own velocity
-  double torque_limit = 4.1;       // at the output; 0 = none
-  double p_gain = 4.604;           // dc_servo, duty per rad
-  double d_gain = 0.0;             // dc_servo, duty per rad/s of joint velocity
-  double i_gain = 0.0;             // dc_servo, duty per rad s
-  double duty_limit = 1.0;         // dc_servo
-  double voltage = 12.0;           // dc_servo, at the driver
-  double resistance = 5.22;        // dc_servo, winding
-  double torque_constant = 1.78;   // dc_servo, at the output shaft
-  double back_emf = 2.49;          // dc_servo, at the output shaft
-  double current_limit = 0.0;      // dc_servo; 0 = none
-  double armature = 0.0;           // rotor inertia seen at the output shaft
-  double viscous = 0.0;            // friction torque per velocity
-  double coulomb = 0.0;            // friction torque, any speed
-  double command_delay_s = 0.0;    // from the time stamp of the command until it acts
-  double sensor_delay_s = 0.0;     // age of a reading at its time stamp
-  double position_quantum = 0.0;   // encoder step; 0 = continuous
-  double position_noise = 0.0;     // standard deviation, on top of the quantum
+  double kp = 0.0;                // position_pd stiffness
+  double kd = 0.0;                // position_pd damping, on the joint's own velocity
+  double torque_limit = 4.1;      // at the output; 0 = none
+  double p_gain = 4.604;          // dc_servo, duty per rad
+  double d_gain = 0.0;            // dc_servo, duty per rad/s of joint velocity
+  double i_gain = 0.0;            // dc_servo, duty per rad s
+  double duty_limit = 1.0;        // dc_servo
+  double voltage = 12.0;          // dc_servo, at the driver
+  double resistance = 5.22;       // dc_servo, winding
+  double torque_constant = 1.78;  // dc_servo, at the output shaft
+  double back_emf = 2.49;         // dc_servo, at the output shaft
+  double current_limit = 0.0;     // dc_servo; 0 = none
+  double armature = 0.0;          // rotor inertia seen at the output shaft
+  double viscous = 0.0;           // friction torque per velocity
+  double coulomb = 0.0;           // friction torque, any speed
+  double command_delay_s = 0.0;   // from the time stamp of the command until it acts
+  double sensor_delay_s = 0.0;    // age of a reading at its time stamp
+  double position_quantum = 0.0;  // encoder step; 0 = continuous
+  double position_noise = 0.0;    // standard deviation, on top of the quantum
 
   /// field(key, value, unit, low, high) for every numeric setting.
   template <class Self, class Field>

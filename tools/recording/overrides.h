@@ -20,8 +20,8 @@ struct Override {
 /// A point mass fixed to a link.
 struct Payload {
   std::string link;
-  double mass = 0.0;                          // kg
-  std::array<double, 3> com{0.0, 0.0, 0.0};   // m, in the link's frame
+  double mass = 0.0;                         // kg
+  std::array<double, 3> com{0.0, 0.0, 0.0};  // m, in the link's frame
 };
 
 }  // namespace sanso::recording

@@ -31,10 +31,14 @@ constexpr std::array<ChannelKind, 16> kKinds{{
 
 bool suffix_fits(Suffix suffix, std::string_view after_colon) {
   switch (suffix) {
-    case Suffix::none: return false;
-    case Suffix::joint: return !after_colon.empty();
-    case Suffix::xyz: return after_colon == "x" || after_colon == "y" || after_colon == "z";
-    case Suffix::wxyz: return after_colon == "w" || after_colon == "x" || after_colon == "y" || after_colon == "z";
+    case Suffix::none:
+      return false;
+    case Suffix::joint:
+      return !after_colon.empty();
+    case Suffix::xyz:
+      return after_colon == "x" || after_colon == "y" || after_colon == "z";
+    case Suffix::wxyz:
+      return after_colon == "w" || after_colon == "x" || after_colon == "y" || after_colon == "z";
   }
   return false;
 }

@@ -25,7 +25,7 @@ struct Recording {
   std::vector<Override> overrides;   // what the sidecar sets differently from the model
   std::vector<Payload> payloads;     // bodies that the sidecar says were attached
   std::vector<std::string> ignored;  // columns of no known kind, dropped by the reader
-  int header_line = 1;               // row k of the data stands in line header_line + 1 + k of a CSV without blank lines
+  int header_line = 1;  // row k of the data stands in line header_line + 1 + k of a CSV without blank lines
 
   std::size_t rows() const { return t.size(); }
   /// Values of a channel, or an empty span when the recording has no such column.

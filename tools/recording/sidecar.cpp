@@ -85,7 +85,7 @@ void write_sidecar(const Recording& recording, const std::string& path) {
   for (const Override& o : recording.overrides) tables[o.table].push_back(&o);
   for (const auto& [table, settings] : tables) {
     const bool joint = table.starts_with("joint.");
-    out << "[" << (joint ? "joint." + toml_quoted(table.substr(6)) : table) << "]\n";
+    out << "[" << (joint ? "joint." + toml_key(table.substr(6)) : table) << "]\n";
     for (const Override* o : settings) {
       out << o->key << " = ";
       if (!o->text.empty()) {

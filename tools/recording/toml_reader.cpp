@@ -1,11 +1,13 @@
 #include "tools/recording/toml_reader.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "tools/recording/input_error.h"
 
@@ -138,8 +140,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   std::vector<TomlTable> tables;
   for (const toml::node& element : *array) {
     if (!element.is_table()) fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
-    tables.push_back(TomlTable(
-        std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}), std::string(key)));
+    tables.push_back(TomlTable(std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}),
+                               std::string(key)));
   }
   return tables;
 }
@@ -158,9 +160,26 @@ void TomlTable::allow_only(const std::vector<std::string_view>& known) const {
 }
 
 std::string toml_quoted(std::string_view text) {
-  std::ostringstream out;
-  out << toml::value<std::string>(std::string(text));
-  return out.str();
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      out += escape;
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
+std::string toml_key(std::string_view text) {
+  const auto bare = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'; };
+  const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), bare);
+  return plain ? std::string(text) : toml_quoted(text);
 }
 
 std::string toml_number(double value) {

@@ -1,5 +1,5 @@
-// Strict access to a TOML table: every read names the key, its line and what was expected; keys nobody asked for are errors.
-// The one place that touches the TOML library, so that a malformed file is always an InputError.
+// Strict access to a TOML table: every read names the key, its line and what was expected; keys nobody asked for are
+// errors. The one place that touches the TOML library, so that a malformed file is always an InputError.
 #pragma once
 
 #include <initializer_list>
@@ -39,13 +39,16 @@ class TomlTable {
 
  private:
   struct Node;
-  explicit TomlTable(std::shared_ptr<const Node> node, std::string path) : node_(std::move(node)), path_(std::move(path)) {}
+  explicit TomlTable(std::shared_ptr<const Node> node, std::string path)
+      : node_(std::move(node)), path_(std::move(path)) {}
   std::shared_ptr<const Node> node_;
   std::string path_;
 };
 
 /// A string with quotes and escapes as TOML wants it.
 std::string toml_quoted(std::string_view text);
+/// A key: bare where TOML allows it, else quoted.
+std::string toml_key(std::string_view text);
 /// Shortest text that reads back to the same number, always with a point or exponent ("12.0"), "inf" for infinity.
 std::string toml_number(double value);
 

@@ -16,7 +16,9 @@ namespace sanso::diagnose {
 namespace {
 
 Drive lively_drive(const ModelFolder& model) {
-  Drive drive = test::make_test_drive(model, 2.0, 0.01, [](int j, double t) { return (j == 2 ? 0.1 : 0.6) * std::sin(5 * t + j) + (t > 1 ? 0.2 : 0.0); });
+  Drive drive = test::make_test_drive(model, 2.0, 0.01, [](int j, double t) {
+    return (j == 2 ? 0.1 : 0.6) * std::sin(5 * t + j) + (t > 1 ? 0.2 : 0.0);
+  });
   for (JointData& joint : drive.joints) {
     for (double t : drive.t) joint.temp.push_back(25 + 5 * t);
   }
@@ -37,7 +39,8 @@ MeasuredMotion lively_motion(const Drive& drive) {
 }
 
 std::vector<Prediction> run(const SimParams& params, const Drive& drive, const MeasuredMotion& motion) {
-  const std::vector<Window> windows{{0, 120, {0.1, -0.2, 0.02}, {0.5, 0.1, 0}}, {80, 200, {0.1, 0.2, 0.0}, {1, -1, 0.1}}};
+  const std::vector<Window> windows{{0, 120, {0.1, -0.2, 0.02}, {0.5, 0.1, 0}},
+                                    {80, 200, {0.1, 0.2, 0.0}, {1, -1, 0.1}}};
   SimOptions options;
   options.motion = &motion;
   return simulate(params, drive, windows, options);
@@ -45,7 +48,9 @@ std::vector<Prediction> run(const SimParams& params, const Drive& drive, const M
 
 bool identical(const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   for (std::size_t w = 0; w < a.size(); ++w) {
-    if (a[w].q != b[w].q || a[w].dq != b[w].dq || a[w].tau != b[w].tau || a[w].i != b[w].i || a[w].pwm != b[w].pwm || a[w].volt != b[w].volt) return false;
+    if (a[w].q != b[w].q || a[w].dq != b[w].dq || a[w].tau != b[w].tau || a[w].i != b[w].i || a[w].pwm != b[w].pwm ||
+        a[w].volt != b[w].volt)
+      return false;
   }
   return true;
 }
@@ -57,7 +62,8 @@ class EveryEffect : public testing::TestWithParam<std::string> {};
 TEST_P(EveryEffect, IsTheNominalModelAtItsNull) {
   const Effect& effect = *find_effect(GetParam());
   for (const char* actuator : {"dc_servo", "position_pd", "torque"}) {
-    const ModelFolder model = test::arm("actuator = \"" + std::string(actuator) + "\"\nkp = 12\nkd = 0.5\n" + kSettings);
+    const ModelFolder model =
+        test::arm("actuator = \"" + std::string(actuator) + "\"\nkp = 12\nkd = 0.5\n" + kSettings);
     const Drive drive = lively_drive(model);
     const MeasuredMotion motion = lively_motion(drive);
     const auto nominal = run(make_params(model), drive, motion);
@@ -79,7 +85,8 @@ TEST_P(EveryEffect, ChangesThePredictionAtEveryProbe) {
   const MeasuredMotion motion = lively_motion(drive);
   const auto nominal = run(make_params(model), drive, motion);
   auto probes = effect.probes;
-  if (probes.empty()) probes = {{5, 0, 0, 0.5, 0.5}};  // external_push has no probe of its own: its instant comes from the data
+  if (probes.empty())
+    probes = {{5, 0, 0, 0.5, 0.5}};  // external_push has no probe of its own: its instant comes from the data
   for (const auto& theta : probes) {
     SimParams params = make_params(model);
     effect.apply(params, 1, theta);
@@ -107,7 +114,8 @@ std::vector<std::string> testable_ids() {
   }
   return ids;
 }
-INSTANTIATE_TEST_SUITE_P(Library, EveryEffect, testing::ValuesIn(testable_ids()), [](const auto& p) { return p.param; });
+INSTANTIATE_TEST_SUITE_P(Library, EveryEffect, testing::ValuesIn(testable_ids()),
+                         [](const auto& p) { return p.param; });
 
 TEST(Library, IsConsistent) {
   EXPECT_EQ(library().size(), 56u);
@@ -157,8 +165,9 @@ TEST(EffectsOfAModel, AreCheckedAndComeBack) {
   EXPECT_EQ(entry_of(instances[0]).parameters.at("width"), 0.01);
   const SimParams params = params_with_effects(with("id = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n"));
   EXPECT_EQ(params.tree.joints[1].body.mass, 0.75);
-  for (const char* bad : {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n", "id = \"backlash\"\nwhere = [\"z\"]\n",
-                          "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n", "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
+  for (const char* bad : {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n",
+                          "id = \"backlash\"\nwhere = [\"z\"]\n", "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n",
+                          "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
     EXPECT_THROW(instances_of(with(bad)), recording::InputError) << bad;
   }
 }
@@ -175,9 +184,11 @@ TEST(ModelFolderPage, HoldsTheCurrentTables) {
   std::ifstream in("docs/model-folder.md");
   std::stringstream page;
   page << in.rdbuf();
-  const std::string wanted = with_section(with_section(page.str(), "settings", settings_table_markdown()), "effects", effect_table_markdown());
+  const std::string wanted =
+      with_section(with_section(page.str(), "settings", settings_table_markdown()), "effects", effect_table_markdown());
   if (std::getenv("SANSO_UPDATE_DOCS") != nullptr) std::ofstream("docs/model-folder.md") << wanted;
-  EXPECT_TRUE(page.str() == wanted) << "docs/model-folder.md is not what the library says: run this test with SANSO_UPDATE_DOCS=1";
+  EXPECT_TRUE(page.str() == wanted)
+      << "docs/model-folder.md is not what the library says: run this test with SANSO_UPDATE_DOCS=1";
 }
 
 }  // namespace

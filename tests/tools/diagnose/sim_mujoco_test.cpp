@@ -18,7 +18,8 @@ TEST(SimulatorAgainstMuJoCo, SmoothArmUnderTorques) {
   const auto path = std::filesystem::temp_directory_path() / ("sanso_arm_" + std::to_string(::getpid()) + ".urdf");
   std::ofstream(path) << test::kArmUrdf;
   char error[500] = {};
-  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(mj_loadXML(path.c_str(), nullptr, error, sizeof error), mj_deleteModel);
+  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(mj_loadXML(path.c_str(), nullptr, error, sizeof error),
+                                                           mj_deleteModel);
   std::filesystem::remove(path);
   ASSERT_NE(model, nullptr) << error;
   ASSERT_EQ(model->nv, 3);
@@ -39,8 +40,9 @@ TEST(SimulatorAgainstMuJoCo, SmoothArmUnderTorques) {
 
   for (std::size_t r = 0; r + 1 < drive.rows(); ++r) {
     for (int j = 0; j < 3; ++j) {
-      ASSERT_NEAR(out[0].of(out[0].q, j)[r], data->qpos[j], 1e-4) << "joint " << j << " at " << drive.t[r] << " s";  // second order: h = 1 ms
-      data->qfrc_applied[j] = command(j, drive.t[r]);  // held, as in the recording
+      ASSERT_NEAR(out[0].of(out[0].q, j)[r], data->qpos[j], 1e-4)
+          << "joint " << j << " at " << drive.t[r] << " s";  // second order: h = 1 ms
+      data->qfrc_applied[j] = command(j, drive.t[r]);        // held, as in the recording
     }
     for (int s = 0; s < 10; ++s) mj_step(model.get(), data.get());
   }

@@ -25,7 +25,8 @@ TEST(Simulator, SmallSwingOfADampedPendulumIsTheClosedForm) {
   for (std::size_t r = 0; r < drive.rows(); ++r) {
     const double t = drive.t[r];
     const double exact = 1e-3 * std::exp(-zeta * t) * (std::cos(w * t) + zeta / w * std::sin(w * t));
-    ASSERT_NEAR(out[0].q[r], exact, 2e-7) << "t = " << t;  // (h w)^2 t w / 24 with h = 1 ms, w = 9, t = 10 s: 2e-4 relative
+    ASSERT_NEAR(out[0].q[r], exact, 2e-7)
+        << "t = " << t;  // (h w)^2 t w / 24 with h = 1 ms, w = 9, t = 10 s: 2e-4 relative
   }
 }
 
@@ -40,7 +41,8 @@ TEST(Simulator, MotorRunsUpLikeAnRcCircuit) {
   const double J = 0.005 + 1e-6 + 0.02, T = J * 5 / (1.5 * 2);
   for (std::size_t r = 0; r < drive.rows(); ++r) {
     const double t = drive.t[r];
-    EXPECT_NEAR(out[0].dq[r], 6.0 * (1 - std::exp(-t / T)), 1e-4);  // third order in h/T = 0.024: 2e-6 of 6, plus start-up
+    EXPECT_NEAR(out[0].dq[r], 6.0 * (1 - std::exp(-t / T)),
+                1e-4);  // third order in h/T = 0.024: 2e-6 of 6, plus start-up
     EXPECT_NEAR(out[0].pwm[r], 1.0, 0);
   }
   EXPECT_NEAR(out[0].i.back(), 0.0, 1e-3);
@@ -99,7 +101,7 @@ TEST(Simulator, CommandDelayShiftsTheResponseAndSensorDelayTheReading) {
   const auto old = simulate(params, drive, std::vector{start});
   for (std::size_t r = 203; r < drive.rows(); ++r) {
     EXPECT_NEAR(late[0].q[r], nominal[0].q[r - 3], 1e-6);  // both have settled into the same cycle
-    EXPECT_NEAR(old[0].q[r], nominal[0].q[r - 3], 2e-3);   // started 30 ms earlier, so the cycle is approached otherwise
+    EXPECT_NEAR(old[0].q[r], nominal[0].q[r - 3], 2e-3);  // started 30 ms earlier, so the cycle is approached otherwise
   }
   params.joints[0].sensor_delay = 0.025;  // between samples: interpolated
   const auto between = simulate(params, drive, std::vector{start});

@@ -22,8 +22,21 @@ std::string_view to_string(Scope scope);
 /// Bounds and typical sizes in the library are those of an XM430-W350 (4.1 N m, 4.8 rad/s). For another joint they are
 /// multiplied by what the joint is in comparison.
 enum class Unit {
-  none, torque, speed, acceleration, viscous, drag, inertia, angle, stiffness, compliance, per_torque, per_angle, current,
-  length, force
+  none,
+  torque,
+  speed,
+  acceleration,
+  viscous,
+  drag,
+  inertia,
+  angle,
+  stiffness,
+  compliance,
+  per_torque,
+  per_angle,
+  current,
+  length,
+  force
 };
 
 /// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it; never scaled.
@@ -31,12 +44,12 @@ inline constexpr double kOff = 1e6;
 
 struct EffectParameter {
   std::string_view name;
-  std::string_view unit;       // SI; for prismatic joints read m for rad, N for N m, kg for kg m^2
-  double null = 0.0;           // nothing changes
+  std::string_view unit;  // SI; for prismatic joints read m for rad, N for N m, kg for kg m^2
+  double null = 0.0;      // nothing changes
   double low = 0.0, high = 0.0;
-  double typical = 1.0;        // a step at which it matters: the scale of the fit's coordinate
+  double typical = 1.0;  // a step at which it matters: the scale of the fit's coordinate
   Unit scale = Unit::none;
-  bool structural = false;     // not fitted by derivatives: stays what the probe says
+  bool structural = false;  // not fitted by derivatives: stays what the probe says
 };
 
 /// Residuals of the method page (3.3) that an effect changes.
@@ -44,15 +57,15 @@ enum Residual : unsigned { kR1 = 1, kR2 = 2, kR3 = 4, kR4 = 8, kR5 = 16, kR6 = 3
 
 /// Kinds of missing information that make an effect untestable.
 enum Need : unsigned {
-  kCommand = 1,         // an actuator that follows a command
-  kPositionLoop = 2,    // dc_servo or position_pd
-  kMotorModel = 4,      // dc_servo
-  kTorqueLimit = 8,     // dc_servo, or a torque_limit in the model
-  kTemperature = 16,    // temperature recorded, or dc_servo (its heating is then estimated)
-  kVelocity = 32,       // a dq: column
-  kTwoJoints = 64,      // at least two joints
-  kGround = 128,        // floating base and ground contact
-  kImu = 256,           // imu columns on a floating base
+  kCommand = 1,       // an actuator that follows a command
+  kPositionLoop = 2,  // dc_servo or position_pd
+  kMotorModel = 4,    // dc_servo
+  kTorqueLimit = 8,   // dc_servo, or a torque_limit in the model
+  kTemperature = 16,  // temperature recorded, or dc_servo (its heating is then estimated)
+  kVelocity = 32,     // a dq: column
+  kTwoJoints = 64,    // at least two joints
+  kGround = 128,      // floating base and ground contact
+  kImu = 256,         // imu columns on a floating base
 };
 
 /// Something a person can do to separate this effect from its look-alikes; settings come before motions.
@@ -62,26 +75,26 @@ struct Experiment {
 };
 
 struct Effect {
-  std::string_view id;         // stable
-  std::string_view code;       // row of the method page, "F1"
-  std::string_view name;       // in words
-  std::string_view form;       // formula in the names of the parameters
-  Family family;
-  Port port;
-  Scope scope;
-  std::vector<EffectParameter> parameters;
-  bool smooth = true;          // derivatives at the null say something; otherwise only probes do
-  std::vector<std::vector<double>> probes;      // parameter vectors (library units) whose signature is looked for
-  int sign = 0;                // +1: only values above the null are possible, -1: only below, 0: both
-  unsigned residuals = kR2;    // Residual bits it must change
-  unsigned needs = 0;          // Need bits
-  std::string_view cluster;    // letters A..J of look-alikes
-  std::vector<std::string_view> confounders;    // ids
-  std::vector<std::string_view> regimes;        // where in the motion it shows
-  std::string_view signature;  // in words, for the report
-  std::vector<Experiment> experiments;
+  std::string_view id{};    // stable
+  std::string_view code{};  // row of the method page, "F1"
+  std::string_view name{};  // in words
+  std::string_view form{};  // formula in the names of the parameters
+  Family family{};
+  Port port{};
+  Scope scope{};
+  std::vector<EffectParameter> parameters{};
+  bool smooth = true;                           // derivatives at the null say something; otherwise only probes do
+  std::vector<std::vector<double>> probes{};    // parameter vectors (library units) whose signature is looked for
+  int sign = 0;                                 // +1: only values above the null are possible, -1: only below, 0: both
+  unsigned residuals = kR2;                     // Residual bits it must change
+  unsigned needs = 0;                           // Need bits
+  std::string_view cluster{};                   // letters A..J of look-alikes
+  std::vector<std::string_view> confounders{};  // ids
+  std::vector<std::string_view> regimes{};      // where in the motion it shows
+  std::string_view signature{};                 // in words, for the report
+  std::vector<Experiment> experiments{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() == parameters.size().
-  std::function<void(SimParams&, int where, std::span<const double> theta)> apply;
+  std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
 
   bool testable_on_fixed_base() const { return (needs & (kGround | kImu)) == 0; }
   std::vector<double> null() const;

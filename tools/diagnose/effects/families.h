@@ -29,7 +29,8 @@ inline constexpr Experiment kTorqueOff{Experiment::Kind::setting, "switch the to
 inline constexpr Experiment kLogCurrent{Experiment::Kind::channel, "record the motor current"};
 inline constexpr Experiment kLogVoltage{Experiment::Kind::channel, "record the supply voltage"};
 inline constexpr Experiment kLogDuty{Experiment::Kind::channel, "record the duty (PWM)"};
-inline constexpr Experiment kOutsideSensor{Experiment::Kind::channel, "measure the link with a second sensor (IMU, camera)"};
+inline constexpr Experiment kOutsideSensor{Experiment::Kind::channel,
+                                           "measure the link with a second sensor (IMU, camera)"};
 inline constexpr Experiment kSlowRamps{Experiment::Kind::motion, "slow ramps in both directions"};
 inline constexpr Experiment kLiftAndLower{Experiment::Kind::motion, "lift and lower the same load at the same speed"};
 inline constexpr Experiment kAmplitudeSweep{Experiment::Kind::motion, "the same motion at three amplitudes"};

@@ -31,7 +31,8 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
   std::vector<EffectInstance> instances;
   const std::string file = model.folder.empty() ? "model.toml" : model.folder + "/model.toml";
   for (const EffectEntry& entry : model.effects) {
-    const auto fail = [&](const std::string& key, const char* defect, const std::string& value, const std::string& expected) {
+    const auto fail = [&](const std::string& key, const char* defect, const std::string& value,
+                          const std::string& expected) {
       throw recording::InputError(file, entry.line, "effect." + key, defect, value, expected);
     };
     const Effect* effect = find_effect(entry.id);
@@ -40,7 +41,8 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
     EffectInstance instance{effect, entry.where, effect->null()};
     if ((effect->scope == Scope::robot) != entry.where.empty()) {
       fail("where", "wrong place", std::to_string(entry.where.size()) + " names",
-           effect->scope == Scope::robot ? "no `where`: the effect is the whole robot's" : "at least one " + std::string(to_string(effect->scope)));
+           effect->scope == Scope::robot ? "no `where`: the effect is the whole robot's"
+                                         : "at least one " + std::string(to_string(effect->scope)));
     }
     for (const std::string& name : entry.where) {
       if (place_of(*effect, model.tree, name) < 0) {
@@ -48,8 +50,10 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
       }
     }
     for (const auto& [name, value] : entry.parameters) {
-      const auto p = std::find_if(effect->parameters.begin(), effect->parameters.end(), [&](const EffectParameter& q) { return q.name == name; });
-      if (p == effect->parameters.end()) fail(name, "unknown parameter", name, "a parameter of " + entry.id + " (docs/model-folder.md)");
+      const auto p = std::find_if(effect->parameters.begin(), effect->parameters.end(),
+                                  [&](const EffectParameter& q) { return q.name == name; });
+      if (p == effect->parameters.end())
+        fail(name, "unknown parameter", name, "a parameter of " + entry.id + " (docs/model-folder.md)");
       instance.theta[static_cast<std::size_t>(p - effect->parameters.begin())] = value;
     }
     instances.push_back(std::move(instance));
@@ -59,7 +63,8 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
 
 EffectEntry entry_of(const EffectInstance& instance) {
   EffectEntry entry{std::string(instance.effect->id), instance.where, {}, 0};
-  for (std::size_t k = 0; k < instance.theta.size(); ++k) entry.parameters[std::string(instance.effect->parameters[k].name)] = instance.theta[k];
+  for (std::size_t k = 0; k < instance.theta.size(); ++k)
+    entry.parameters[std::string(instance.effect->parameters[k].name)] = instance.theta[k];
   return entry;
 }
 

@@ -19,8 +19,8 @@ struct EffectInstance {
 /// Changes `params`. Names must be known (instances_of checks them).
 void apply(const EffectInstance& instance, SimParams& params);
 
-/// The [[effect]] entries of a model, checked: id, places, parameter names, bounds-free. Parameters not written keep their
-/// null. Throws recording::InputError.
+/// The [[effect]] entries of a model, checked: id, places, parameter names, bounds-free. Parameters not written keep
+/// their null. Throws recording::InputError.
 std::vector<EffectInstance> instances_of(const ModelFolder& model);
 
 /// What model.toml will hold for an instance.

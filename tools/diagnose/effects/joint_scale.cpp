@@ -62,7 +62,8 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
     q.fill(turn);
     tree.set_positions(q.data());
     tree.bias(zero.data(), gravity);
-    for (std::size_t j = 0; j < params.joints.size(); ++j) peak_gravity[j] = std::max(peak_gravity[j], std::abs(gravity[j]));
+    for (std::size_t j = 0; j < params.joints.size(); ++j)
+      peak_gravity[j] = std::max(peak_gravity[j], std::abs(gravity[j]));
   }
   std::vector<JointScale> scales;
   for (std::size_t j = 0; j < params.joints.size(); ++j) {
@@ -85,7 +86,8 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
     JointScale scale;
     scale.torque = std::max(torque, 1e-6) / kTorque;
     scale.speed = std::max(speed, 1e-3) / kSpeed;
-    scale.inertia = std::max(inertia, 1e-9) / kInertia;
+    // a strong drive has a heavy rotor, however light the link it turns
+    scale.inertia = std::max(inertia / kInertia, scale.torque);
     if (joint.prismatic) scale.angle = std::max(seen.range, 1e-3) / 2.0;  // a revolute joint's range is about 2 rad
     if (s.actuator == Actuator::dc_servo) scale.current = s.voltage / s.resistance / kCurrent;
     const Vec3& c = joint.body.com;
@@ -121,11 +123,13 @@ std::string why_untestable(const Effect& effect, const SimParams& params, std::s
     return "the joint has no actuator";
   }
   if ((effect.needs & kTorqueLimit) && !any([&](std::size_t j) {
-        return actuator(j) == Actuator::dc_servo || (actuator(j) != Actuator::passive && params.joints[j].nominal.torque_limit > 0.0);
+        return actuator(j) == Actuator::dc_servo ||
+               (actuator(j) != Actuator::passive && params.joints[j].nominal.torque_limit > 0.0);
       })) {
     return "the model states no torque_limit";
   }
-  if ((effect.needs & kVelocity) && !any([&](std::size_t j) { return recorded(&JointData::dq, j); })) return "no dq: column";
+  if ((effect.needs & kVelocity) && !any([&](std::size_t j) { return recorded(&JointData::dq, j); }))
+    return "no dq: column";
   if ((effect.needs & kTemperature) &&
       !any([&](std::size_t j) { return recorded(&JointData::temp, j) || actuator(j) == Actuator::dc_servo; })) {
     return "no temp: column and no motor model to estimate heating";

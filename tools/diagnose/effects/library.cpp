@@ -6,11 +6,13 @@
 namespace sanso::diagnose {
 
 std::string_view to_string(Family family) {
-  constexpr std::array<std::string_view, 8> names{"friction", "transmission", "mass", "electrical", "timing", "sensor", "contact", "external"};
+  constexpr std::array<std::string_view, 8> names{"friction", "transmission", "mass",    "electrical",
+                                                  "timing",   "sensor",       "contact", "external"};
   return names[static_cast<std::size_t>(family)];
 }
 std::string_view to_string(Port port) {
-  constexpr std::array<std::string_view, 9> names{"clock", "command path", "firmware", "electrical", "transmission", "rigid body", "contact", "external", "sensor"};
+  constexpr std::array<std::string_view, 9> names{
+      "clock", "command path", "firmware", "electrical", "transmission", "rigid body", "contact", "external", "sensor"};
   return names[static_cast<std::size_t>(port)];
 }
 std::string_view to_string(Scope scope) {
@@ -27,8 +29,8 @@ std::vector<double> Effect::null() const {
 const std::vector<Effect>& library() {
   static const std::vector<Effect> all = [] {
     std::vector<Effect> effects;
-    for (auto chapter : {friction_effects, transmission_effects, mass_effects, electrical_effects, timing_effects, sensor_effects,
-                         contact_effects, external_effects}) {
+    for (auto chapter : {friction_effects, transmission_effects, mass_effects, electrical_effects, timing_effects,
+                         sensor_effects, contact_effects, external_effects}) {
       for (Effect& effect : chapter()) effects.push_back(std::move(effect));
     }
     return effects;
@@ -45,21 +47,36 @@ const Effect* find_effect(std::string_view id) {
 
 double JointScale::of(Unit unit) const {
   switch (unit) {
-    case Unit::none: return 1.0;
-    case Unit::torque: return torque;
-    case Unit::speed: return speed;
-    case Unit::acceleration: return torque / inertia;
-    case Unit::viscous: return torque / speed;
-    case Unit::drag: return torque / (speed * speed);
-    case Unit::inertia: return inertia;
-    case Unit::angle: return angle;
-    case Unit::stiffness: return torque / angle;
-    case Unit::compliance: return angle / torque;
-    case Unit::per_torque: return 1.0 / torque;
-    case Unit::per_angle: return 1.0 / angle;
-    case Unit::current: return current;
-    case Unit::length: return length;
-    case Unit::force: return torque / length;
+    case Unit::none:
+      return 1.0;
+    case Unit::torque:
+      return torque;
+    case Unit::speed:
+      return speed;
+    case Unit::acceleration:
+      return torque / inertia;
+    case Unit::viscous:
+      return torque / speed;
+    case Unit::drag:
+      return torque / (speed * speed);
+    case Unit::inertia:
+      return inertia;
+    case Unit::angle:
+      return angle;
+    case Unit::stiffness:
+      return torque / angle;
+    case Unit::compliance:
+      return angle / torque;
+    case Unit::per_torque:
+      return 1.0 / torque;
+    case Unit::per_angle:
+      return 1.0 / angle;
+    case Unit::current:
+      return current;
+    case Unit::length:
+      return length;
+    case Unit::force:
+      return torque / length;
   }
   return 1.0;
 }
@@ -78,7 +95,8 @@ EffectParameter scaled(const EffectParameter& parameter, const JointScale& scale
 std::vector<std::vector<double>> scaled_probes(const Effect& effect, const JointScale& scale) {
   std::vector<std::vector<double>> probes = effect.probes;
   for (std::vector<double>& theta : probes) {
-    for (std::size_t k = 0; k < theta.size(); ++k) theta[k] = scaled_value(theta[k], scale.of(effect.parameters[k].scale));
+    for (std::size_t k = 0; k < theta.size(); ++k)
+      theta[k] = scaled_value(theta[k], scale.of(effect.parameters[k].scale));
   }
   return probes;
 }

@@ -31,9 +31,11 @@ void add_inertia(SimParams& p, int j, double share) {
     for (double& i : b.about_com) i *= 1.0 + share;
     return;
   }
-  // as a share of the body's inertia about its joint, alike about all axes: a body without own inertia can still gain some
+  // as a share of the body's inertia about its joint, alike about all axes: a body without own inertia can still gain
+  // some
   const Vec3& c = b.com;
-  const double about_joint = b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
+  const double about_joint =
+      b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
   for (std::size_t k : {0u, 4u, 8u}) b.about_com[k] += share * about_joint;
 }
 
@@ -55,38 +57,115 @@ std::vector<Effect> mass_effects() {
   constexpr Scope L = Scope::link;
   constexpr unsigned R = kR2 | kR3 | kR5;
   return {
-      {"link_mass", "M1", "link mass", "mass and inertia times 1 + share", F, P, L,
-       {{"share", "-", 0, -0.5, 0.5, 0.1}},
-       true, {{0.1}}, 0, R, 0, "A", {"servo_p_gain", "torque_constant", "battery_drift", "payload", "link_com"},
-       {"high load", "accelerating"}, "gravity and inertia together", {kAddPayload, kTilt},
-       [](SimParams& p, int j, Theta x) {
-         body(p, j).mass *= 1.0 + x[0];
-         for (double& i : body(p, j).about_com) i *= 1.0 + x[0];
-       }},
-      {"link_com", "M2", "centre of mass of a link", "com + (x, y, z)", F, P, L,
-       {{"x", "m", 0, -0.03, 0.03, 0.005, Unit::length}, {"y", "m", 0, -0.03, 0.03, 0.005, Unit::length}, {"z", "m", 0, -0.03, 0.03, 0.005, Unit::length}},
-       true, {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}}, 0, R, 0, "E", {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring", "link_mass"},
-       {"standstill", "high load"}, "static error that follows the posture", {kTilt, kPostures},
-       [](SimParams& p, int j, Theta x) {
-         for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
-       }},
-      {"link_inertia", "M3", "rotational inertia of a link", "+share of the inertia about its joint", F, P, L,
-       {{"share", "-", 0, -0.6, 0.6, 0.1}},
-       true, {{0.1}}, 0, R, 0, "F", {"rotor_inertia", "link_mass"}, {"accelerating"}, "fast motion", {kAddPayload, kChirp},
-       [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); }},
-      {"payload", "M4", "payload", "mass at (x, y, z) of the link from the instant `from` on", F, P, L,
-       {{"mass", "kg", 0, 0, 1, 0.1, Unit::torque}, {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length}, {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
-        {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length}, {"from", "s", 0, 0, 1e4, 1, Unit::none, true}},
-       false, {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}}, 1, R, 0, "J",
-       {"link_mass", "external_push", "tether"}, {"high load", "late"}, "a step in time", {kTilt},
-       [](SimParams& p, int j, Theta x) {
-         if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
-       }},
-      {"link_geometry", "M5", "link length or joint axis", "joint origin + length along its own direction, axis tilted", F, P, Scope::joint,
-       {{"length", "m", 0, -0.005, 0.005, 0.001, Unit::length}, {"tilt_1", "rad", 0, -0.035, 0.035, 0.01}, {"tilt_2", "rad", 0, -0.035, 0.035, 0.01}},
-       true, {{0.005, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}}, 0, kR2 | kR3 | kR6, 0, "", {"encoder_offset", "link_com"}, {"high load"},
-       "position of the link, many postures", {kOutsideSensor, kPostures},
-       [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); }},
+      {
+          .id = "link_mass",
+          .code = "M1",
+          .name = "link mass",
+          .form = "mass and inertia times 1 + share",
+          .family = F,
+          .port = P,
+          .scope = L,
+          .parameters = {{"share", "-", 0, -0.5, 0.5, 0.1}},
+          .probes = {{0.1}},
+          .residuals = R,
+          .cluster = "A",
+          .confounders = {"servo_p_gain", "torque_constant", "battery_drift", "payload", "link_com"},
+          .regimes = {"high load", "accelerating"},
+          .signature = "gravity and inertia together",
+          .experiments = {kAddPayload, kTilt},
+          .apply =
+              [](SimParams& p, int j, Theta x) {
+                body(p, j).mass *= 1.0 + x[0];
+                for (double& i : body(p, j).about_com) i *= 1.0 + x[0];
+              },
+      },
+      {
+          .id = "link_com",
+          .code = "M2",
+          .name = "centre of mass of a link",
+          .form = "com + (x, y, z)",
+          .family = F,
+          .port = P,
+          .scope = L,
+          .parameters = {{"x", "m", 0, -0.03, 0.03, 0.005, Unit::length},
+                         {"y", "m", 0, -0.03, 0.03, 0.005, Unit::length},
+                         {"z", "m", 0, -0.03, 0.03, 0.005, Unit::length}},
+          .probes = {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}},
+          .residuals = R,
+          .cluster = "E",
+          .confounders = {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring", "link_mass"},
+          .regimes = {"standstill", "high load"},
+          .signature = "static error that follows the posture",
+          .experiments = {kTilt, kPostures},
+          .apply =
+              [](SimParams& p, int j, Theta x) {
+                for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
+              },
+      },
+      {
+          .id = "link_inertia",
+          .code = "M3",
+          .name = "rotational inertia of a link",
+          .form = "+share of the inertia about its joint",
+          .family = F,
+          .port = P,
+          .scope = L,
+          .parameters = {{"share", "-", 0, -0.6, 0.6, 0.1}},
+          .probes = {{0.1}},
+          .residuals = R,
+          .cluster = "F",
+          .confounders = {"rotor_inertia", "link_mass"},
+          .regimes = {"accelerating"},
+          .signature = "fast motion",
+          .experiments = {kAddPayload, kChirp},
+          .apply = [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); },
+      },
+      {
+          .id = "payload",
+          .code = "M4",
+          .name = "payload",
+          .form = "mass at (x, y, z) of the link from the instant `from` on",
+          .family = F,
+          .port = P,
+          .scope = L,
+          .parameters = {{"mass", "kg", 0, 0, 1, 0.1, Unit::torque},
+                         {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                         {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                         {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                         {"from", "s", 0, 0, 1e4, 1, Unit::none, true}},
+          .smooth = false,
+          .probes = {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}},
+          .sign = 1,
+          .residuals = R,
+          .cluster = "J",
+          .confounders = {"link_mass", "external_push", "tether"},
+          .regimes = {"high load", "late"},
+          .signature = "a step in time",
+          .experiments = {kTilt},
+          .apply =
+              [](SimParams& p, int j, Theta x) {
+                if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
+              },
+      },
+      {
+          .id = "link_geometry",
+          .code = "M5",
+          .name = "link length or joint axis",
+          .form = "joint origin + length along its own direction, axis tilted",
+          .family = F,
+          .port = P,
+          .scope = Scope::joint,
+          .parameters = {{"length", "m", 0, -0.005, 0.005, 0.001, Unit::length},
+                         {"tilt_1", "rad", 0, -0.035, 0.035, 0.01},
+                         {"tilt_2", "rad", 0, -0.035, 0.035, 0.01}},
+          .probes = {{0.005, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}},
+          .residuals = kR2 | kR3 | kR6,
+          .confounders = {"encoder_offset", "link_com"},
+          .regimes = {"high load"},
+          .signature = "position of the link, many postures",
+          .experiments = {kOutsideSensor, kPostures},
+          .apply = [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); },
+      },
   };
 }
 

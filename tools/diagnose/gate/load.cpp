@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "tools/recording/csv_reader.h"
+#include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
 
@@ -53,7 +53,7 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files, const st
     std::vector<Defect> defects = inspect_file(file);
     if (defects.empty()) {
       try {
-        loaded.recordings.push_back(recording::read_csv(file));
+        loaded.recordings.push_back(recording::read_recording(file));
       } catch (const recording::InputError& error) {
         defects.push_back(defect_of(error));
       }

@@ -120,7 +120,8 @@ void append_joint(std::ostringstream& out, const JointSettings& settings, const 
   }
   std::vector<double> base_values;
   if (base != nullptr) {
-    JointSettings::visit(*base, [&](std::string_view, double v, std::string_view, double, double) { base_values.push_back(v); });
+    JointSettings::visit(
+        *base, [&](std::string_view, double v, std::string_view, double, double) { base_values.push_back(v); });
   }
   std::size_t k = 0;
   JointSettings::visit(settings, [&](std::string_view key, double value, std::string_view unit, double, double) {
@@ -171,18 +172,20 @@ std::string model_toml(const ModelFolder& model) {
   append_joint(out, model.joint_default, nullptr);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     if (model.joints[k] == model.joint_default) continue;
-    out << "\n[joint." << toml_quoted(model.tree.joints[k].name) << "]\n";
+    out << "\n[joint." << recording::toml_key(model.tree.joints[k].name) << "]\n";
     append_joint(out, model.joints[k], &model.joint_default);
   }
   if (model.floating) {
-    out << "\n[ground]\nkind = " << toml_quoted(model.ground_kind) << "\nfriction = " << toml_number(model.ground_friction)
-        << "\n";
+    out << "\n[ground]\nkind = " << toml_quoted(model.ground_kind)
+        << "\nfriction = " << toml_number(model.ground_friction) << "\n";
   }
   for (const EffectEntry& effect : model.effects) {
     out << "\n[[effect]]\nid = " << toml_quoted(effect.id) << "\nwhere = [";
     for (std::size_t k = 0; k < effect.where.size(); ++k) out << (k == 0 ? "" : ", ") << toml_quoted(effect.where[k]);
     out << "]\n";
-    for (const auto& [name, value] : effect.parameters) out << name << " = " << toml_number(value) << "\n";
+    for (const auto& [name, value] : effect.parameters) {
+      out << recording::toml_key(name) << " = " << toml_number(value) << "\n";
+    }
   }
   return out.str();
 }

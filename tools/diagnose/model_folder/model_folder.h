@@ -25,14 +25,14 @@ struct EffectEntry {
 };
 
 struct ModelFolder {
-  std::string folder;                          // as the user named it; used in messages
-  std::string urdf_file = "robot.urdf";        // beside model.toml
-  std::string urdf;                            // its text
+  std::string folder;                    // as the user named it; used in messages
+  std::string urdf_file = "robot.urdf";  // beside model.toml
+  std::string urdf;                      // its text
   bool floating = false;
   std::array<double, 3> gravity{0.0, 0.0, -9.81};  // m/s^2, world axes
-  double period_s = 0.01;                      // command period; held from sample to sample in recordings
+  double period_s = 0.01;                          // command period; held from sample to sample in recordings
   JointSettings joint_default;
-  std::vector<JointSettings> joints;           // resolved, one for every joint of `tree`, same order
+  std::vector<JointSettings> joints;  // resolved, one for every joint of `tree`, same order
   std::string ground_kind = "plane";
   double ground_friction = 0.8;
   std::vector<EffectEntry> effects;

@@ -16,9 +16,9 @@ inline constexpr int kMaxJoints = 20;
 
 /// Mass properties of one rigid body, in the axes of its link.
 struct BodyInertia {
-  double mass = 0.0;              // kg
-  Vec3 com{0, 0, 0};              // centre of mass from the link's origin              m
-  Mat3 about_com{};               // rotational inertia about the centre of mass        kg m^2
+  double mass = 0.0;  // kg
+  Vec3 com{0, 0, 0};  // centre of mass from the link's origin              m
+  Mat3 about_com{};   // rotational inertia about the centre of mass        kg m^2
 };
 
 /// Adds `part` to `whole`, both in the same axes and from the same origin.
@@ -31,10 +31,10 @@ struct TreeJoint {
   std::string name;
   std::string link;
   bool prismatic = false;
-  int parent = -1;                 // index of the joint before it, smaller than its own; -1 = the base
+  int parent = -1;  // index of the joint before it, smaller than its own; -1 = the base
   Mat3 R_parent_joint = kIdentity3;
-  Vec3 p_parent_joint{0, 0, 0};    // m, in parent axes
-  Vec3 axis{0, 0, 1};              // unit vector, joint axes
+  Vec3 p_parent_joint{0, 0, 0};  // m, in parent axes
+  Vec3 axis{0, 0, 1};            // unit vector, joint axes
   BodyInertia body;
   double lower = 0.0, upper = 0.0;  // position limits of the URDF, rad or m; lower >= upper: none given
   double effort = 0.0;              // N m or N; 0 = none given
@@ -50,8 +50,8 @@ struct LinkPlace {
 
 struct RobotTree {
   std::string name;
-  std::vector<TreeJoint> joints;           // parents before children
-  std::map<std::string, LinkPlace> links;  // every link of the URDF
+  std::vector<TreeJoint> joints;                 // parents before children
+  std::map<std::string, LinkPlace> links;        // every link of the URDF
   int index_of(const std::string& joint) const;  // -1 when there is no such joint
   int size() const { return static_cast<int>(joints.size()); }
 };

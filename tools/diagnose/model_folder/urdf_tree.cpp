@@ -57,7 +57,8 @@ class TreeBuilder {
     for (const auto& child : link.child_joints) add_joint(*child, link, joint, R, p, depth);
   }
 
-  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R, const Vec3& p, int depth) {
+  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R, const Vec3& p,
+                 int depth) {
     const auto& origin = joint.parent_to_joint_origin_transform;
     const Mat3 R_parent_joint = product(R, rotation(origin.rotation));
     const Vec3 p_parent_joint = p + rotated(R, vector(origin.position));
@@ -108,7 +109,8 @@ class TreeBuilder {
     const Mat3 I{in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz};
     bool good = std::isfinite(in.mass) && in.mass >= 0.0 && in.ixx >= 0.0 && in.iyy >= 0.0 && in.izz >= 0.0;
     for (double value : I) good = good && std::isfinite(value);
-    if (!good) fail(link.name, "impossible inertia", std::to_string(in.mass), "finite values, mass and diagonal not negative");
+    if (!good)
+      fail(link.name, "impossible inertia", std::to_string(in.mass), "finite values, mass and diagonal not negative");
     return moved({in.mass, {0, 0, 0}, I}, rotation(in.origin.rotation), vector(in.origin.position));
   }
 

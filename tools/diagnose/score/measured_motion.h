@@ -14,8 +14,8 @@ double position_noise(const std::vector<double>& q);
 /// Smoothed motion of every joint; isolated single-sample glitches are left out.
 MeasuredMotion measured_motion(const Drive& drive);
 
-/// Windows of `seconds` that tile the recording, each starting at the measured state; one window when seconds is infinite.
-/// Pieces shorter than half a window at the end are left out unless they are the only one.
+/// Windows of `seconds` that tile the recording, each starting at the measured state; one window when seconds is
+/// infinite. Pieces shorter than half a window at the end are left out unless they are the only one.
 std::vector<Window> tiled_windows(const Drive& drive, const MeasuredMotion& motion, double seconds);
 
 }  // namespace sanso::diagnose

@@ -6,8 +6,8 @@
 
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/score/measured_motion.h"
-#include "tools/recording/csv_reader.h"
 #include "tools/recording/input_error.h"
+#include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -36,13 +36,15 @@ void add(Sum& sum, const std::vector<double>& measured, std::span<const double> 
 /// The measured columns of a joint that the model predicts.
 struct Compared {
   std::string prefix;
-  std::vector<double> JointData::* measured;
-  std::vector<double> Prediction::* predicted;
+  std::vector<double> JointData::*measured;
+  std::vector<double> Prediction::*predicted;
   bool effort;  // means nothing while the actuator is off
 };
 std::vector<Compared> compared_channels(Actuator actuator) {
-  std::vector<Compared> all{{"q:", &JointData::q, &Prediction::q, false}, {"dq:", &JointData::dq, &Prediction::dq, false}};
-  if (actuator == Actuator::dc_servo || actuator == Actuator::torque) all.push_back({"tau:", &JointData::tau, &Prediction::tau, true});
+  std::vector<Compared> all{{"q:", &JointData::q, &Prediction::q, false},
+                            {"dq:", &JointData::dq, &Prediction::dq, false}};
+  if (actuator == Actuator::dc_servo || actuator == Actuator::torque)
+    all.push_back({"tau:", &JointData::tau, &Prediction::tau, true});
   if (actuator == Actuator::dc_servo) {
     all.push_back({"i:", &JointData::i, &Prediction::i, true});
     all.push_back({"pwm:", &JointData::pwm, &Prediction::pwm, true});
@@ -97,7 +99,7 @@ RecordingScore score(const ModelFolder& model, const recording::Recording& recor
 std::vector<RecordingScore> score_files(const std::string& model_folder, const std::vector<std::string>& files) {
   const ModelFolder model = read_model_folder(model_folder);
   std::vector<RecordingScore> scores;
-  for (const std::string& file : files) scores.push_back(score(model, recording::read_csv(file)));
+  for (const std::string& file : files) scores.push_back(score(model, recording::read_recording(file)));
   return scores;
 }
 
@@ -114,13 +116,14 @@ std::string score_json(const std::vector<RecordingScore>& scores) {
 }
 
 std::string score_table(const std::vector<RecordingScore>& scores) {
-  std::string out = "RMSE of the predicted positions, mrad (mm for prismatic joints), restarted from the measured state\n";
+  std::string out =
+      "RMSE of the predicted positions, mrad (mm for prismatic joints), restarted from the measured state\n";
   char line[256];
   std::snprintf(line, sizeof line, "%10s %10s %10s %10s   %s\n", "0.1 s", "0.5 s", "2 s", "whole", "recording");
   out += line;
   for (const RecordingScore& s : scores) {
-    std::snprintf(line, sizeof line, "%10.3f %10.3f %10.3f %10.3f   ", 1e3 * s.horizons[0].rmse, 1e3 * s.horizons[1].rmse,
-                  1e3 * s.horizons[2].rmse, 1e3 * s.horizons[3].rmse);
+    std::snprintf(line, sizeof line, "%10.3f %10.3f %10.3f %10.3f   ", 1e3 * s.horizons[0].rmse,
+                  1e3 * s.horizons[1].rmse, 1e3 * s.horizons[2].rmse, 1e3 * s.horizons[3].rmse);
     out += line + s.file + "\n";
   }
   return out;

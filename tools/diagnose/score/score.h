@@ -23,13 +23,13 @@ struct HorizonScore {
 
 struct RecordingScore {
   std::string file;
-  std::array<HorizonScore, 4> horizons;    // in the order of kHorizonNames
+  std::array<HorizonScore, 4> horizons;  // in the order of kHorizonNames
 };
 
-/// Simulates the recording with the model (its effects and the recording's sidecar applied), restarted from the measured
-/// state at every horizon, and compares with every measured channel that the model predicts: q, dq, tau (torque actuators and
-/// dc_servo), i and pwm (dc_servo). Samples while an actuator is off are left out of tau, i and pwm.
-/// Throws recording::InputError.
+/// Simulates the recording with the model (its effects and the recording's sidecar applied), restarted from the
+/// measured state at every horizon, and compares with every measured channel that the model predicts: q, dq, tau
+/// (torque actuators and dc_servo), i and pwm (dc_servo). Samples while an actuator is off are left out of tau, i and
+/// pwm. Throws recording::InputError.
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording);
 
 /// The command: reads everything first, so that bad input writes nothing. Throws recording::InputError.

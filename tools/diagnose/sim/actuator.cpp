@@ -33,7 +33,8 @@ CommandPath::Command profiled(const JointParams& joint, const ServoInput& in, In
 }
 
 /// Dead zone, first-order filter and limit of a controller's output; `slope` becomes d output / d raw.
-double shaped(const JointParams& joint, double raw, double full, double limit, double h, InnerState& inner, double& slope) {
+double shaped(const JointParams& joint, double raw, double full, double limit, double h, InnerState& inner,
+              double& slope) {
   slope = 1.0;
   if (joint.dead_zone > 0.0 && full < kNone) {
     const double zone = joint.dead_zone * full;
@@ -64,7 +65,8 @@ double controller(const JointParams& joint, const Gains& gains, const ServoInput
   if (gains.i <= 0.0) return without_integral;
   const double integral = inner.integral + in.h * error;
   // anti-windup: at the limit the integral may only move back
-  if (std::abs(without_integral + gains.i * integral) < limit || error * inner.integral < 0.0) inner.integral = integral;
+  if (std::abs(without_integral + gains.i * integral) < limit || error * inner.integral < 0.0)
+    inner.integral = integral;
   return without_integral + gains.i * inner.integral;
 }
 
@@ -150,7 +152,8 @@ ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerS
     out.volt = joint.nominal.voltage * input.supply - input.supply_drop;
     return out;
   }
-  return joint.nominal.actuator == Actuator::dc_servo ? dc_servo(joint, input, inner) : torque_source(joint, input, inner);
+  return joint.nominal.actuator == Actuator::dc_servo ? dc_servo(joint, input, inner)
+                                                      : torque_source(joint, input, inner);
 }
 
 double ripple_at(const Ripple& r, double x) {
@@ -168,7 +171,8 @@ double encoder_reading(const JointParams& joint, double x) {
 double position_for_reading(const JointParams& joint, double reading) {
   double x = (reading - joint.encoder_offset) / (1.0 + joint.encoder_scale);
   if (joint.encoder_error.zero() && joint.gear_error.zero()) return x;
-  for (int k = 0; k < 8; ++k) x -= (encoder_reading(joint, x) - reading) / (1.0 + joint.encoder_scale);  // contracts: slopes are small
+  for (int k = 0; k < 8; ++k)
+    x -= (encoder_reading(joint, x) - reading) / (1.0 + joint.encoder_scale);  // contracts: slopes are small
   return x;
 }
 

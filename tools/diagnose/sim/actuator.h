@@ -8,12 +8,12 @@ namespace sanso::diagnose {
 
 /// Inner states of a joint besides position and velocity. All zero at rest.
 struct InnerState {
-  double motor_offset = 0.0;      // rad, motor minus link (play, compliance)
-  double motor_speed_offset = 0.0;  // rad/s
-  double bristle = 0.0;           // rad, presliding
-  double slip[4] = {0, 0, 0, 0};  // rad, Maxwell elements
-  double integral = 0.0;          // rad s
-  double filtered = 0.0;          // controller output after its filter
+  double motor_offset = 0.0;                  // rad, motor minus link (play, compliance)
+  double motor_speed_offset = 0.0;            // rad/s
+  double bristle = 0.0;                       // rad, presliding
+  double slip[4] = {0, 0, 0, 0};              // rad, Maxwell elements
+  double integral = 0.0;                      // rad s
+  double filtered = 0.0;                      // controller output after its filter
   double profile = 0.0, profile_speed = 0.0;  // rad, rad/s
   bool profile_set = false;
   double rest_time = 0.0;         // s since the joint last moved
@@ -25,22 +25,22 @@ struct InnerState {
 /// What the servo sees at one instant.
 struct ServoInput {
   CommandPath::Command command;
-  double h;                // s, step
-  double position;         // rad, as the encoder shows it
-  double velocity;         // rad/s, on the encoder's side
-  double motor_velocity;   // rad/s, of the motor (back-EMF)
-  double supply;           // V over nominal V, before its drop
-  double supply_drop;      // V
-  double warming;          // K above the start
+  double h;               // s, step
+  double position;        // rad, as the encoder shows it
+  double velocity;        // rad/s, on the encoder's side
+  double motor_velocity;  // rad/s, of the motor (back-EMF)
+  double supply;          // V over nominal V, before its drop
+  double supply_drop;     // V
+  double warming;         // K above the start
 };
 
 struct ServoOutput {
-  double torque = 0.0;     // N m at the output shaft
-  double current = 0.0;    // A
-  double duty = 0.0;       // -1..1
-  double volt = 0.0;       // V at the driver
-  double stiffness = 0.0;  // -d torque / d position, N m/rad
-  double damping = 0.0;    // -d torque / d velocity of the encoder's side
+  double torque = 0.0;            // N m at the output shaft
+  double current = 0.0;           // A
+  double duty = 0.0;              // -1..1
+  double volt = 0.0;              // V at the driver
+  double stiffness = 0.0;         // -d torque / d position, N m/rad
+  double damping = 0.0;           // -d torque / d velocity of the encoder's side
   double back_emf_damping = 0.0;  // -d torque / d motor_velocity
 };
 

@@ -24,7 +24,8 @@ std::vector<double> command_of(const Recording& recording, const std::string& jo
     if (recording.has(name)) return column(recording, name);
   }
   throw InputError(recording.file, recording.header_line, names[0], "no command column", "",
-                   "what the actuator '" + std::string(recording::to_string(actuator)) + "' follows, or another actuator in model.toml");
+                   "what the actuator '" + std::string(recording::to_string(actuator)) +
+                       "' follows, or another actuator in model.toml");
 }
 
 }  // namespace

@@ -15,9 +15,9 @@ struct JointData {
 };
 
 struct Drive {
-  std::string name;             // of the recording, for messages
+  std::string name;  // of the recording, for messages
   std::string condition;
-  std::vector<double> t;        // s, strictly increasing
+  std::vector<double> t;          // s, strictly increasing
   std::vector<JointData> joints;  // model order
   std::vector<double> volt;
   std::size_t rows() const { return t.size(); }

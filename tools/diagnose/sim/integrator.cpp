@@ -6,11 +6,11 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kThermalResistance = 8.0;   // K/W, winding to case of a small servo; chosen, only scales `derating`
-constexpr double kThermalTime = 300.0;       // s
-constexpr int kFrictionSweeps = 30;          // projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
-constexpr double kInertiaFloor = 1e-9;       // kg m^2: links without inertia still move
-constexpr double kFastest = 1e4;             // rad/s: beyond it the motion has diverged
+constexpr double kThermalResistance = 8.0;  // K/W, winding to case of a small servo; chosen, only scales `derating`
+constexpr double kThermalTime = 300.0;      // s
+constexpr int kFrictionSweeps = 30;         // projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
+constexpr double kInertiaFloor = 1e-9;      // kg m^2: links without inertia still move
+constexpr double kFastest = 1e4;            // rad/s: beyond it the motion has diverged
 
 bool needs_heat(const SimParams& params) {
   return std::any_of(params.joints.begin(), params.joints.end(),
@@ -47,8 +47,12 @@ void invert_block(JointMatrix& L, JointMatrix& inverse, int b, int e) {
 }  // namespace
 
 Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed)
-    : params_(params), drive_(drive), commands_(params, drive, random_seed), n_(params.size()),
-      any_sag_(params.supply_resistance > 0.0), thermal_(needs_heat(params)) {
+    : params_(params),
+      drive_(drive),
+      commands_(params, drive, random_seed),
+      n_(params.size()),
+      any_sag_(params.supply_resistance > 0.0),
+      thermal_(needs_heat(params)) {
   temperature_cursor_.assign(static_cast<std::size_t>(n_), 0);
   for (int j = 0; j < n_; ++j) {
     const std::vector<double>& temp = drive.joints[static_cast<std::size_t>(j)].temp;
@@ -119,9 +123,11 @@ void Integrator::prepare(double t, double h, RobotState& state, StepTorques& out
     const double motor_velocity = state.dq[k] + inner.motor_speed_offset;
     const bool at_motor = joint.encoder_at_motor;
     const double side = at_motor ? motor_half : q_half_[k];
+    // feedback that crosses from link to motor is explicit: at mid-step, extrapolated, it stays second order
+    const double link_velocity = is_two_mass(joint) ? dq_mid_[k] : state.dq[k];
     out.servo[k] = servo_step(joint,
                               {commands_.over(j, t, t + h), h, encoder_reading(joint, side),
-                               at_motor ? motor_velocity : state.dq[k], motor_velocity, supply, drop, warming},
+                               at_motor ? motor_velocity : link_velocity, motor_velocity, supply, drop, warming},
                               inner);
     drawn += std::abs(out.servo[k].current * out.servo[k].duty);
     if (thermal_) {
@@ -174,7 +180,8 @@ void Integrator::solve_friction() {
         friction_[k] = wanted;
         largest = std::max(largest, std::abs(change) * response);
         for (int i = b; i < e; ++i) {
-          dq_end_[static_cast<std::size_t>(i)] += inverse_[static_cast<std::size_t>(i) * kMaxJoints + k] * p.coupling * change;
+          dq_end_[static_cast<std::size_t>(i)] +=
+              inverse_[static_cast<std::size_t>(i) * kMaxJoints + k] * p.coupling * change;
         }
       }
       if (largest < 1e-9 || e - b == 1) break;
@@ -196,9 +203,9 @@ void Integrator::finish(double h, const JointVector& dq_end, RobotState& state, 
     InnerState& inner = state.inner[k];
     const JointParams& joint = params_.joints[k];
     const double shown = dq_end[k] + (joint.encoder_at_motor ? inner.motor_speed_offset : 0.0);
-    inner.velocity_channel = joint.velocity_filter > 0.0
-                                 ? inner.velocity_channel + h / (joint.velocity_filter + h) * (shown - inner.velocity_channel)
-                                 : shown;
+    inner.velocity_channel = joint.velocity_filter > 0.0 ? inner.velocity_channel + h / (joint.velocity_filter + h) *
+                                                                                        (shown - inner.velocity_channel)
+                                                         : shown;
   }
 }
 
@@ -223,7 +230,7 @@ void Integrator::follow(double t, double h, const double* dq_end, RobotState& st
     if (p.two_mass) {  // the motor still chooses its own velocity
       const double y = p.y0 + p.coupling * end[k];
       friction_[k] = std::clamp(-y / p.mobility, p.f_min, p.f_max);
-    } else {           // what friction gives against the motion that was seen
+    } else {  // what friction gives against the motion that was seen
       const double y = 0.5 * (state.dq[k] + end[k]);
       const double inertia = M_[k * kMaxJoints + k] + p.added;
       friction_[k] = std::clamp(-y * inertia, p.f_min, p.f_max);

@@ -12,14 +12,14 @@
 namespace sanso::diagnose {
 
 struct RobotState {
-  JointVector q{}, dq{};                       // link side, rad, rad/s
+  JointVector q{}, dq{};  // link side, rad, rad/s
   std::array<InnerState, kMaxJoints> inner{};
 };
 
 /// Torques of the step just taken, by joint.
 struct StepTorques {
   std::array<ServoOutput, kMaxJoints> servo{};
-  JointVector friction{}, passive{};           // N m, mean over the step
+  JointVector friction{}, passive{};  // N m, mean over the step
 };
 
 class Integrator {

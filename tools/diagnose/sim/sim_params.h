@@ -1,5 +1,6 @@
 // Every figure the simulator works with: the model folder's, and one field for everything an effect of the library can
-// change. The initial value of such a field is the effect's null: with it the simulation is bit for bit the nominal one.
+// change. The initial value of such a field is the effect's null: with it the simulation is bit for bit the nominal
+// one.
 #pragma once
 
 #include <array>
@@ -18,61 +19,62 @@ struct Ripple {
   bool zero() const { return sine == 0.0 && cosine == 0.0; }
 };
 
-/// One joint. For prismatic joints read m for rad, N for N m, kg for kg m^2. Grouped by port, in the order of the signal.
+/// One joint. For prismatic joints read m for rad, N for N m, kg for kg m^2. Grouped by port, in the order of the
+/// signal.
 struct JointParams {
   JointSettings nominal;  // as the model folder says (after the sidecar)
 
   // clock and command path
-  double command_delay = 0.0;         // s, added to nominal.command_delay_s
-  double sensor_delay = 0.0;          // s, added to nominal.sensor_delay_s
-  int hold_cycles = 1;                // the servo takes every n-th command
-  double loss = 0.0;                  // probability that a command is lost and the one before stays
-  double jitter = 0.0;                // s, standard deviation of the instant of a reading
+  double command_delay = 0.0;  // s, added to nominal.command_delay_s
+  double sensor_delay = 0.0;   // s, added to nominal.sensor_delay_s
+  int hold_cycles = 1;         // the servo takes every n-th command
+  double loss = 0.0;           // probability that a command is lost and the one before stays
+  double jitter = 0.0;         // s, standard deviation of the instant of a reading
   // firmware
-  double p_scale = 1.0;               // on p_gain / kp
-  double d_torque = 0.0;              // N m s/rad of additional damping by the servo (at nominal voltage)
-  double output_filter = 0.0;         // s, first order, on the controller's output
-  double integral_rate = 0.0;         // 1/s: integral gain over proportional gain
-  double feed_forward = 0.0;          // s: gain on the goal's velocity over proportional gain
-  double profile_speed = kNone;       // rad/s
+  double p_scale = 1.0;                 // on p_gain / kp
+  double d_torque = 0.0;                // N m s/rad of additional damping by the servo (at nominal voltage)
+  double output_filter = 0.0;           // s, first order, on the controller's output
+  double integral_rate = 0.0;           // 1/s: integral gain over proportional gain
+  double feed_forward = 0.0;            // s: gain on the goal's velocity over proportional gain
+  double profile_speed = kNone;         // rad/s
   double profile_acceleration = kNone;  // rad/s^2
-  double dead_zone = 0.0;             // of full output
+  double dead_zone = 0.0;               // of full output
   // electrical
-  double output_limit = 1.0;          // of full duty (torque where there is no duty)
-  double no_load_speed = kNone;       // rad/s; torque falls to zero there (actuators without a motor model)
-  double current_limit = kNone;       // A (dc_servo)
-  double torque_scale = 1.0;          // torque constant (and back-EMF) over nominal
+  double output_limit = 1.0;     // of full duty (torque where there is no duty)
+  double no_load_speed = kNone;  // rad/s; torque falls to zero there (actuators without a motor model)
+  double current_limit = kNone;  // A (dc_servo)
+  double torque_scale = 1.0;     // torque constant (and back-EMF) over nominal
   double resistance_scale = 1.0;
-  double derating = 0.0;              // 1/K: torque lost by degree of motor temperature
+  double derating = 0.0;  // 1/K: torque lost by degree of motor temperature
   // transmission: friction
-  double viscous = 0.0;               // N m s/rad, added to nominal.viscous
-  double coulomb = 0.0;               // N m, added to nominal.coulomb
+  double viscous = 0.0;                                               // N m s/rad, added to nominal.viscous
+  double coulomb = 0.0;                                               // N m, added to nominal.coulomb
   double stribeck = 0.0, stribeck_speed = 0.2, stribeck_shape = 1.0;  // N m, rad/s, exponent
-  double load_friction = 0.0;         // N m per N m of |motor - external| torque
-  double drive_friction = 0.0, backdrive_friction = 0.0;  // K_m, K_e of |K_m tau_m - K_e tau_e|
-  double quadratic_load_friction = 0.0;  // 1/(N m)
-  double coulomb_difference = 0.0, viscous_difference = 0.0;  // forwards minus mean, N m and N m s/rad
-  double presliding_compliance = 0.0, presliding_damping = 0.0;  // rad/(N m), N m s/rad
+  double load_friction = 0.0;                                         // N m per N m of |motor - external| torque
+  double drive_friction = 0.0, backdrive_friction = 0.0;              // K_m, K_e of |K_m tau_m - K_e tau_e|
+  double quadratic_load_friction = 0.0;                               // 1/(N m)
+  double coulomb_difference = 0.0, viscous_difference = 0.0;          // forwards minus mean, N m and N m s/rad
+  double presliding_compliance = 0.0, presliding_damping = 0.0;       // rad/(N m), N m s/rad
   double slip_torque = 0.0, slip_stiffness = 0.0, slip_spread = 1.0;  // Maxwell elements: N m, N m/rad, exponent
-  Ripple friction_ripple;             // N m over q
-  double friction_temperature = 0.0;  // 1/K, friction * exp(-beta (T - T0))
-  double static_friction = 0.0, dwell_rate = 0.0;  // N m, per ln(1 + rest time in s)
+  Ripple friction_ripple;                                             // N m over q
+  double friction_temperature = 0.0;                                  // 1/K, friction * exp(-beta (T - T0))
+  double static_friction = 0.0, dwell_rate = 0.0;                     // N m, per ln(1 + rest time in s)
   double efficiency = 1.0;
   // transmission: geometry and springs
-  double backlash = 0.0;              // rad, whole width
+  double backlash = 0.0;                              // rad, whole width
   double compliance = 0.0, compliance_damping = 0.0;  // rad/(N m), N m s/rad
-  bool encoder_at_motor = false;      // which side of play and spring the servo measures
-  Ripple gear_error;                  // rad over q
-  Ripple cogging;                     // N m over q
-  double armature = 0.0;              // kg m^2, added to nominal.armature
-  double spring = 0.0, spring_torque = 0.0;  // N m/rad, N m: -k q + tau0
-  double air_drag = 0.0;              // N m s^2/rad^2
+  bool encoder_at_motor = false;                      // which side of play and spring the servo measures
+  Ripple gear_error;                                  // rad over q
+  Ripple cogging;                                     // N m over q
+  double armature = 0.0;                              // kg m^2, added to nominal.armature
+  double spring = 0.0, spring_torque = 0.0;           // N m/rad, N m: -k q + tau0
+  double air_drag = 0.0;                              // N m s^2/rad^2
   double stop_stiffness = 0.0, stop_position = kNone, stop_side = 1.0;  // N m/rad beyond it; side +1 above, -1 below
   // sensor
-  double encoder_offset = 0.0;        // rad
-  Ripple encoder_error;               // rad over q
-  double encoder_scale = 0.0;         // relative
-  double velocity_filter = 0.0;       // s, first order, on the dq channel only
+  double encoder_offset = 0.0;   // rad
+  Ripple encoder_error;          // rad over q
+  double encoder_scale = 0.0;    // relative
+  double velocity_filter = 0.0;  // s, first order, on the dq channel only
 };
 
 /// A constant force on a link, base axes, N, between two instants of the recording.
@@ -95,9 +97,9 @@ struct SimParams {
   double period_s = 0.01;
   std::vector<JointParams> joints;
   // the supply that all joints share
-  double supply_level = 0.0;          // relative to nominal.voltage
-  double supply_slope = 0.0;          // relative, per minute
-  double supply_resistance = 0.0;     // ohm, carries the sum of |i duty|
+  double supply_level = 0.0;       // relative to nominal.voltage
+  double supply_slope = 0.0;       // relative, per minute
+  double supply_resistance = 0.0;  // ohm, carries the sum of |i duty|
   std::vector<WorldForce> forces;
   std::vector<LatePayload> late_payloads;
   int size() const { return tree.size(); }

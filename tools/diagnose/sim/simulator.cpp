@@ -91,7 +91,8 @@ class WindowRun {
     emit_until(drive_.t[window.first]);
   }
 
-  /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached, by cubic interpolation.
+  /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached, by cubic
+  /// interpolation.
   void emit_until(double t) {
     const double h = t_now_ - t_before_;
     for (int j = 0; j < n_; ++j) {
@@ -107,7 +108,9 @@ class WindowRun {
   void emit(int j, std::size_t row, double s, double h) {
     const auto k = static_cast<std::size_t>(j);
     const JointParams& joint = params_.joints[k];
-    const auto side = [&](const RobotState& x) { return x.q[k] + (joint.encoder_at_motor ? x.inner[k].motor_offset : 0.0); };
+    const auto side = [&](const RobotState& x) {
+      return x.q[k] + (joint.encoder_at_motor ? x.inner[k].motor_offset : 0.0);
+    };
     double position = side(state_), velocity = state_.inner[k].velocity_channel;
     if (s < 1.0) {
       // the step is a parabola in position and a line in velocity
@@ -145,14 +148,12 @@ class WindowRun {
   void reset() { diverged_ = false; }
 };
 
-bool any_memory(const SimParams& params) {
-  return std::any_of(params.joints.begin(), params.joints.end(), has_memory);
-}
+bool any_memory(const SimParams& params) { return std::any_of(params.joints.begin(), params.joints.end(), has_memory); }
 
 /// Follows the recording and calls at_row(row, state, torques) at every row up to the last.
 template <class AtRow>
-void follow_recording(const SimParams& params, const Drive& drive, const MeasuredMotion& motion, const SimOptions& options,
-                      std::size_t last, Integrator& integrator, AtRow&& at_row) {
+void follow_recording(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
+                      const SimOptions& options, std::size_t last, Integrator& integrator, AtRow&& at_row) {
   const auto n = static_cast<std::size_t>(params.size());
   RobotState state;
   StepTorques torques;

@@ -1,10 +1,11 @@
 // The simulator with switches: a fixed-base robot, its actuators and every effect of the library at its port.
 //
 //   command -> [delay, hold, loss] -> [profile, P I D, dead zone, filter] -> [supply, winding, limits] -> motor torque
-//   motor torque -> [play, compliance, friction, cogging] -> joint -> tree -> [encoder, delay, filter] -> predicted channels
+//   motor torque -> [play, compliance, friction, cogging] -> joint -> tree -> [encoder, delay, filter] -> predicted
+//   channels
 //
-// Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what stops the joint within
-// the step, clipped at what friction can give), so stiction, play and stiff gains need no tiny steps.
+// Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what stops the joint
+// within the step, clipped at what friction can give), so stiction, play and stiff gains need no tiny steps.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ namespace sanso::diagnose {
 /// Rows [first, last] of a recording, and where the joints are at row `first`, as the recording's sensors show it.
 struct Window {
   std::size_t first = 0, last = 0;
-  std::vector<double> q, dq;  // n each, rad, rad/s: measured coordinates (encoder errors and sensor delay are undone inside)
+  std::vector<double> q,
+      dq;  // n each, rad, rad/s: measured coordinates (encoder errors and sensor delay are undone inside)
 };
 
 /// Predicted channels at rows first..last of one window; entry of joint j and row k at [j * rows + k - first].
@@ -48,7 +50,8 @@ struct SimOptions {
 std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
                                  const SimOptions& options = {});
 
-/// Torque by row that the model's actuators and friction give when the joints move as measured: n x rows (Prediction layout).
+/// Torque by row that the model's actuators and friction give when the joints move as measured: n x rows (Prediction
+/// layout).
 struct ReplayTorques {
   std::size_t rows = 0;
   std::vector<double> motor;     // N m, at the output, before friction
@@ -59,7 +62,8 @@ struct ReplayTorques {
 ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
                              const SimOptions& options = {});
 
-/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels that a recording lacks stay.
+/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels that a recording lacks
+/// stay.
 void add_sensor_noise(const SimParams& params, std::uint64_t seed, Prediction& prediction);
 
 }  // namespace sanso::diagnose

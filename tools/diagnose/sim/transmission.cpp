@@ -6,7 +6,7 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kMovingSpeed = 1e-3;       // rad/s; slower counts as rest for dwell-time stiction
+constexpr double kMovingSpeed = 1e-3;        // rad/s; slower counts as rest for dwell-time stiction
 constexpr double kMinimumMotorShare = 0.02;  // motor inertia, when none is known, as a share of the link's
 constexpr int kSlipElements = 4;
 
@@ -15,7 +15,8 @@ double thermal_factor(const JointParams& joint, double warming) {
 }
 
 /// Friction torque available at speed y under motor torque and external torque, N m, before the sign of motion.
-double friction_budget(const JointParams& joint, double motor, const JointInstant& at, double y, const InnerState& inner) {
+double friction_budget(const JointParams& joint, double motor, const JointInstant& at, double y,
+                       const InnerState& inner) {
   const double speed = std::abs(y);
   double budget = joint.nominal.coulomb + joint.coulomb;
   if (joint.stribeck != 0.0) {
@@ -49,7 +50,8 @@ double implicitness(double h_damping, double inertia) {
   return z > 0.0 ? 0.5 + z / (12.0 + 2.0 * z) : 0.5;
 }
 
-/// Fully implicit damping of the presliding bristle and of the Maxwell elements that stick: force = constant + slope y'.
+/// Fully implicit damping of the presliding bristle and of the Maxwell elements that stick: force = constant + slope
+/// y'.
 struct Elastic {
   double constant = 0.0, slope = 0.0;  // N m, N m s/rad
 };
@@ -104,22 +106,31 @@ void add_link_forces(const JointParams& joint, const JointInstant& at, JointPart
   part.added += at.h * implicitness(at.h * damping, at.inertia) * damping + 0.25 * at.h * at.h * stiffness;
 }
 
-/// Stiffness and damping of the contact between motor and link, and how far it is from touching.
+/// Spring and damper between motor and link over one step: torque k stretch + explicit_damping (w - v) + implicit (Dw -
+/// Dv).
 struct Coupling {
-  double stretch = 0.0;  // rad, beyond the play; 0 inside it
-  double k = 0.0, d = 0.0;
+  double stretch = 0.0;                           // rad at mid-step, beyond the play; 0 inside it
+  double k = 0.0;                                 // N m/rad; 0 inside the play
+  double explicit_damping = 0.0, implicit = 0.0;  // N m s/rad
 };
 Coupling coupling_of(const JointParams& joint, const JointInstant& at, double motor_inertia, double stretch_half) {
   Coupling c;
   const double half_play = 0.5 * joint.backlash;
   const double reduced = motor_inertia * at.inertia / (motor_inertia + at.inertia);
-  // teeth without measured compliance: stiff against everything else the joint does (60 Hz with the reduced inertia)
-  c.k = joint.compliance > 0.0 ? 1.0 / joint.compliance : reduced * 380.0 * 380.0;
-  c.d = joint.compliance > 0.0 ? joint.compliance_damping : 0.6 * std::sqrt(c.k * reduced);
+  // teeth without measured compliance: stiff against everything else the joint does (160 Hz with the reduced inertia)
+  c.k = joint.compliance > 0.0 ? 1.0 / joint.compliance : reduced * 1000.0 * 1000.0;
+  const double d = joint.compliance > 0.0 ? joint.compliance_damping : 0.6 * std::sqrt(c.k * reduced);
   if (std::abs(stretch_half) <= half_play && joint.backlash > 0.0) {
-    c.k = c.d = 0.0;
-  } else {
-    c.stretch = stretch_half - std::copysign(half_play, stretch_half);
+    c.k = 0.0;
+    return c;
+  }
+  c.stretch = stretch_half - std::copysign(half_play, stretch_half);
+  const double h = at.h;
+  if (joint.backlash == 0.0 && h * h * c.k < reduced) {  // slow enough for the midpoint: second order, no added damping
+    c.explicit_damping = d;
+    c.implicit = 0.25 * h * c.k + implicitness(h * d, reduced) * d;
+  } else {  // contact: torque at the end of the step, so that it cannot ring
+    c.explicit_damping = c.implicit = 0.5 * h * c.k + d;
   }
   return c;
 }
@@ -128,8 +139,9 @@ Coupling coupling_of(const JointParams& joint, const JointInstant& at, double mo
 
 bool has_memory(const JointParams& j) {
   return is_two_mass(j) || j.presliding_compliance > 0.0 || j.slip_torque > 0.0 || j.output_filter > 0.0 ||
-         j.integral_rate > 0.0 || j.nominal.i_gain > 0.0 || j.profile_speed != kNone || j.profile_acceleration != kNone ||
-         j.dwell_rate != 0.0 || j.derating != 0.0 || j.friction_temperature != 0.0 || j.velocity_filter > 0.0;
+         j.integral_rate > 0.0 || j.nominal.i_gain > 0.0 || j.profile_speed != kNone ||
+         j.profile_acceleration != kNone || j.dwell_rate != 0.0 || j.derating != 0.0 || j.friction_temperature != 0.0 ||
+         j.velocity_filter > 0.0;
 }
 
 JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, const JointInstant& at,
@@ -159,7 +171,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
     // bristle: dz = y - sigma0 |y| z / budget, torque sigma0 z + sigma1 dz, with the new z throughout
     const double sigma0 = 1.0 / joint.presliding_compliance;
     const double denominator = 1.0 + h * sigma0 * std::abs(y) / budget;
-    elastic.constant += sigma0 * inner.bristle / denominator + joint.presliding_damping * inner.bristle * (1.0 / denominator - 1.0) / h;
+    elastic.constant +=
+        sigma0 * inner.bristle / denominator + joint.presliding_damping * inner.bristle * (1.0 / denominator - 1.0) / h;
     elastic.slope += (sigma0 * h + joint.presliding_damping) / denominator;
     part.bristle_denominator = denominator;
     part.bristle_gain = budget * joint.presliding_compliance;  // largest bristle
@@ -171,7 +184,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
 
   if (!part.two_mass) {
     const double inertia = at.inertia + armature;
-    part.added = armature + h * implicitness(h * damping, inertia) * damping + 0.25 * h * h * stiffness + h * elastic.slope;
+    part.added =
+        armature + h * implicitness(h * damping, inertia) * damping + 0.25 * h * h * stiffness + h * elastic.slope;
     part.impulse = h * (force - elastic.constant - elastic.slope * at.dq);
     add_link_forces(joint, at, part);
     return part;
@@ -181,21 +195,22 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
   const double motor_inertia = std::max(armature, kMinimumMotorShare * at.inertia);
   const double stretch_half = inner.motor_offset + 0.5 * h * inner.motor_speed_offset;
   const Coupling c = coupling_of(joint, at, motor_inertia, stretch_half);
-  const double P = 0.5 * h * h * c.k + h * c.d;
   const double own = motor_inertia + h * implicitness(h * damping, motor_inertia) * damping + 0.25 * h * h * stiffness;
+  const double P = h * c.implicit;
   const double J = own + P + h * elastic.slope;
-  part.y0 = (own * y + h * (force - elastic.constant) - h * c.k * c.stretch) / J;
+  const double sliding = inner.motor_speed_offset;  // motor minus link
+  const double spring = h * (c.k * c.stretch + c.explicit_damping * sliding);
+  part.y0 = y + (h * (force - elastic.constant - elastic.slope * y) - spring - P * at.dq) / J;
   part.mobility = 1.0 / J;
   part.coupling = P / J;
-  const double link_damping = P * (1.0 - part.coupling);
-  part.added = link_damping;
-  part.impulse = h * c.k * c.stretch + P * part.y0 - link_damping * at.dq;
+  part.added = P * (1.0 - part.coupling);
+  part.impulse = spring + P * (part.y0 - y) + P * part.coupling * at.dq;
   add_link_forces(joint, at, part);
   return part;
 }
 
-void finish_transmission(const JointParams& joint, const JointInstant& at, const JointPart& part, double dq_end, double f,
-                         InnerState& inner) {
+void finish_transmission(const JointParams& joint, const JointInstant& at, const JointPart& part, double dq_end,
+                         double f, InnerState& inner) {
   const double y_end = part.y0 + part.mobility * f + part.coupling * dq_end;
   const double y = part.two_mass ? y_end : dq_end;
   if (part.two_mass) {

@@ -31,7 +31,9 @@ inline std::array<double, 6> congruent(const std::array<double, 9>& R, const std
     T[3 * i + 1] = a * I[3] + b * I[1] + c * I[5];
     T[3 * i + 2] = a * I[4] + b * I[5] + c * I[2];
   }
-  const auto entry = [&](int i, int j) { return T[3 * i] * R[3 * j] + T[3 * i + 1] * R[3 * j + 1] + T[3 * i + 2] * R[3 * j + 2]; };
+  const auto entry = [&](int i, int j) {
+    return T[3 * i] * R[3 * j] + T[3 * i + 1] * R[3 * j + 1] + T[3 * i + 2] * R[3 * j + 2];
+  };
   return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
 }
 

@@ -46,7 +46,7 @@ class TreeDynamics {
   const Vec3& com(int j) const { return frame_[static_cast<std::size_t>(j)].com; }
 
  private:
-  struct Constant {           // of one joint, joint axes
+  struct Constant {  // of one joint, joint axes
     int parent;
     bool prismatic;
     std::array<double, 9> A, B, C;  // R_parent_link(q) = A + sin(q) B + cos(q) C
@@ -55,14 +55,14 @@ class TreeDynamics {
     Vec3 com;
     std::array<double, 6> I;  // about the centre of mass: xx yy zz xy xz yz
   };
-  struct Frame {              // of one link, base axes
+  struct Frame {  // of one link, base axes
     std::array<double, 9> R;
     Vec3 p, com;
-    Vec3 s_ang, s_lin;        // motion of the joint as a spatial vector about the base origin
+    Vec3 s_ang, s_lin;  // motion of the joint as a spatial vector about the base origin
   };
-  struct Inertia {            // spatial inertia about the base origin, base axes
+  struct Inertia {  // spatial inertia about the base origin, base axes
     double m;
-    Vec3 mc;                  // first moment
+    Vec3 mc;  // first moment
     std::array<double, 6> I;
   };
 
