@@ -1,4 +1,5 @@
 // sanso-firmware: builds the objects, starts the threads, stops on SIGINT or SIGTERM. No logic.
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -110,9 +111,11 @@ void run_ticks(firmware::Firmware& controller, int priority) {
   }
 }
 
-/// Calls `poll` with deadlines short enough to notice a stop.
+/// Calls `poll` with deadlines short enough to notice a stop. What the tick waits for must not wait for ordinary programs:
+/// real-time too, below the tick. Where that is not allowed the tick's thread says so.
 template <class Poll>
-void run_poll(Poll poll, Nanoseconds wait) {
+void run_poll(Poll poll, Nanoseconds wait, int priority) {
+  (void)board::set_realtime_priority(std::max(priority, 1));
   board::LinuxClock clock;
   while (!stop_requested) {
     const Nanoseconds deadline = clock.now() + wait;
@@ -163,12 +166,13 @@ int run(const std::string& config_path) {
   std::fprintf(stderr, "sanso-firmware: bus %s, imu %s, pose %s, hosts on UDP port %d\n", config.device.bus.c_str(),
                config.device.imu.c_str(), pose ? config.device.pose.c_str() : "none", socket.port());
 
+  const int priority = config.device.tick_priority;
   std::vector<std::thread> threads;
-  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_imu(deadline); }, 5 * kMillisecond); });
-  if (pose) threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_pose(deadline); }, 5 * kMillisecond); });
-  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_link(deadline); }, kMillisecond); });
+  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_imu(deadline); }, 5 * kMillisecond, priority - 10); });
+  if (pose) threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_pose(deadline); }, 5 * kMillisecond, priority - 10); });
+  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_link(deadline); }, kMillisecond, priority - 20); });
   threads.emplace_back([&] { run_log(*controller, config.device.log_directory); });
-  threads.emplace_back([&] { run_ticks(*controller, config.device.tick_priority); });
+  threads.emplace_back([&] { run_ticks(*controller, priority); });
   for (std::thread& thread : threads) thread.join();
   return 0;
 }

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 
+#include "host/app/interrupt.h"
 #include "host/app/motion_judge.h"
 #include "host/learn/progress.h"
 #include "host/learn/session.h"
@@ -40,6 +41,21 @@ std::string note_of(const learn::TrialSummary& t) {
                      t.failed() ? std::string(" FAILED: ") + learn::to_string(t.end) : "", learn::percentile(t.update_ms, 0.5), t.wall_s);
 }
 
+/// Throws std::runtime_error when a person has stopped the session before its last trial.
+void run_trials(learn::Session& session, const std::string& motion, const LearnOptions& options) {
+  const Interrupt interrupt;
+  learn::Progress progress(stdout, motion, options.iterations, session.finished_before());
+  session.run(
+      [&](const learn::TrialSummary& t) {
+        if (!options.quiet) progress.update(static_cast<int>(t.trial) + 1, note_of(t));
+      },
+      Interrupt::requested);
+  const auto done = static_cast<int>(session.state().history.size());
+  if (done < options.iterations)
+    throw std::runtime_error(fmt::format("stopped after trial {} of {}; `sanso learn` with the same options, --out {} and --resume goes on",
+                                         done, options.iterations, options.out.string()));
+}
+
 }  // namespace
 
 learn::Layers layers_without(const std::vector<std::string>& names) {
@@ -64,11 +80,7 @@ int learn(const LearnOptions& options, const RobotFactory& make_robot) {
   learn::Session session(task_of(motion), session_settings(options, motion, robot->real_time()), *robot, upper);
 
   if (!options.quiet) fmt::print("{}: {} trials on {}, seed {}\n", motion.name, options.iterations, robot->description(), options.seed);
-  learn::Progress progress(stdout, motion.name, options.iterations, session.finished_before());
-  session.run([&](const learn::TrialSummary& t) {
-    if (!options.quiet) progress.update(static_cast<int>(t.trial) + 1, note_of(t));
-  });
-  if (session.state().history.empty()) throw std::runtime_error("--iterations 0: nothing to do");
+  run_trials(session, motion.name, options);
   return session.state().history.back().succeeded() ? 0 : 1;
 }
 

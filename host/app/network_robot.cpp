@@ -32,7 +32,7 @@ void NetworkRobot::ask_person(const std::string& request) {
   fmt::print(ask_, "\n{} Then press Enter (Ctrl-C ends the session; it can be resumed). ", request);
   std::fflush(ask_);
   for (int c = std::fgetc(answers_); c != '\n'; c = std::fgetc(answers_))
-    if (c == EOF) throw std::runtime_error("nobody answers: a robot on the network needs a person at the terminal");
+    if (c == EOF) throw std::runtime_error("stopped, or nobody answers: a robot on the network needs a person at the terminal; --resume goes on");
 }
 
 /// After a good trial the robot lowers itself; after a fault somebody has to hold it before torque goes off.

@@ -128,8 +128,8 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
 
 Session::~Session() = default;
 
-void Session::run(const std::function<void(const TrialSummary&)>& after_trial) {
-  while (static_cast<int>(state_->next_trial) < settings_.iterations) after_trial(run_one());
+void Session::run(const std::function<void(const TrialSummary&)>& after_trial, const std::function<bool()>& stop) {
+  while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop()) after_trial(run_one());
 }
 
 TrialSummary Session::run_one() {

@@ -47,7 +47,8 @@ class Session {
   ~Session();
 
   /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error when a trial cannot be run.
-  void run(const std::function<void(const TrialSummary&)>& after_trial);
+  /// Ends earlier when `stop` says so between two trials.
+  void run(const std::function<void(const TrialSummary&)>& after_trial, const std::function<bool()>& stop = [] { return false; });
 
   const SessionState& state() const { return *state_; }
   /// Trials that an earlier run of this session finished.

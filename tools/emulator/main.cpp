@@ -1,8 +1,12 @@
 // sanso-emulator: a robot that is not there, behind the same bytes.
 #include <fmt/format.h>
 
+#include <sched.h>
+
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 
 #include "tools/emulator/control_client.h"
 #include "tools/emulator/emulator_process.h"
@@ -23,6 +27,15 @@ constexpr char kExamples[] = R"(Examples:
   sanso-emulator --tell '{"command": "place", "pose": "walkready"}'
 All commands, keys and faults: docs/howto/emulator.md)";
 
+/// A real robot does not wait for other programs: real-time priority, below the controller's.
+void ask_for_priority() {
+  sched_param parameters{};
+  parameters.sched_priority = 40;
+  if (sched_setscheduler(0, SCHED_FIFO, &parameters) == 0) return;
+  fmt::print("ordinary priority ({}): on a busy machine replies and samples come late, which the controller takes for faults\n",
+             std::strerror(errno));
+}
+
 int serve(const sanso::emulator::EmulatorConfig& config) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
@@ -31,6 +44,7 @@ int serve(const sanso::emulator::EmulatorConfig& config) {
   fmt::print("world      {}, seed {}\n", config.world, config.seed);
   fmt::print("servo bus  {}/bus -> {}, {} baud\n", config.directory, process.bus_device(), config.baud);
   fmt::print("sockets    {0}/imu  {0}/pose  {0}/control\n", config.directory);
+  ask_for_priority();
   fmt::print("ready\n");
   std::fflush(stdout);
   process.run(stop_requested);

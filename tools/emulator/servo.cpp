@@ -1,6 +1,7 @@
 #include "tools/emulator/servo.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -22,6 +23,20 @@ constexpr double kHeatResistance_K_W = 9.0;
 constexpr double kStandBy_W = 0.5;          // 40 mA at 12 V
 constexpr double kOverloadCurrent_A = 1.7;  // about three quarters of stall at 12 V
 constexpr double kOverloadTime_s = 2.0;
+constexpr std::int64_t kModePwm = 16;
+
+/// Settings of which only one value is emulated: others are refused, never taken without effect.
+struct OnlyValue {
+  const servo_bus::Register* setting;
+  std::int64_t allowed_raw;
+};
+constexpr std::array kOnlyValue{OnlyValue{&xm::kDriveMode, 0},
+                                OnlyValue{&xm::kSecondaryId, 255},
+                                OnlyValue{&xm::kProtocolType, 2},
+                                OnlyValue{&xm::kHomingOffset, 0},
+                                OnlyValue{&xm::kStartupConfiguration, 0},
+                                OnlyValue{&xm::kFeedforwardAccelerationGain, 0},
+                                OnlyValue{&xm::kFeedforwardVelocityGain, 0}};
 
 }  // namespace
 
@@ -210,30 +225,32 @@ StatusError Servo::write(std::uint16_t address, std::span<const std::uint8_t> da
   const StatusError error = registers_.write(address, data, touched);
   if (error != StatusError::none) return error;
   for (const auto* r : touched) {
-    const StatusError refused = [&] {
-      const std::int64_t value = registers_.get(*r);
-      const bool shut_down = (registers_.get(xm::kHardwareErrorStatus) & registers_.get(xm::kShutdown)) != 0;
-      if (r->address == xm::kTorqueEnable.address && value != 0 && shut_down) return StatusError::result_fail;
-      if (r->address == xm::kOperatingMode.address && value != xm::kModePosition && value != 16) {
-        return StatusError::data_range;
-      }
-      if (r->address == xm::kGoalPosition.address) {
-        if (before.get(xm::kBusWatchdog) < 0) return StatusError::data_range;
-        if (value < registers_.get(xm::kMinPositionLimit) || value > registers_.get(xm::kMaxPositionLimit)) {
-          return StatusError::data_limit;
-        }
-      }
-      if (r->address == xm::kGoalPwm.address && std::abs(value) > registers_.get(xm::kPwmLimit)) {
-        return StatusError::data_limit;
-      }
-      return StatusError::none;
-    }();
+    const StatusError refused = refusal_of(*r, before);
     if (refused != StatusError::none) {
       registers_ = before;
       return refused;
     }
   }
   for (const auto* r : touched) after_write(*r, now);
+  return StatusError::none;
+}
+
+/// What the register file cannot know: rules between registers, and what this emulation does not have.
+StatusError Servo::refusal_of(const servo_bus::Register& r, const RegisterFile& before) const {
+  const std::int64_t value = registers_.get(r);
+  const auto is = [&](const servo_bus::Register& other) { return r.address == other.address; };
+  for (const auto& [only, allowed] : kOnlyValue) {
+    if (is(*only) && value != allowed) return StatusError::data_range;
+  }
+  if (is(xm::kOperatingMode) && value != xm::kModePosition && value != kModePwm) return StatusError::data_range;
+  const bool shut_down = (registers_.get(xm::kHardwareErrorStatus) & registers_.get(xm::kShutdown)) != 0;
+  if (is(xm::kTorqueEnable) && value != 0 && shut_down) return StatusError::result_fail;
+  if (is(xm::kGoalPosition)) {
+    if (before.get(xm::kBusWatchdog) < 0) return StatusError::data_range;
+    const bool inside = value >= registers_.get(xm::kMinPositionLimit) && value <= registers_.get(xm::kMaxPositionLimit);
+    if (!inside) return StatusError::data_limit;
+  }
+  if (is(xm::kGoalPwm) && std::abs(value) > registers_.get(xm::kPwmLimit)) return StatusError::data_limit;
   return StatusError::none;
 }
 

@@ -73,6 +73,7 @@ class Servo final : public BusDevice {
   void take_due_goals(Nanoseconds now);
   void follow_profile(double period_s);
   int position_loop_pwm(std::int32_t position_raw);
+  servo_bus::StatusError refusal_of(const servo_bus::Register& r, const RegisterFile& before) const;
   void after_write(const servo_bus::Register& r, Nanoseconds now);
 
   std::uint8_t id_;

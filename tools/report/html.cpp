@@ -10,6 +10,8 @@ constexpr const char* kStyle =
     "td:first-child,th:first-child{text-align:left}th{background:#f3f3f3}tr:nth-child(even) td{background:#fafafa}"
     ".answer{border-left:6px solid;padding:.6em 1em;background:#f7f7f7;font-size:1.05em}.good{border-color:#009e73}.bad{border-color:#d55e00}"
     "figure{margin:1em 0}figure svg{max-width:100%;height:auto}figcaption{font-size:.85em;color:#555}"
+    ".gallery{display:grid;grid-template-columns:1fr 1fr;gap:.2em 1.2em}.gallery figure{margin:.3em 0}"
+    "@media(max-width:800px){.gallery{grid-template-columns:1fr}}"
     "pre{background:#f5f5f5;padding:.7em;overflow-x:auto;font-size:.85em}";
 
 std::string table_row(const std::vector<std::string>& cells, const char* tag) {
@@ -39,6 +41,12 @@ void HtmlPage::figure(const std::string& svg_markup, const std::string& caption)
   body_ += "<figure>" + svg_markup;
   if (!caption.empty()) body_ += "<figcaption>" + escaped(caption) + "</figcaption>";
   body_ += "</figure>\n";
+}
+
+void HtmlPage::gallery(const std::vector<std::string>& svg_markups) {
+  body_ += "<div class='gallery'>\n";
+  for (const std::string& markup : svg_markups) figure(markup);
+  body_ += "</div>\n";
 }
 
 std::string HtmlPage::finish() const {

@@ -24,6 +24,8 @@ class HtmlPage {
   void code(const std::string& text);
   void table(const Table& table);
   void figure(const std::string& svg_markup, const std::string& caption = {});
+  /// Figures two abreast, in reading order; one abreast on a narrow screen.
+  void gallery(const std::vector<std::string>& svg_markups);
   /// The whole file.
   std::string finish() const;
 

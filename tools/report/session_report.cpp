@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "host/learn/atomic_file.h"
@@ -62,10 +64,24 @@ void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summa
   const learn::Episode episode = learn::load_episode(episode_file(folder, summary.trial));
   page.heading(fmt::format("Trial {}", summary.trial + 1));
   page.figure(layer_contributions(episode), "Share of each layer in the sum that is sent to the servos.");
-  page.figure(base_height(episode));
-  page.figure(base_tilt(episode));
-  if (!episode.truth.empty()) page.figure(foot_forces(episode));
-  for (int joint = 0; joint < model::kNumJoints; ++joint) page.figure(joint_angle(episode, joint));
+  std::vector<std::string> body{base_height(episode), base_tilt(episode)};
+  if (!episode.truth.empty()) body.push_back(foot_forces(episode));
+  page.gallery(body);
+  std::vector<std::string> joints;  // right and left side by side
+  constexpr int kPerLeg = model::kNumJoints / 2;
+  for (int joint = 0; joint < kPerLeg; ++joint)
+    for (int leg : {0, kPerLeg}) joints.push_back(joint_angle(episode, leg + joint));
+  page.gallery(joints);
+}
+
+/// What was run, in words, from summary.json; a session that was killed before its first summary has none.
+std::string introduction(const fs::path& folder, const SessionState& state) {
+  std::ifstream in(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(in, nullptr, false);
+  if (!summary.is_object()) return state.identity;
+  std::string without;
+  for (const auto& layer : summary.value("without", nlohmann::json::array())) without += (without.empty() ? ", without " : ", ") + layer.get<std::string>();
+  return fmt::format("Motion {} on {}, seed {}{}.", summary.value("motion", "?"), summary.value("robot", "?"), summary.value("seed", 0ULL), without);
 }
 
 }  // namespace
@@ -73,12 +89,10 @@ void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summa
 std::filesystem::path write_session_report(const fs::path& folder) {
   const std::unique_ptr<SessionState> state = state_of(folder);
   HtmlPage page("sanso: learning session");
-  page.paragraph(state->identity);
+  page.paragraph(introduction(folder, *state));
   page.answer(verdict(*state), !state->history.back().failed());
   page.figure(cost_over_trials(*state), "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper layer's input. Shaded: failed.");
-  page.figure(layers_over_trials(*state));
-  page.figure(gains_over_trials(*state));
-  page.figure(update_times(*state));
+  page.gallery({layers_over_trials(*state), gains_over_trials(*state), update_times(*state)});
   page.table(trial_table(*state));
   add_trial(page, folder, state->history.front());
   if (state->history.size() > 1) add_trial(page, folder, state->history.back());

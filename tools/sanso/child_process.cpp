@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void become(const fs::path& program, std::vector<char*>& argv, int log, pid_t parent) {
+  ::setpgid(0, 0);                      // Ctrl-C is for the host: robot and controller go on until it ends them
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // even when this program is killed
   if (::getppid() != parent) ::_exit(127);
   ::dup2(log, STDOUT_FILENO);

@@ -1,13 +1,30 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "host/app/learn_command.h"
+#include "host/learn/atomic_file.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/emulated_access.h"
 
 namespace sanso::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr char kDemoMark[] = "demo.txt";
+
+/// Makes room for a new demo. Anything else than an older demo stays: hours of learning may be in it.
+void remove_older_demo(const fs::path& out) {
+  if (!fs::exists(out) || fs::is_empty(out)) return;
+  if (!fs::exists(out / kDemoMark))
+    throw std::runtime_error(fmt::format("--out {}: holds something else than an older demo; name another folder", out.string()));
+  fs::remove_all(out);
+}
+
+}  // namespace
 
 void add_demo(CLI::App& app, int& result) {
   auto options = std::make_shared<app::LearnOptions>();
@@ -19,7 +36,9 @@ void add_demo(CLI::App& app, int& result) {
   command->add_option("--out", options->out, "folder of the session; an older demo in it is replaced")->capture_default_str();
   command->footer("Example:\n  sanso demo --motion stand --iterations 3 --out out/stand");
   command->callback([options, &result] {
-    if (std::filesystem::exists(options->out / "state.bin")) std::filesystem::remove_all(options->out);
+    remove_older_demo(options->out);
+    fs::create_directories(options->out);
+    learn::write_atomically(options->out / kDemoMark, std::string_view("made by sanso demo; the next demo replaces this folder\n"));
     result = app::learn(*options, [](const app::LearnOptions& o) {
       return std::make_unique<EmulatedAccess>(o.world, o.seed, o.out / "run");
     });

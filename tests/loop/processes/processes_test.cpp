@@ -83,7 +83,9 @@ learn::Episode squat_once(Host& host, const motion::Motion& motion, const std::v
   return learn::run_trial(host.robot, upper, setup, {});
 }
 
-TEST_F(Processes, AHostKilledInMidSquatLeavesTheRobotInHoldOnItsFeet) {
+class HostKilled : public Processes, public testing::WithParamInterface<int> {};
+
+TEST_P(HostKilled, InMidSquatLeavesTheRobotInHoldOnItsFeet) {
   const pid_t host = fork();
   if (host == 0) {
     Host h(*processes);
@@ -92,6 +94,7 @@ TEST_F(Processes, AHostKilledInMidSquatLeavesTheRobotInHoldOnItsFeet) {
     _exit(0);
   }
   ASSERT_TRUE(wait_until_on_the_way_down());
+  usleep(static_cast<useconds_t>(GetParam()) * 1000);
   kill(host, SIGKILL);
   int status = 0;
   waitpid(host, &status, 0);
@@ -103,6 +106,9 @@ TEST_F(Processes, AHostKilledInMidSquatLeavesTheRobotInHoldOnItsFeet) {
   EXPECT_EQ(witness.robot.latest().fault, 0);
   EXPECT_GT(true_height(), 0.2);
 }
+
+INSTANTIATE_TEST_SUITE_P(AfterGoingDownFor, HostKilled, testing::Values(0, 600, 1200, 1800),
+                         [](const auto& p) { return std::to_string(p.param) + "ms"; });
 
 TEST_F(Processes, APulledPtyIsFaultBusGone) {
   Host host(*processes);

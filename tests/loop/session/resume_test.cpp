@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <functional>
 
+#include "host/app/interrupt.h"
 #include "host/learn/atomic_file.h"
 #include "tests/loop/support/loop_fixture.h"
 
@@ -23,7 +25,8 @@ struct Resume : testing::Test {
 };
 
 /// A session of short standing trials in `out`; returns the digests of its trials and of what it learned.
-std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool resume, std::uint64_t seed = 3) {
+std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool resume, std::uint64_t seed = 3,
+                                       const std::function<bool()>& stop = [] { return false; }) {
   const motion::Motion stand = motion::MotionLibrary().load("stand");
   learn::Task task{"stand", stand.primitives, stand.weights, {}};
   inprocess::InProcessAccess robot("lab");
@@ -35,7 +38,7 @@ std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool
   settings.resume = resume;
   settings.trial.settle_s = 0.2;
   learn::Session session(task, settings, robot, upper);
-  session.run([](const learn::TrialSummary&) {});
+  session.run([](const learn::TrialSummary&) {}, stop);
   std::vector<std::uint64_t> digests{learn::learned_digest(session.state())};
   for (const learn::TrialSummary& t : session.state().history) digests.push_back(t.digest);
   return digests;
@@ -56,6 +59,20 @@ TEST_F(Resume, KilledInTheMiddleEqualsUninterrupted) {
   ASSERT_TRUE(WIFSIGNALED(status)) << "the session ended before it could be killed";
 
   EXPECT_EQ(run_session(folder / "killed", 4, true), run_session(folder / "whole", 4, false));
+}
+
+TEST_F(Resume, CtrlCLetsTheTrialEndAndNothingIsLost) {
+  {
+    const app::Interrupt interrupt;
+    EXPECT_FALSE(app::Interrupt::requested());
+    int asked = 0;
+    const auto digests = run_session(folder / "stopped", 3, false, 3, [&] {
+      if (++asked == 2) raise(SIGINT);  // while the first trial is being stored
+      return app::Interrupt::requested();
+    });
+    EXPECT_EQ(digests.size(), 2u) << "what was learned, and one trial";
+  }
+  EXPECT_EQ(run_session(folder / "stopped", 3, true), run_session(folder / "whole", 3, false));
 }
 
 TEST_F(Resume, AnotherSessionIsNotContinued) {
