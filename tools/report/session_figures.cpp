@@ -76,7 +76,7 @@ std::string cost_over_trials(const SessionState& state) {
 }
 
 std::string layers_over_trials(const SessionState& state) {
-  return svg(LineChart{.title = "Who does the work (rms over joints and time)", .x_label = "trial", .y_label = "rms [rad]",
+  return svg(LineChart{.title = "Who does the work", .x_label = "trial", .y_label = "rms [rad]",
                        .series = {over_trials(state, "upper", [](const TrialSummary& t) { return t.u_upper_rms; }),
                                   over_trials(state, "middle", [](const TrialSummary& t) { return t.u_middle_rms; })},
                        .y_min = 0.0}, kHalf);
@@ -87,6 +87,14 @@ std::string gains_over_trials(const SessionState& state) {
                        .series = {over_trials(state, "K upper", [](const TrialSummary& t) { return t.gain_upper; }),
                                   over_trials(state, "K middle", [](const TrialSummary& t) { return t.gain_middle; })},
                        .y_min = 0.0}, kHalf);
+}
+
+std::string model_over_trials(const SessionState& state) {
+  const auto known = [](double loss) { return loss >= 0 ? loss : std::nan(""); };
+  return svg(LineChart{.title = "Prediction error of the model", .x_label = "trial", .y_label = "12-step loss in W_x",
+                       .series = {over_trials(state, "in use", [&](const TrialSummary& t) { return known(t.model_loss); }),
+                                  over_trials(state, "first model", [&](const TrialSummary& t) { return known(t.model_loss_initial); })},
+                       .log_y = true}, kHalf);
 }
 
 std::string joint_angle(const Episode& episode, int joint) {

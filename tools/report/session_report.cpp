@@ -39,7 +39,7 @@ std::string outcome(const TrialSummary& t) {
 }
 
 Table trial_table(const SessionState& state) {
-  Table table{{"trial", "cost", "failed", "update p50 [ms]", "update max [ms]", "late updates", "bus errors", "time [s]"}, {}};
+  Table table{{"trial", "cost", "failed", "update p50 [ms]", "max [of 60 ms]", "late updates", "bus errors", "time [s]"}, {}};
   for (const TrialSummary& t : state.history)
     table.rows.push_back({fmt::format("{}", t.trial + 1), fmt::format("{:.2f}", t.cost), outcome(t),
                           fmt::format("{:.2f}", learn::percentile(t.update_ms, 0.5)), fmt::format("{:.2f}", learn::percentile(t.update_ms, 1.0)),
@@ -92,7 +92,7 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   page.paragraph(introduction(folder, *state));
   page.answer(verdict(*state), !state->history.back().failed());
   page.figure(cost_over_trials(*state), "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper layer's input. Shaded: failed.");
-  page.gallery({layers_over_trials(*state), gains_over_trials(*state), update_times(*state)});
+  page.gallery({layers_over_trials(*state), gains_over_trials(*state), model_over_trials(*state), update_times(*state)});
   page.table(trial_table(*state));
   add_trial(page, folder, state->history.front());
   if (state->history.size() > 1) add_trial(page, folder, state->history.back());
@@ -105,7 +105,8 @@ std::string compare_costs(const std::vector<fs::path>& folders) {
   LineChart chart{.title = "Cost over trials", .x_label = "trial", .y_label = "J", .series = {}, .log_y = true};
   for (const fs::path& folder : folders) {
     Series series{.name = (folder.has_filename() ? folder : folder.parent_path()).filename().string(), .x = {}, .y = {}};
-    for (const TrialSummary& t : state_of(folder)->history) {
+    const std::unique_ptr<SessionState> state = state_of(folder);
+    for (const TrialSummary& t : state->history) {
       series.x.push_back(t.trial + 1);
       series.y.push_back(t.cost);
     }
@@ -120,6 +121,7 @@ void write_session_figures(const fs::path& folder, const fs::path& to) {
   learn::write_atomically(to / "cost.svg", cost_over_trials(*state));
   learn::write_atomically(to / "layers.svg", layers_over_trials(*state));
   learn::write_atomically(to / "gains.svg", gains_over_trials(*state));
+  learn::write_atomically(to / "model.svg", model_over_trials(*state));
   learn::write_atomically(to / "updates.svg", update_times(*state));
 }
 
