@@ -79,6 +79,18 @@ std::vector<HumanSwing> repeated(const std::vector<HumanSwing>& once, int loops)
   return all;
 }
 
+/// Swings of the mean length, one mean step apart.
+void even_out(std::vector<HumanSwing>& swings) {
+  if (swings.size() < 2) return;
+  const double period = (swings.back().lift_s - swings.front().lift_s) / static_cast<double>(swings.size() - 1);
+  double length = 0.0;
+  for (const HumanSwing& s : swings) length += (s.land_s - s.lift_s) / static_cast<double>(swings.size());
+  for (std::size_t i = 0; i < swings.size(); ++i) {
+    swings[i].lift_s = swings.front().lift_s + period * static_cast<double>(i);
+    swings[i].land_s = swings[i].lift_s + length;
+  }
+}
+
 /// Minimum jerk from 0 to 1.
 double smooth_step(double u) { return u * u * u * (10 - 15 * u + 6 * u * u); }
 
@@ -169,6 +181,7 @@ StepPlan plan_steps(const HumanMotion& human, const Recipe& recipe) {
   if (human_swings.empty()) throw ClipError(human.source + ": no step found; expected at least one swing of a foot");
   if (!human.loops) human_swings = repeated(human_swings, recipe.loops);
   if (static_cast<int>(human_swings.size()) > recipe.max_steps) human_swings.resize(recipe.max_steps);
+  if (recipe.even_rhythm) even_out(human_swings);
   // closing step: the trailing foot comes beside the other one
   const double median_swing = median_duration(human_swings);
   const HumanSwing& last = human_swings.back();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "host/motion/catalogue.h"
 #include "host/motion/dmp_fit.h"
@@ -36,6 +37,31 @@ Window stepping_window(const BodyTarget& target, double dt_s) {
   while (from < to && both(from)) ++from;
   while (to > from && both(to)) --to;
   return {dt_s * static_cast<double>(from), dt_s * static_cast<double>(to)};
+}
+
+template <class T>
+T parsed(const std::string& figure, const std::string& value) {
+  T number{};
+  std::istringstream text(value);
+  text >> std::boolalpha >> number;
+  if (text.fail() || !(text >> std::ws).eof())
+    throw MotionError("--set " + figure + ": '" + value + "' is not a value of this figure");
+  return number;
+}
+
+/// Replaces one figure of the recipe by `figure`, "key=value".
+void set_figure(Recipe& recipe, const std::string& figure) {
+  const std::size_t sign = figure.find('=');
+  const std::string key = figure.substr(0, sign), value = sign == std::string::npos ? "" : figure.substr(sign + 1);
+  std::string known;
+  bool found = false;
+  visit_recipe(recipe, [&](const char* name, auto& field) {
+    known += (known.empty() ? "" : ", ") + std::string(name);
+    if (key != name) return;
+    found = true;
+    field = parsed<std::remove_reference_t<decltype(field)>>(figure, value);
+  });
+  if (!found) throw MotionError("--set " + figure + ": no such figure; there are: " + known);
 }
 
 FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted) {
@@ -91,6 +117,7 @@ ImportedMotion import_motion(const ImportRequest& request) {
     out.motion.title = request.name + ", from " + recipe.clip;
     out.motion.source = {"not stated", "not stated", "retargeted, fitted by movement primitives"};
   }
+  for (const std::string& figure : request.figures) set_figure(recipe, figure);
   out.retargeted = retarget(read_human_motion(request.clip.string()), recipe);
   out.check = check_reference(out.retargeted);
   const auto wrong = complaints(out.check, recipe.kind);

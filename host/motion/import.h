@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/motion/motion.h"
 #include "host/motion/retarget.h"
@@ -12,7 +13,8 @@ namespace sanso::motion {
 struct ImportRequest {
   std::filesystem::path clip;  // .bvh, or DeepMimic's JSON
   std::string name;            // of the new motion
-  std::string like;            // motion of the catalogue whose figures are used; empty: `name` itself
+  std::string like = {};       // motion of the catalogue whose figures are used; empty: `name` itself
+  std::vector<std::string> figures = {};  // "key=value" of the recipe, instead of the catalogue's
 };
 
 /// How well the primitives repeat the trajectory they were fitted to.

@@ -63,6 +63,7 @@ std::vector<Clause> read_success(TomlTable& root) {
     }
     clause.at_least = entry.optional_number("at_least");
     clause.at_most = entry.optional_number("at_most");
+    entry.optional("waived", clause.waived);
     if (!clause.at_least && !clause.at_most) entry.fail("measure", "neither at_least nor at_most stands beside it");
     entry.finish();
     clauses.push_back(clause);
@@ -186,6 +187,7 @@ void write_success(TomlText& toml, const Motion& motion) {
     toml.put("measure", clause.measure);
     if (clause.at_least) toml.put("at_least", *clause.at_least);
     if (clause.at_most) toml.put("at_most", *clause.at_most);
+    if (!clause.waived.empty()) toml.put("waived", clause.waived);
   }
 }
 

@@ -27,6 +27,7 @@ struct Recipe {
   double swing_height_m = 0.028;  // gait: highest point of the swing foot
   double double_support_s = 0.15; // gait: at least this long between a landing and the next lift; negative: may overlap
   double swing_stretch = 1.0;     // gait: length of a swing relative to the scaled clip
+  bool even_rhythm = false;  // gait: every swing and every step lasts as long as the clip's mean (a man limps a little)
   double lift_scale = 0.5;        // one_leg: of the scaled ankle-to-ankle vector
   double hold_s = 2.5;            // one_leg
   int max_steps = 100;            // gait, without the closing one
@@ -55,6 +56,7 @@ void visit_recipe(R& r, Field&& field) {
   field("swing_height_m", r.swing_height_m);
   field("double_support_s", r.double_support_s);
   field("swing_stretch", r.swing_stretch);
+  field("even_rhythm", r.even_rhythm);
   field("lift_scale", r.lift_scale);
   field("hold_s", r.hold_s);
   field("max_steps", r.max_steps);

@@ -21,17 +21,17 @@ std::string ClauseResult::text() const {
     std::snprintf(buffer, sizeof buffer, ", at most %.4g", *clause.at_most);
     out += buffer;
   }
-  return out + (holds ? ": holds" : ": failed");
+  return out + (holds ? ": holds" : clause.waived.empty() ? ": failed" : ": waived");
 }
 
 bool Verdict::succeeded() const {
-  return std::all_of(clauses.begin(), clauses.end(), [](const ClauseResult& c) { return c.holds; });
+  return std::none_of(clauses.begin(), clauses.end(), [](const ClauseResult& c) { return c.counts_against(); });
 }
 
 std::vector<std::string> Verdict::failures() const {
   std::vector<std::string> texts;
   for (const auto& c : clauses) {
-    if (!c.holds) texts.push_back(c.text());
+    if (c.counts_against()) texts.push_back(c.text());
   }
   return texts;
 }

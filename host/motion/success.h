@@ -33,16 +33,19 @@ struct Window {
   double from_s = 0.0, to_s = std::numeric_limits<double>::infinity();
 };
 
-/// `measure` has to be at least or at most a bound (either or both).
+/// `measure` has to be at least or at most a bound (either or both). A clause that is waived is evaluated and shown,
+/// but a motion may succeed without it; `waived` says why the robot cannot hold it.
 struct Clause {
   std::string measure;
   std::optional<double> at_least, at_most;
+  std::string waived = {};
 };
 
 struct ClauseResult {
   Clause clause;
   double value = 0.0;    // NaN: could not be measured
   bool holds = false;
+  bool counts_against() const { return !holds && clause.waived.empty(); }
   std::string text() const;  // "depth_share 0.62, at least 0.7: failed"
 };
 

@@ -30,6 +30,7 @@ void list_motions(bool json) {
       nlohmann::ordered_json entry{{"measure", clause.measure}};
       if (clause.at_least) entry["at_least"] = *clause.at_least;
       if (clause.at_most) entry["at_most"] = *clause.at_most;
+      if (!clause.waived.empty()) entry["waived"] = clause.waived;
       clauses.push_back(entry);
     }
     list.push_back({{"name", name}, {"title", m.title}, {"duration_s", m.duration_s()}, {"clip", m.recipe.clip},
@@ -73,6 +74,7 @@ void add_motions(CLI::App& app, int& result) {
   import->add_option("CLIP", options->request.clip, "the clip")->required()->check(CLI::ExistingFile);
   import->add_option("--as", options->request.name, "name of the motion")->required();
   import->add_option("--like", options->request.like, "motion whose figures are used (default: the one of that name)");
+  import->add_option("--set", options->request.figures, "a figure of the retargeting, KEY=VALUE (docs/motions.md)");
   import->add_option("--out", options->out, "folder (default: the library)");
   import->callback([options] { import_clip(*options); });
   command->callback([json, import, &result] {

@@ -186,5 +186,37 @@ TEST(Import, RefusesWhatTheRobotCannotDoAndSaysWhatToChange) {
   EXPECT_THROW(import_motion({mocap_folder() / "accad/Male1_A7_Crouch.bvh", "deep", "nothing"}), MotionError);
 }
 
+TEST(Import, TakesFiguresOfTheRecipeByName) {
+  if (!std::filesystem::exists(mocap_folder())) GTEST_SKIP() << "SKIPPED: no clips; set SANSO_DATA";
+  const auto clip = mocap_folder() / "accad/Male1_A7_Crouch.bvh";
+  const ImportedMotion shallow = import_motion({clip, "squat", "", {"kz=0.25", "kappa=0.93"}});
+  const ImportedMotion shipped = import_motion({clip, "squat", ""});
+  EXPECT_EQ(shallow.motion.recipe.kz, 0.25);
+  const auto depth = [](const ImportedMotion& m) {
+    double low = 1.0;
+    for (const auto& x : m.motion.reference().x) low = std::min(low, x[2]);
+    return m.motion.reference().x.front()[2] - low;
+  };
+  EXPECT_NEAR(depth(shallow), 0.5 * depth(shipped), 0.002);
+  EXPECT_THROW(import_motion({clip, "squat", "", {"depth=0.5"}}), MotionError);  // no such figure
+  EXPECT_THROW(import_motion({clip, "squat", "", {"kz=half"}}), MotionError);
+  EXPECT_THROW(import_motion({clip, "squat", "", {"mirror"}}), MotionError);  // no value
+}
+
+TEST(Import, AnEvenRhythmGivesBothFeetTheSameSwings) {
+  if (!std::filesystem::exists(mocap_folder())) GTEST_SKIP() << "SKIPPED: no clips; set SANSO_DATA";
+  const ImportedMotion jog = import_motion({mocap_folder() / catalogue_entry("jog").recipe.clip, "jog", ""});
+  int down[2] = {0, 0}, swings[2] = {0, 0};
+  const auto& carries = jog.retargeted.target.carries;
+  for (std::size_t k = 1; k < carries.size(); ++k) {
+    for (const std::size_t side : {0U, 1U}) {
+      down[side] += carries[k][side] ? 1 : 0;
+      swings[side] += carries[k - 1][side] && !carries[k][side] ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(swings[0], swings[1]);
+  EXPECT_NEAR(down[0], down[1], 6);  // ticks; the closing step is a median swing, the others a mean one
+}
+
 }  // namespace
 }  // namespace sanso::motion

@@ -152,5 +152,22 @@ TEST(Success, AnEmptyEpisodeFailsEveryClause) {
   EXPECT_EQ(evaluate(squat, {}).failures().size(), squat.success.size());
 }
 
+TEST(Success, AWaivedClauseIsShownAndDoesNotCount) {
+  const Motion jog = MotionLibrary().load("jog");
+  const Verdict verdict = evaluate(jog, following(jog));  // stands all the time: neither steps nor flight
+  bool flight_shown = false;
+  for (const auto& c : verdict.clauses) {
+    if (c.clause.measure != "flight_share") continue;
+    flight_shown = true;
+    EXPECT_FALSE(c.holds);
+    EXPECT_FALSE(c.counts_against());
+    EXPECT_THAT(c.text(), HasSubstr("waived"));
+  }
+  EXPECT_TRUE(flight_shown);
+  EXPECT_THAT(verdict.failures(), Not(Contains(HasSubstr("flight_share"))));
+  EXPECT_THAT(verdict.failures(), Contains(HasSubstr("steps")));  // the others still count
+  EXPECT_FALSE(verdict.succeeded());
+}
+
 }  // namespace
 }  // namespace sanso::motion
