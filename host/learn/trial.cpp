@@ -55,7 +55,7 @@ class Trial {
  public:
   Trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup, const TrialSettings& settings)
       : robot_(robot), upper_(upper), setup_(setup), settings_(settings) {
-    episode_.plans.reserve(static_cast<std::size_t>(setup.duration_ticks / kTicksPerUpper) + 2);
+    episode_.plans.reserve(static_cast<std::size_t>(setup.duration_ticks / settings.upper_period_ticks) + 2);
   }
   Episode run();
 
@@ -77,7 +77,8 @@ class Trial {
   const TrialSettings& settings_;
   Episode episode_;
   std::unique_ptr<mpc::PlanResult> plan_ = std::make_unique<mpc::PlanResult>();
-  int next_step_ = 0;      // the next 60 ms step whose observation is awaited
+  int next_step_ = 0;      // the next 60 ms step whose observation is judged
+  int next_plan_ = 0;      // the next period of the upper layer whose observation is planned from
   bool running_ = true;    // as far as the observations tell
 };
 
@@ -136,7 +137,7 @@ void Trial::plan_from(const wire::Observation& o) {
   mpc::PlanRequest request;
   request.observed_tick = o.trial_tick;
   request.x_observed = o.x;
-  request.plan_tick = (o.trial_tick / kTicksPerUpper + 1) * kTicksPerUpper;
+  request.plan_tick = (o.trial_tick / settings_.upper_period_ticks + 1) * settings_.upper_period_ticks;
   request.in_use = policy_in_use(o);
   request.sequence = static_cast<std::uint32_t>(episode_.plans.size()) + 1;
   request.sigma = setup_.layers.stochastic ? setup_.sigma : 0.0;
@@ -187,11 +188,16 @@ Episode Trial::run() {
     }
     if (episode_.ticks.empty() || episode_.end != TrialEnd::completed) continue;
     const wire::Observation newest = episode_.ticks.back();
-    if (!running_ || newest.trial_tick < next_step_ * kTicksPerUpper) continue;
-    judge(newest);
-    next_step_ = newest.trial_tick / kTicksPerUpper + 1;
-    robot_.send_sign_of_life();  // policies may be off, late or lost
-    if (setup_.layers.upper && episode_.end == TrialEnd::completed) plan_from(newest);
+    if (!running_) continue;
+    if (newest.trial_tick >= next_step_ * kTicksPerUpper) {
+      judge(newest);
+      next_step_ = newest.trial_tick / kTicksPerUpper + 1;
+      robot_.send_sign_of_life();  // policies may be off, late or lost
+    }
+    if (!setup_.layers.upper || episode_.end != TrialEnd::completed) continue;
+    if (newest.trial_tick < next_plan_ * settings_.upper_period_ticks) continue;
+    next_plan_ = newest.trial_tick / settings_.upper_period_ticks + 1;
+    plan_from(newest);
   }
   finish();
   return std::move(episode_);

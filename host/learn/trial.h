@@ -25,6 +25,7 @@ struct TrialSettings {
   double cost_limit = 350.0;           // J_th (paper)
   double tilt_limit_rad = 0.698;       // 40 deg between the base's and the reference's vertical
   double drop_limit_m = 0.09;          // base below the reference
+  int upper_period_ticks = kTicksPerUpper;  // a plan from every so many observations; it holds from the next multiple on
   double modelled_planning_s = 0.030;  // virtual clocks only: when a plan leaves the host, after its observation
   double planning_budget_s = 0.0;      // real clocks: the planner returns its best after this; 0 = no budget
   double silence_limit_s = 0.5;        // no observation for so long: link lost

@@ -8,6 +8,7 @@
 #include "tools/bench/bench_tick.h"
 #include "tools/bench/mpc/bench_mpc.h"
 #include "tools/sanso/commands.h"
+#include "tools/sanso/loop_study.h"
 
 namespace sanso::cli {
 namespace {
@@ -60,6 +61,20 @@ void add_mpc(CLI::App& bench, int& result) {
   command->callback([o, &result] { result = bench::bench_mpc(*o); });
 }
 
+void add_loop(CLI::App& bench, int& result) {
+  auto o = std::make_shared<LoopStudyOptions>();
+  CLI::App* command = bench.add_subcommand("loop", "what update period, horizon and iterations buy in closed loop");
+  command->add_flag("--json", o->json, "figures as JSON");
+  command->add_option("--seeds", o->seeds, "trials of each task")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_option("--push-N", o->push_N, "forward push of 0.1 s")
+      ->check(CLI::Range(0.0, 200.0))
+      ->capture_default_str();
+  command->add_option("--threads", o->threads, "of the planner")->check(CLI::Range(1, 64))->capture_default_str();
+  command->add_flag("--only-default", o->only_default, "one case: 60 ms, 0.72 s, to convergence");
+  command->add_option("--figure", o->figure, "write the push's costs as SVG");
+  command->callback([o, &result] { result = bench_loop(*o); });
+}
+
 void add_simple(CLI::App& bench, const Bench& b, int& result) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = bench.add_subcommand(b.name, b.about);
@@ -74,6 +89,7 @@ void add_bench(CLI::App& app, int& result) {
   bench->require_subcommand(1);
   bench->footer("Example:\n  sanso bench tick");
   add_mpc(*bench, result);
+  add_loop(*bench, result);
   for (const Bench& b : kBenches) add_simple(*bench, b, result);
 }
 
