@@ -19,24 +19,34 @@ EmulatedAccess::EmulatedAccess(const std::string& world, std::uint64_t seed, con
   truth_ = std::make_unique<TruthSampler>(processes_.robot_directory());
 }
 
-void EmulatedAccess::wait_for(SupervisorState state, double patience_s, const char* what) {
+/// False when it went into a fault or took too long.
+bool EmulatedAccess::reaches_idle(double patience_s) {
   const Nanoseconds give_up = clock_.now() + from_seconds(patience_s);
-  for (link_.poll(); link_.latest().state != state; link_.wait_observation(clock_.now() + 100 * kMillisecond)) {
+  for (link_.poll(); link_.latest().state != SupervisorState::idle; link_.wait_observation(clock_.now() + 100 * kMillisecond)) {
     processes_.check();
-    const bool fault = link_.latest().state == SupervisorState::fault && state != SupervisorState::fault;
-    if (fault || clock_.now() >= give_up)
-      throw std::runtime_error(fmt::format("{}: state {}, fault {} (docs/faults.md)", what, static_cast<int>(link_.latest().state),
-                                           link_.latest().fault));
+    if (link_.latest().state == SupervisorState::fault || clock_.now() >= give_up) return false;
   }
+  return true;
 }
 
-/// Whatever the last trial left: lowered, or its fault cleared, torque off.
+/// Whatever the last trial left: lowered, or its fault cleared, torque off; or the self-test after a start.
 void EmulatedAccess::bring_to_idle() {
+  constexpr int kTries = 3;  // a crowded machine can make the self-test miss a reply: what a person would do is clear and look again
+  constexpr double kLowerOrSelfTest_s = 20.0;
+  for (int i = 0; i < kTries; ++i) {
+    lower_or_clear();
+    if (reaches_idle(kLowerOrSelfTest_s)) return;
+  }
+  throw std::runtime_error(fmt::format("getting ready for the next trial: state {}, fault {} (docs/faults.md)\n{}",
+                                       static_cast<int>(link_.latest().state), link_.latest().fault, processes_.firmware_log()));
+}
+
+void EmulatedAccess::lower_or_clear() {
   link_.poll();
   const SupervisorState state = link_.latest().state;
   if (state == SupervisorState::fault) {
     (void)link_.command({.kind = wire::CommandKind::clear_fault});
-    link_.wait_observation(clock_.now() + 100 * kMillisecond);
+    for (const Nanoseconds end = clock_.now() + 100 * kMillisecond; clock_.now() < end;) link_.wait_observation(end);
   } else if (state != SupervisorState::idle && state != SupervisorState::self_test && state != SupervisorState::boot) {
     (void)link_.command({.kind = wire::CommandKind::disarm});
   }
@@ -45,8 +55,6 @@ void EmulatedAccess::bring_to_idle() {
 link::RobotLink& EmulatedAccess::place(const model::State& x, std::uint64_t) {
   processes_.check();
   bring_to_idle();
-  constexpr double kLowerOrSelfTest_s = 20.0;
-  wait_for(SupervisorState::idle, kLowerOrSelfTest_s, "getting ready for the next trial");
   processes_.put_on_feet(x);
   constexpr Nanoseconds kSettle = 300 * kMillisecond;  // the estimator sees where it is now
   for (const Nanoseconds end = clock_.now() + kSettle; clock_.now() < end;) link_.wait_observation(end);

@@ -22,7 +22,8 @@ class EmulatedAccess : public learn::RobotAccess {
   bool real_time() const override { return true; }
 
  private:
-  void wait_for(wire::SupervisorState state, double patience_s, const char* what);
+  bool reaches_idle(double patience_s);
+  void lower_or_clear();
   void bring_to_idle();
 
   std::string world_;

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -76,7 +77,9 @@ learn::Episode squat_once(Host& host, const motion::Motion& motion, const std::v
   setup.layers.middle = false;
   setup.duration_ticks = motion.primitives.duration_ticks();
   mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
-  if (!host.wait_for(SupervisorState::idle, 20)) throw std::runtime_error("not idle");
+  if (!host.wait_for(SupervisorState::idle, 20))
+    throw std::runtime_error("not idle: state " + std::to_string(static_cast<int>(host.robot.latest().state)) + ", fault " +
+                             std::to_string(host.robot.latest().fault) + "\n" + processes.firmware_log());
   processes.put_on_feet(reference.front());
   host.clock.wait_until(host.clock.now() + 300 * kMillisecond);
   learn::prepare_trial(host.robot, setup, {});
@@ -88,9 +91,14 @@ class HostKilled : public Processes, public testing::WithParamInterface<int> {};
 TEST_P(HostKilled, InMidSquatLeavesTheRobotInHoldOnItsFeet) {
   const pid_t host = fork();
   if (host == 0) {
-    Host h(*processes);
-    if (h.robot.open() != Status::ok) _exit(1);
-    (void)squat_once(h, squat, reference, *processes);
+    try {
+      Host h(*processes);
+      if (h.robot.open() != Status::ok) _exit(1);
+      (void)squat_once(h, squat, reference, *processes);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "host: %s\n", error.what());
+      _exit(2);
+    }
     _exit(0);
   }
   ASSERT_TRUE(wait_until_on_the_way_down());
