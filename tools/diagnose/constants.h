@@ -6,6 +6,7 @@ namespace sanso::diagnose::constants {
 
 // --- data ---------------------------------------------------------------------------------------------------------------
 inline constexpr double kShotSeconds = 0.5;       // the horizon an MPC feels (method 3.3, R2); long enough for a servo's lag
+inline constexpr int kLeastShotRows = 10;         // slower recordings get longer shots: fewer rows show no shape of motion
 inline constexpr double kTorqueWindow = 0.1;      // s: window of the missing-torque residual; between 60 and 240 ms (R3)
 inline constexpr double kFastestRate = 1100.0;    // Hz: faster recordings are thinned; joint physics end far below
 inline constexpr int kMaximumRows = 40000;        // rows x joints compared in a search; more only narrows intervals

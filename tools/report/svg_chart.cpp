@@ -37,7 +37,8 @@ std::string vertical_label(const std::string& label, ChartSize size) {
 }
 
 Axis vertical_axis(const Range& range, bool logarithmic, ChartSize size) {
-  Axis axis{range.low(), range.high(), static_cast<double>(size.height - kBottom), static_cast<double>(kTop), logarithmic};
+  Axis axis{range.low(), range.high(), static_cast<double>(size.height - kBottom), static_cast<double>(kTop),
+            logarithmic};
   if (logarithmic) axis.low = std::max(axis.low, axis.high * 1e-6);
   return axis;
 }
@@ -46,7 +47,8 @@ std::string horizontal_grid(const Axis& y, ChartSize size) {
   std::string out;
   for (double v : ticks(y.low, y.high, 6, y.logarithmic)) {
     const double py = y.pixel(v);
-    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#e3e3e3'/>\n", kLeft, size.width - kRight, py, py);
+    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#e3e3e3'/>\n", kLeft, size.width - kRight,
+                       py, py);
     out += text_at(kLeft - 6, py + 4, tick_label(v), "end", 11);
   }
   return out;
@@ -73,8 +75,8 @@ std::string level_lines(const std::vector<Level>& levels, const Axis& y, ChartSi
   for (const Level& level : levels) {
     const double py = y.pixel(level.y);
     if (py < kTop || py > size.height - kBottom) continue;
-    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#b00000' stroke-dasharray='3 3'/>\n", kLeft,
-                       size.width - kRight, py, py);
+    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#b00000' stroke-dasharray='3 3'/>\n",
+                       kLeft, size.width - kRight, py, py);
     out += text_at(size.width - kRight - 4, py - 4, level.label, "end", 11, "fill='#b00000'");
   }
   return out;
@@ -89,7 +91,10 @@ std::vector<std::size_t> drawn_points(const std::vector<double>& y) {
     const std::size_t begin = b * n / buckets, end = (b + 1) * n / buckets;
     std::size_t low = begin, high = begin;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!std::isfinite(y[i])) { low = high = i; break; }  // the gap must stay visible
+      if (!std::isfinite(y[i])) {
+        low = high = i;
+        break;
+      }  // the gap must stay visible
       if (y[i] < y[low]) low = i;
       if (y[i] > y[high]) high = i;
     }
@@ -97,6 +102,25 @@ std::vector<std::size_t> drawn_points(const std::vector<double>& y) {
     if (low != high) out.push_back(std::max(low, high));
   }
   for (std::size_t i = 0; n <= kMaxDrawnPoints && i < n; ++i) out.push_back(i);
+  return out;
+}
+
+/// One polygon for every piece without NaN: along the upper edge, back along the lower.
+std::string strip(const Ribbon& r, const Axis& x, const Axis& y) {
+  std::string out;
+  const auto inside = [&](double v) {
+    return std::clamp(y.pixel(v), std::min(y.pixel_low, y.pixel_high), std::max(y.pixel_low, y.pixel_high));
+  };
+  for (std::size_t first = 0; first < r.x.size();) {
+    std::string upper, lower;
+    std::size_t k = first;
+    for (; k < r.x.size() && std::isfinite(r.low[k]) && std::isfinite(r.high[k]); ++k) {
+      upper += fmt::format("{:.1f},{:.1f} ", x.pixel(r.x[k]), inside(r.high[k]));
+      lower = fmt::format("{:.1f},{:.1f} ", x.pixel(r.x[k]), inside(r.low[k])) + lower;
+    }
+    if (k > first) out += "<polygon points='" + upper + lower + "' fill='" + r.colour + "' opacity='0.4'/>\n";
+    first = k + 1;
+  }
   return out;
 }
 
@@ -114,7 +138,8 @@ std::string polyline(const Series& series, const std::string& colour, const Axis
     pen_down = true;
   }
   return fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='1.6' {}/>\n", path, colour,
-                     series.dashed ? "stroke-dasharray='6 4'" : "") + dots;
+                     series.dashed ? "stroke-dasharray='6 4'" : "") +
+         dots;
 }
 
 std::string legend(const std::vector<Series>& series, const std::vector<std::string>& colours, ChartSize size) {
@@ -124,8 +149,8 @@ std::string legend(const std::vector<Series>& series, const std::vector<std::str
     if (series[i].name.empty()) continue;
     const double width = 26.0 + 6.6 * static_cast<double>(series[i].name.size());
     right -= width;
-    out += fmt::format("<line x1='{:.1f}' x2='{:.1f}' y1='20' y2='20' stroke='{}' stroke-width='2' {}/>\n", right, right + 16,
-                       colours[i], series[i].dashed ? "stroke-dasharray='4 3'" : "");
+    out += fmt::format("<line x1='{:.1f}' x2='{:.1f}' y1='20' y2='20' stroke='{}' stroke-width='2' {}/>\n", right,
+                       right + 16, colours[i], series[i].dashed ? "stroke-dasharray='4 3'" : "");
     out += text_at(right + 20, 24, series[i].name, "start", 11);
   }
   return out;
@@ -150,11 +175,20 @@ std::string escaped(const std::string& text) {
   std::string out;
   for (char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -167,6 +201,12 @@ std::string svg(const LineChart& chart, ChartSize size) {
     for (double v : s.y)
       if (!chart.log_y || v > 0) ys.include(v);
   }
+  for (const Ribbon& r : chart.ribbons) {
+    for (const auto* edge : {&r.low, &r.high}) {
+      for (double v : *edge)
+        if (!chart.log_y || v > 0) ys.include(v);
+    }
+  }
   if (chart.y_min) ys.include(*chart.y_min);
   if (chart.y_max) ys.include(*chart.y_max);
   const Range xr = xs.drawable(), yr = ys.drawable();
@@ -177,10 +217,11 @@ std::string svg(const LineChart& chart, ChartSize size) {
   for (const Band& band : chart.bands) {
     const double from = std::clamp(x.pixel(band.from), x.pixel_low, x.pixel_high);
     const double to = std::clamp(x.pixel(band.to), x.pixel_low, x.pixel_high);
-    out += fmt::format("<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' fill='{}' opacity='0.45'/>\n", from, kTop, to - from,
-                       size.height - kTop - kBottom, band.colour);
+    out += fmt::format("<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' fill='{}' opacity='0.45'/>\n", from, kTop,
+                       to - from, size.height - kTop - kBottom, band.colour);
   }
   out += horizontal_grid(y, size) + vertical_grid(x, size) + frame(size);
+  for (const Ribbon& r : chart.ribbons) out += strip(r, x, y);
   std::vector<std::string> colours;
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const Series& s = chart.series[i];
@@ -211,8 +252,8 @@ std::string svg(const BarChart& chart, ChartSize size) {
     const double centre = kLeft + (static_cast<double>(i) + 0.5) * slot;
     if (std::isfinite(bar.value)) {
       const double py = y.pixel(bar.value);
-      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>\n", centre - 0.32 * slot,
-                         std::min(py, base), 0.64 * slot, std::abs(base - py), kPalette[0]);
+      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>\n",
+                         centre - 0.32 * slot, std::min(py, base), 0.64 * slot, std::abs(base - py), kPalette[0]);
       out += text_at(centre, std::min(py, base) - 4, tick_label(bar.value), "middle", 10);
     }
     if (bar.low && bar.high) {
@@ -246,8 +287,8 @@ std::string svg(const HeatMap& map, ChartSize size) {
       const bool known = std::isfinite(v);
       const std::string fill = known ? cell_colour(v, range.low(), range.high(), map.diverging) : "#f2f2f2";
       const double left = kNames + static_cast<double>(c) * cell_w;
-      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' stroke='#ffffff'/>\n", left, top,
-                         cell_w, cell_h, fill);
+      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' stroke='#ffffff'/>\n",
+                         left, top, cell_w, cell_h, fill);
       if (!known || cell_w < 34 || cell_h < 13) continue;
       const bool dark = !map.diverging && (v - range.low()) > 0.55 * (range.high() - range.low());
       out += text_at(left + 0.5 * cell_w, top + 0.5 * cell_h + 4, fmt::format("{:.3g}", v), "middle", 10,

@@ -17,13 +17,19 @@ struct Series {
   std::string name;          // in the legend; empty: not listed
   std::vector<double> x, y;  // same length
   bool dashed = false;
-  bool markers = false;      // a dot at every point
-  std::string colour = {};   // "#rrggbb"; empty: next of the palette
+  bool markers = false;     // a dot at every point
+  std::string colour = {};  // "#rrggbb"; empty: next of the palette
 };
 
 /// A shaded interval of x: a regime, a stance phase, a fault.
 struct Band {
   double from = 0.0, to = 0.0;
+  std::string colour = "#cccccc";
+};
+
+/// A shaded strip between two curves: an interval, a noise band. NaN ends a piece.
+struct Ribbon {
+  std::vector<double> x, low, high;  // same length
   std::string colour = "#cccccc";
 };
 
@@ -37,6 +43,7 @@ struct LineChart {
   std::string title, x_label, y_label;  // labels name the unit: "time [s]"
   std::vector<Series> series;
   std::vector<Band> bands = {};
+  std::vector<Ribbon> ribbons = {};
   std::vector<Level> levels = {};
   std::optional<double> y_min = {}, y_max = {};  // else from the data
   bool log_y = false;

@@ -97,6 +97,23 @@ TEST_F(DiagnoseRun, NamesDryFriction) {
   EXPECT_NE(std::find(names.begin(), names.end(), "coulomb_friction"), names.end()) << v.at("answer");
 }
 
+/// Ten rows a second are too few for shots of half a second: they get longer shots, never an empty comparison.
+TEST_F(DiagnoseRun, SlowRecordingsAreCompared) {
+  for (int i = 0; i < 2; ++i) {
+    const recording::Recording fast = record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i);
+    recording::Recording slow;
+    for (std::size_t k = 0; k < fast.rows(); k += 10) slow.t.push_back(fast.t[k]);
+    for (const recording::Channel& c : fast.channels) {
+      std::vector<double> values;
+      for (std::size_t k = 0; k < fast.rows(); k += 10) values.push_back(c.values[k]);
+      slow.set(c.name, values);
+    }
+    add(slow);
+  }
+  EXPECT_EQ(run_diagnose(options_), 1);
+  EXPECT_NE(verdict().at("status"), "ABSENT") << verdict().at("answer");
+}
+
 TEST_F(DiagnoseRun, SameSeedSameVerdict) {
   for (int i = 0; i < 2; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.015}}, 0}}, i));
   const std::string first = verdict_json(diagnose(options_, [](const std::string&) {}).verdict);

@@ -73,5 +73,14 @@ TEST(HtmlPage, EscapesEverythingButFigures) {
   EXPECT_THAT(out, HasSubstr("c &lt; d"));
 }
 
+TEST(LineChart, RibbonIsOnePolygonForEveryPieceWithoutNaN) {
+  LineChart chart{"a", "x", "y", {}};
+  chart.ribbons = {{{0, 1, 2, 3, 4}, {0, 0, NAN, 0, 0}, {1, 1, 1, 1, 1}}};
+  const std::string text = svg(chart);
+  EXPECT_THAT(text, HasSubstr("<polygon"));
+  EXPECT_EQ(text.find("<polygon", text.find("<polygon") + 1) != std::string::npos, true);
+  EXPECT_THAT(text, Not(HasSubstr("nan")));
+}
+
 }  // namespace
 }  // namespace sanso::report

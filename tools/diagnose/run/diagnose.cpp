@@ -11,6 +11,8 @@
 #include "tools/diagnose/heldout/heldout.h"
 #include "tools/diagnose/run/conclude.h"
 #include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -51,8 +53,9 @@ ModelFolder patched_model(const ModelFolder& nominal, const Library& library, co
   return out;
 }
 
-std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise, const Library& library,
-                               const Model& patched, const Part& part, const std::vector<int>& joints) {
+std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+                               const Library& library, const Model& patched, const Part& part,
+                               const std::vector<int>& joints) {
   std::vector<RollOut> out;
   ProblemOptions options;
   options.shot_seconds = 2.0;
@@ -60,7 +63,8 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::ve
   options.secondary = false;
   const Problem problem = restricted(make_problem(sources, noise, options), part);
   if (problem.shots.empty()) return out;
-  const Eigen::VectorXd before = prediction_error(problem, library, Model{}), after = prediction_error(problem, library, patched);
+  const Eigen::VectorXd before = prediction_error(problem, library, Model{}),
+                        after = prediction_error(problem, library, patched);
   for (const int joint : joints) {
     for (std::size_t c = 0; c < problem.channels.size(); ++c) {
       if (problem.channels[c].joint != joint || problem.channels[c].signal != Signal::q) continue;
@@ -81,7 +85,8 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::ve
           r.nominal.push_back(y - problem.channels[c].sigma * before[i]);
           r.patched.push_back(y - problem.channels[c].sigma * after[i]);
         }
-        r.t.push_back(r.t.back()), r.measured.push_back(NAN), r.nominal.push_back(NAN), r.patched.push_back(NAN);  // pen up
+        r.t.push_back(r.t.back()), r.measured.push_back(NAN), r.nominal.push_back(NAN),
+            r.patched.push_back(NAN);  // pen up
       }
       out.push_back(std::move(r));
     }
@@ -95,7 +100,8 @@ std::vector<int> joints_to_show(const Verdict& verdict, const Problem& problem, 
   const auto add = [&](const std::string& name) {
     for (std::size_t j = 0; j < problem.joints.size(); ++j) {
       const bool is = problem.joints[j] == name || problem.sources.front().nominal.tree.joints[j].link == name;
-      if (is && out.size() < 3 && std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end()) out.push_back(static_cast<int>(j));
+      if (is && out.size() < 3 && std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end())
+        out.push_back(static_cast<int>(j));
     }
   };
   for (const Finding& f : verdict.findings) {
@@ -109,10 +115,22 @@ std::vector<int> joints_to_show(const Verdict& verdict, const Problem& problem, 
   return out;
 }
 
+/// Length of a shot: kShotSeconds, or what the slowest recording needs for kLeastShotRows rows.
+double shot_seconds(const std::vector<Source>& sources) {
+  double seconds = constants::kShotSeconds;
+  for (const Source& s : sources) {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < s.drive.t.size(); ++k) steps.push_back(s.drive.t[k] - s.drive.t[k - 1]);
+    if (!steps.empty()) seconds = std::max(seconds, constants::kLeastShotRows * quantile(steps, 0.5));
+  }
+  return seconds;
+}
+
 /// Steps 1 to 8 on healthy data.
 class Run {
  public:
-  Run(const DiagnoseOptions& options, const Progress& progress, const ModelFolder& model, const LoadedRecordings& loaded)
+  Run(const DiagnoseOptions& options, const Progress& progress, const ModelFolder& model,
+      const LoadedRecordings& loaded)
       : options_(options), progress_(progress), model_(model), loaded_(loaded) {}
 
   Diagnosis all() {
@@ -128,9 +146,14 @@ class Run {
     progress_("smooth the motion, cut shots");
     sources_ = make_sources(model_, loaded_.recordings, loaded_.gate.noise);
     ProblemOptions options;
-    options.shot_seconds = constants::kShotSeconds;
+    options.shot_seconds = shot_seconds(sources_);
     options.maximum_rows = constants::kMaximumRows;
     problem_ = make_problem(sources_, loaded_.gate.noise, options);
+    if (problem_.shots.empty()) {  // nothing was compared: no answer, least of all "no mismatch"
+      throw recording::InputError(sources_.front().file, 0, "t", "too short", "no piece of motion to simulate",
+                                  fmt::format("pieces of {:.2g} s without gaps, {} rows or more", options.shot_seconds,
+                                              constants::kLeastShotRows));
+    }
     Placement placement = place_library(problem_, options_.effects);
     std::erase_if(placement.candidates, [&](const Candidate& c) {
       return std::find(options_.without.begin(), options_.without.end(), c.effect) != options_.without.end();
@@ -142,8 +165,9 @@ class Run {
     out_.verdict.seed = options_.seed;
     out_.verdict.notes = loaded_.gate.notes;
     for (const recording::Recording& r : loaded_.recordings) out_.verdict.data_hash[r.file] = data_hash(r);
-    progress_(fmt::format("{} shots of {} s in {} recordings, {} channels, {:.0f} % of the recorded time", problem_.shots.size(),
-                          constants::kShotSeconds, sources_.size(), problem_.channels.size(), 100 * problem_.used_share));
+    progress_(fmt::format("{} shots of {:.3g} s in {} recordings, {} channels, {:.0f} % of the recorded time",
+                          problem_.shots.size(), options.shot_seconds, sources_.size(), problem_.channels.size(),
+                          100 * problem_.used_share));
   }
 
   void search() {
@@ -176,14 +200,17 @@ class Run {
     v.findings = findings_of(library_, selection_, regimes);
     add_limits(v, library_, selection_);
     v.next_experiment = next_experiment(problem_, library_, selection_, v.findings);
-    const std::vector<TorqueSample> left = missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
+    const std::vector<TorqueSample> left =
+        missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
     std::vector<Predictability> predictable(problem_.joints.size());
     parallel_for(static_cast<int>(problem_.joints.size()), [&](int j) {
-      predictable[static_cast<std::size_t>(j)] = predictability(left, j, Random(options_.seed, 100 + static_cast<std::uint64_t>(j)));
+      predictable[static_cast<std::size_t>(j)] =
+          predictability(left, j, Random(options_.seed, 100 + static_cast<std::uint64_t>(j)));
     });
     decide(v, problem_, selection_, predictable, location_sentence(v.findings.empty() ? out_.before : out_.after));
     out_.shown_joints = joints_to_show(v, problem_, out_.before);
-    const std::vector<TorqueSample> at_first = missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model);
+    const std::vector<TorqueSample> at_first =
+        missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model);
     for (const int j : out_.shown_joints) {
       out_.curves_before.push_back(shape_curves(at_first, j));
       out_.curves_after.push_back(shape_curves(left, j));
@@ -192,7 +219,8 @@ class Run {
       const auto at = std::find(problem_.joints.begin(), problem_.joints.end(), v.unexplained->where);
       v.unexplained->formula = sparse_formula(left, static_cast<int>(at - problem_.joints.begin())).text;
       if (!selection_.first.probes.empty()) {
-        v.unexplained->nearest_effect = library_.candidates[static_cast<std::size_t>(selection_.first.ranking().front())].effect;
+        v.unexplained->nearest_effect =
+            library_.candidates[static_cast<std::size_t>(selection_.first.ranking().front())].effect;
       }
     }
   }
@@ -227,7 +255,8 @@ Diagnosis refused(std::vector<Defect> defects) {
   out.verdict.status = VerdictStatus::refused;
   const Defect& first = defects.front();
   out.verdict.answer = "Refused: " + first.file + (first.channel.empty() ? "" : ", " + first.channel) +
-                       (first.row >= 0 ? fmt::format(", row {}", first.row) : "") + ": " + first.defect + " (" + first.message + ").";
+                       (first.row >= 0 ? fmt::format(", row {}", first.row) : "") + ": " + first.defect + " (" +
+                       first.message + ").";
   out.verdict.refused = std::move(defects);
   return out;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/report/html.h"
 
 namespace sanso::diagnose {
@@ -14,6 +15,46 @@ std::string joined(const std::vector<std::string>& parts, const char* empty) {
   std::string text;
   for (const std::string& p : parts) text += (text.empty() ? "" : ", ") + p;
   return text.empty() ? empty : text;
+}
+
+/// The library's name of an effect in words, with the id that model.toml and verdict.json use.
+std::string in_words(const std::string& id) {
+  const Effect* effect = find_effect(id);
+  return effect == nullptr ? id : std::string(effect->name) + " (" + id + ")";
+}
+
+const char* meaning(VerdictStatus status) {
+  switch (status) {
+    case VerdictStatus::confirmed:
+      return "Every name below passed every gate: it predicts data that were not fitted, its rivals do not, and what "
+             "it promised happened.";
+    case VerdictStatus::one_of:
+      return "Something is missing for certain. Where a set is given, these data cannot tell its members apart; see "
+             "what to record next.";
+    case VerdictStatus::present_unnamed:
+      return "Something is missing that the names below explain in part or not at all. Read the shape curves.";
+    case VerdictStatus::absent:
+      return "Nothing stands out of noise and of what a nominal model may be wrong by. The end of the page lists how "
+             "small an effect would have been seen.";
+    case VerdictStatus::refused:
+      return "The recordings are broken. Nothing was fitted.";
+  }
+  return "";
+}
+
+/// The answer in figures: error on held-out data before and after, at the shortest horizon of half a second or more.
+void add_summary(report::HtmlPage& page, const Verdict& v) {
+  page.paragraph(meaning(v.status));
+  for (const char* horizon : {"0.5", "2"}) {
+    const auto at = v.heldout.find(horizon);
+    if (at == v.heldout.end() || !at->second.contains("all")) continue;
+    const FitScore& s = at->second.at("all");
+    page.paragraph(fmt::format(
+        "On recordings that were not fitted, {} s ahead, the error falls from {:.3g} to {:.3g} rad (m for sliding "
+        "joints; measurement noise {:.2g}): {:.0f} % of the error beyond noise is explained.",
+        horizon, s.nominal, s.patched, s.noise, 100 * s.explained()));
+    return;
+  }
 }
 
 void add_refusal(report::HtmlPage& page, const Verdict& v) {
@@ -28,7 +69,7 @@ void add_refusal(report::HtmlPage& page, const Verdict& v) {
 void add_where(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("Where simulation and recording part");
   report::HeatMap map;
-  map.title = "prediction error of the nominal model (RMS, noise levels)";
+  map.title = "prediction error of the nominal model, shots from the measured state (RMS)";
   map.unit = "noise levels";
   map.rows = d.joints;
   for (std::size_t g = 0; g < d.regimes.size(); ++g) {
@@ -42,7 +83,8 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
     }
   }
   if (!map.columns.empty()) {
-    page.figure(svg(map, {std::max(720, 84 * static_cast<int>(map.columns.size()) + 140), 150 + 26 * static_cast<int>(d.joints.size())}),
+    page.figure(svg(map, {std::max(720, 84 * static_cast<int>(map.columns.size()) + 140),
+                          150 + 26 * static_cast<int>(d.joints.size())}),
                 "Joint by regime. An empty field: the recordings hold no such moments.");
   }
   report::LineChart strip{"error over time", "time, recordings one after the other [s]", "noise levels", {}};
@@ -60,7 +102,8 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
   report::Table table{{"joint", "regime", "share of the error", "lift", "q"}, {}};
   for (const LocationCell& c : d.verdict.locations) {
     if (table.rows.size() >= 8 || c.q_value > 0.05) break;
-    table.rows.push_back({c.where, c.regime, fmt::format("{:.0f} %", 100 * c.share), fmt::format("{:.1f}", c.lift), fmt::format("{:.2g}", c.q_value)});
+    table.rows.push_back({c.where, c.regime, fmt::format("{:.0f} %", 100 * c.share), fmt::format("{:.1f}", c.lift),
+                          fmt::format("{:.2g}", c.q_value)});
   }
   if (!table.rows.empty()) {
     page.paragraph("Cells in which the error is larger than elsewhere (false discovery rate 5 %).");
@@ -69,48 +112,65 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
 }
 
 void add_finding(report::HtmlPage& page, const Finding& f) {
-  page.heading("Why " + f.effect + " at " + joined(f.where, "the whole robot") + ", and not its rivals");
-  page.paragraph(fmt::format("Removes {:.0f} % (standard error {:.0f} %) of the whole prediction error on held-out data; family-wise p = {:.3g}; "
-                             "shows most: {}.",
-                             100 * f.heldout_gain, 100 * f.heldout_gain_se, f.p_family, f.regime));
+  page.heading("Why " + in_words(f.effect) + " at " + joined(f.where, "the whole robot") + ", and not its rivals");
+  page.paragraph(
+      fmt::format("Removes {:.0f} % (standard error {:.0f} %) of the whole prediction error on held-out data; "
+                  "family-wise p = {:.3g}; "
+                  "shows most: {}.",
+                  100 * f.heldout_gain, 100 * f.heldout_gain_se, f.p_family, f.regime));
   report::Table parameters{{"parameter", "value", "95 % interval", "unit"}, {}};
   for (const auto& [name, p] : f.parameters) {
-    parameters.rows.push_back({name, fmt::format("{:.4g}", p.value),
-                               p.low == p.high ? "fixed by the form" : fmt::format("{:.4g} to {:.4g}", p.low, p.high) + (p.at_bound ? ", at the bound" : ""),
-                               p.unit});
+    parameters.rows.push_back(
+        {name, fmt::format("{:.4g}", p.value),
+         p.low == p.high ? "fixed by the form"
+                         : fmt::format("{:.4g} to {:.4g}", p.low, p.high) + (p.at_bound ? ", at the bound" : ""),
+         p.unit});
   }
   page.table(parameters);
-  report::Table promised{{"what it promised to change", "size, noise levels", "share that happened", "95 % interval"}, {}};
+  report::Table promised{{"what it promised to change", "size, noise levels", "share that happened", "95 % interval"},
+                         {}};
   for (const IncidenceRow& row : f.incidence) {
-    promised.rows.push_back({row.residual, fmt::format("{:.0f}", row.predicted), fmt::format("{:.0f} %", 100 * row.slope),
+    promised.rows.push_back({row.residual, fmt::format("{:.0f}", row.predicted),
+                             fmt::format("{:.0f} %", 100 * row.slope),
                              fmt::format("{:.0f} to {:.0f} %", 100 * row.low, 100 * row.high)});
   }
-  page.paragraph("An explanation is refuted when a change that it promises did not happen (interval below 50 %) or happened twice over.");
+  page.paragraph(
+      "An explanation is refuted when a change that it promises did not happen (interval below 50 %) or happened twice "
+      "over.");
   page.table(promised);
-  report::Table rivals{{"rival", "where", "held-out gain", "behind, standard errors", "similar signature", "what it said wrong"}, {}};
+  report::Table rivals{
+      {"rival", "where", "held-out gain", "behind, standard errors", "similar signature", "what it said wrong"}, {}};
   for (const Rival& r : f.rivals) {
-    rivals.rows.push_back({r.effect, joined(r.where, "robot"), fmt::format("{:.0f} %", 100 * r.heldout_gain), fmt::format("{:.1f}", r.behind_in_se),
-                           fmt::format("{:.2f}", r.similarity), r.said_wrong.empty() ? "nothing that these data show" : r.said_wrong});
+    rivals.rows.push_back({r.effect, joined(r.where, "robot"), fmt::format("{:.0f} %", 100 * r.heldout_gain),
+                           fmt::format("{:.1f}", r.behind_in_se), fmt::format("{:.2f}", r.similarity),
+                           r.said_wrong.empty() ? "nothing that these data show" : r.said_wrong});
   }
   if (!rivals.rows.empty()) page.table(rivals);
 }
 
 void add_curves(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("The shape of what is missing");
-  page.paragraph("Torque that the model lacks, window by window, against what the joint was doing; bars are two standard errors. After the patch "
-                 "the curve should lie on zero.");
+  page.paragraph(
+      "Torque that the model lacks, window by window, against what the joint was doing; bands are two standard errors "
+      "wide to either side. After the patch "
+      "the curve should lie on zero.");
   for (std::size_t k = 0; k < d.shown_joints.size(); ++k) {
     for (const ShapeCurve& before : d.curves_before[k]) {
-      report::LineChart chart{d.joints[static_cast<std::size_t>(d.shown_joints[k])] + ": missing torque against " + before.name,
-                              before.name + " [" + before.x_unit + "]", "missing torque [N m]", {}};
+      report::LineChart chart{
+          d.joints[static_cast<std::size_t>(d.shown_joints[k])] + ": missing torque against " + before.name,
+          before.name + " [" + before.x_unit + "]",
+          "missing torque [N m]",
+          {}};
       const auto add = [&](const ShapeCurve& curve, const std::string& name, bool dashed) {
-        report::Series middle{name, {}, {}, dashed, true}, low{"", {}, {}, true}, high{"", {}, {}, true};
-        low.colour = high.colour = dashed ? "#aaaaaa" : "#88b4d8";
+        report::Series middle{name, {}, {}, dashed, true};
+        report::Ribbon band{{}, {}, {}, dashed ? "#e0b0c8" : "#a8cbe6"};
         for (const CurvePoint& p : curve.points) {
-          middle.x.push_back(p.x), low.x.push_back(p.x), high.x.push_back(p.x);
-          middle.y.push_back(p.mean), low.y.push_back(p.mean - 2 * p.error), high.y.push_back(p.mean + 2 * p.error);
+          middle.x.push_back(p.x), band.x.push_back(p.x);
+          middle.y.push_back(p.mean), band.low.push_back(p.mean - 2 * p.error),
+              band.high.push_back(p.mean + 2 * p.error);
         }
-        chart.series.push_back(middle), chart.series.push_back(low), chart.series.push_back(high);
+        chart.series.push_back(std::move(middle));
+        chart.ribbons.push_back(std::move(band));
       };
       add(before, "nominal", false);
       for (const ShapeCurve& after : d.curves_after[k]) {
@@ -132,12 +192,19 @@ void add_proof(report::HtmlPage& page, const Diagnosis& d) {
   }
   page.table(table);
   for (const RollOut& r : d.roll_outs) {
-    report::LineChart chart{r.joint + " in " + std::filesystem::path(r.recording).stem().string() + ", restarted every 2 s",
-                            "time [s]", "position [rad or m]", {}};
+    report::LineChart chart{
+        r.joint + " in " + std::filesystem::path(r.recording).stem().string() + ", restarted every 2 s",
+        "time [s]",
+        "position [rad or m]",
+        {}};
+    report::Ribbon noise{r.t, r.measured, r.measured, "#bbbbbb"};
+    for (std::size_t k = 0; k < r.t.size(); ++k) noise.low[k] -= 2 * r.noise, noise.high[k] += 2 * r.noise;
+    chart.ribbons.push_back(std::move(noise));
     chart.series.push_back({"measured", r.t, r.measured});
     chart.series.push_back({"nominal", r.t, r.nominal, true});
     chart.series.push_back({"patched", r.t, r.patched, true});
-    page.figure(svg(chart, {720, 260}), fmt::format("Measurement noise (standard deviation) {:.2g}.", r.noise));
+    page.figure(svg(chart, {720, 260}),
+                fmt::format("Grey band: two standard deviations of the measurement noise ({:.2g}).", r.noise));
   }
 }
 
@@ -148,7 +215,8 @@ void add_limits(report::HtmlPage& page, const Verdict& v) {
   if (!untestable.rows.empty()) page.table(untestable);
   report::Table sizes{{"effect", "where", "smallest size that would have been seen"}, {}};
   for (const Detectable& s : v.detectable) {
-    if (sizes.rows.size() < 80) sizes.rows.push_back({s.effect, s.where, fmt::format("{} {:.3g} {}", s.parameter, s.size, s.unit)});
+    if (sizes.rows.size() < 80)
+      sizes.rows.push_back({s.effect, s.where, fmt::format("{} {:.3g} {}", s.parameter, s.size, s.unit)});
   }
   if (!sizes.rows.empty()) {
     page.paragraph("80 % power at the family-wise level of 1 %, linear in the size.");
@@ -159,11 +227,15 @@ void add_limits(report::HtmlPage& page, const Verdict& v) {
 void add_next(report::HtmlPage& page, const Verdict& v) {
   if (v.unexplained) {
     page.heading("What stays without a name");
-    page.paragraph(fmt::format("At {}: {:.0f} % of the remaining missing torque can be predicted from the joint's state on data not used (p = {:.3g}); "
-                               "{:.0f} % of the first model's error beyond noise is still there. {}. Nearest name of the library: {} (a hint, not a finding). "
-                               "A formula describes the shape; it is no diagnosis.",
-                               v.unexplained->where, 100 * v.unexplained->predictable, v.unexplained->p, 100 * v.unexplained->energy_share,
-                               v.unexplained->formula.empty() ? "No short formula pays" : v.unexplained->formula, v.unexplained->nearest_effect));
+    page.paragraph(fmt::format(
+        "At {}: {:.0f} % of the remaining missing torque can be predicted from the joint's state on data not used (p = "
+        "{:.3g}); "
+        "{:.0f} % of the first model's error beyond noise is still there. {}. Nearest name of the library: {} (a hint, "
+        "not a finding). "
+        "A formula describes the shape; it is no diagnosis.",
+        v.unexplained->where, 100 * v.unexplained->predictable, v.unexplained->p, 100 * v.unexplained->energy_share,
+        v.unexplained->formula.empty() ? "No short formula pays" : v.unexplained->formula,
+        v.unexplained->nearest_effect));
   }
   page.heading("What to record next");
   if (!v.next_experiment) {
@@ -172,8 +244,8 @@ void add_next(report::HtmlPage& page, const Verdict& v) {
   }
   const NextExperiment& e = *v.next_experiment;
   page.paragraph(e.what);
-  page.paragraph(fmt::format("Separates {}; expected {:.3g} nats a second, {:.3g} s to odds of 100 to 1.", joined(e.separates, "the candidates"),
-                             e.nats_per_second, e.seconds_to_100_to_1));
+  page.paragraph(fmt::format("Separates {}; expected {:.3g} nats a second, {:.3g} s to odds of 100 to 1.",
+                             joined(e.separates, "the candidates"), e.nats_per_second, e.seconds_to_100_to_1));
 }
 
 }  // namespace
@@ -181,8 +253,11 @@ void add_next(report::HtmlPage& page, const Verdict& v) {
 std::string diagnosis_report(const Diagnosis& d) {
   const Verdict& v = d.verdict;
   report::HtmlPage page("Diagnosis: simulation versus recording");
-  page.paragraph("Question: where do simulation and recording part, what physics is missing, and does adding it help on data not used?");
+  page.paragraph(
+      "Question: where do simulation and recording part, what physics is missing, and does adding it help on data not "
+      "used?");
   page.answer(fmt::format("{}: {}", to_string(v.status), v.answer), v.status == VerdictStatus::absent);
+  add_summary(page, v);
   if (v.status == VerdictStatus::refused) {
     add_refusal(page, v);
     return page.finish();
