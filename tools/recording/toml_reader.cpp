@@ -31,9 +31,29 @@ std::string shown(const toml::node& node) {
   return s;
 }
 
+/// The TOML library (3.x) takes for granted that a table's name starts with a letter, digit, - _ or quote, and aborts
+/// or worse when it does not. A line that starts with [ and goes on with anything else is refused before.
+void refuse_headers_without_name(std::string_view text, const std::string& file) {
+  int line = 1;
+  for (std::size_t begin = 0; begin < text.size(); ++line) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string_view rest = text.substr(begin, end - begin);
+    begin = end + 1;
+    const auto skip_blanks = [&rest] { rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size())); };
+    skip_blanks();
+    if (!rest.starts_with('[')) continue;
+    rest.remove_prefix(rest.starts_with("[[") ? 2 : 1);
+    skip_blanks();
+    const unsigned char first = rest.empty() ? '\0' : static_cast<unsigned char>(rest.front());
+    if (std::isalnum(first) || first == '-' || first == '_' || first == '"' || first == '\'') continue;
+    throw InputError(file, line, "", "not valid TOML", "[" + std::string(rest.substr(0, 20)), "[name] or [[name]]");
+  }
+}
+
 }  // namespace
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
+  refuse_headers_without_name(text, file);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, file));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
