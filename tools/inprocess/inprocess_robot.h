@@ -34,6 +34,15 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   /// The bus cable is pulled out at this tick of the trial.
   void pull_bus_at(std::int32_t trial_tick) { bus_pulled_at_ = trial_tick; }
 
+  /// Somebody pushes the torso from this tick of the next trial on.
+  struct Push {
+    std::int32_t trial_tick = INT32_MAX;
+    double duration_s = 0.0;
+    plant::Vec3 force_in_world_N{};
+    plant::Vec3 torque_in_world_Nm{};  // about the torso's origin
+  };
+  void push_at(const Push& push) { push_ = push; }
+
   emulator::EmulatedRobot& robot() { return robot_; }
   firmware::Firmware& controller_program() { return *firmware_; }
   const firmware::Controller& controller() const { return firmware_->controller(); }
@@ -59,6 +68,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   Nanoseconds next_tick_ = 0;
   std::int32_t host_lost_at_ = INT32_MAX, bus_pulled_at_ = INT32_MAX;
   bool host_lost_ = false;
+  Push push_;
   std::vector<TrialTruth> trial_truth_;
 };
 

@@ -1,4 +1,4 @@
-// sanso-sweep: many learning sessions, or one identification, spread over MPI ranks. Same results as on one rank.
+// sanso-sweep: many learning sessions, one identification, or a campaign of pushes, spread over MPI ranks. Same results as on one rank.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include "host/app/learn_command.h"
 #include "host/motion/motion.h"
 #include "tools/inprocess/inprocess_access.h"
+#include "tools/sweep/pushes.h"
 #include "tools/sweep/ranks.h"
 
 namespace sanso::sweep {
@@ -138,7 +139,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Examples:\n"
              "  mpirun -n 2 sanso-sweep learn --motions stand,squat --worlds lab,hard --seeds 1,2 --iterations 20 --out runs/sweep\n"
-             "  mpirun -n 2 sanso-sweep identify --session runs/sweep/squat_lab_seed1");
+             "  mpirun -n 2 sanso-sweep identify --session runs/sweep/squat_lab_seed1\n"
+             "  mpirun -n 2 sanso-sweep pushes --session runs/sweep/squat_lab_seed1 --motion squat --out runs/pushes");
   SweepOptions sweep;
   CLI::App* learn = app.add_subcommand("learn", "every combination of motions, worlds and seeds as a session of its own");
   learn->add_option("--motions", sweep.motions, "names of motions")->delimiter(',')->capture_default_str();
@@ -155,9 +157,24 @@ int run(int argc, char** argv) {
   id->add_option("--seed", identify.seed)->capture_default_str();
   id->add_option("--population", identify.population)->capture_default_str()->check(CLI::Range(4, 100000));
   id->add_option("--generations", identify.generations)->capture_default_str()->check(CLI::PositiveNumber);
+  PushOptions pushes;
+  pushes.without = {"none", "lower", "middle", "upper"};
+  CLI::App* push = app.add_subcommand("pushes", "push the torso while a learned motion runs; who stays on its feet");
+  push->add_option("--session", pushes.session, "folder of a learning session")->required()->check(CLI::ExistingDirectory);
+  push->add_option("--motion", pushes.motion, "of that session")->capture_default_str();
+  push->add_option("--world", pushes.world, "of the emulated robot")->capture_default_str();
+  push->add_option("--without", pushes.without, "one campaign each: none, lower, middle, upper")->delimiter(',')->capture_default_str();
+  push->add_option("--count", pushes.count, "pushes of every campaign")->capture_default_str()->check(CLI::PositiveNumber);
+  push->add_option("--largest", pushes.largest_Ns, "impulses are drawn from 0 to this [N s]")->capture_default_str()->check(CLI::PositiveNumber);
+  push->add_option("--seed", pushes.seed, "of the pushes and of the sensor noise")->capture_default_str();
+  push->add_option("--out", pushes.out, "folder of pushes.json")->required();
   try {
     app.parse(argc, argv);
     if (*learn) fs::create_directories(sweep.out);
+    if (*push) {
+      fs::create_directories(pushes.out);
+      return run_pushes(ranks, pushes);
+    }
     return *learn ? run_sweep(ranks, sweep) : run_identify(ranks, identify);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
