@@ -4,6 +4,7 @@
     campaign.py learning FOLDER --figures docs/results/figures     FOLDER holds one session folder each, with summary.json
     campaign.py ablation FOLDER --figures docs/results/figures
     campaign.py long SESSION --figures docs/results/figures        one long session
+    campaign.py predictions predictions.json --figures docs/results/figures
     campaign.py pushes FILE... --figures docs/results/figures      pushes.json of `sanso-sweep pushes`
 
 Prints the tables as Markdown. Reads only what `sanso learn` and `sanso-sweep` wrote.
@@ -201,8 +202,10 @@ def long_session(args):
 
 def pushes(args):
     charts = []
-    for file in args.inputs:
-        data = json.loads(pathlib.Path(file).read_text())
+    merged = {}
+    for data in (json.loads(pathlib.Path(f).read_text()) for f in args.inputs):  # several seeds of one motion are one campaign
+        merged.setdefault(data["motion"], data | {"pushes": []})["pushes"] += data["pushes"]
+    for data in merged.values():
         largest = max(p["impulse_Ns"] for p in data["pushes"])
         edges = [largest * k / 8 for k in range(9)]
         chart = Chart(f'{data["motion"]}, world {data["world"]}', "impulse [N s]", "share on its feet", (0, largest), (0, 1.02))
@@ -219,13 +222,34 @@ def pushes(args):
     write(args.figures / "pushes.svg", charts)
 
 
+def predictions(args):
+    data = json.loads(pathlib.Path(args.inputs[0]).read_text())
+    recorded, charts = data["recorded"], []
+    for channel in [k for k in recorded if k != "t"]:
+        for i, model in enumerate(data["models"]):
+            values = recorded[channel]
+            margin = 0.15 * (max(values) - min(values))
+            unit = "m" if channel.startswith("base") else "rad"
+            chart = Chart(f'{channel}: {"with" if model["network"] else "without"} network', "time [s]", f"[{unit}]",
+                          (0, recorded["t"][-1]), (min(values) - margin, max(values) + margin), height=190)
+            chart.line(recorded["t"][::3], values[::3], COLOURS[2])
+            for stretch in model["stretches"]:
+                chart.line(stretch["t"], stretch[channel], COLOURS[0 if model["network"] else 6])
+                chart.body.append(f'<circle cx="{chart.x(stretch["t"][0]):.1f}" cy="{chart.y(stretch[channel][0]):.1f}" r="2.5"/>')
+            charts.append(chart)
+    for model in data["models"]:
+        print(f'{model["session"]}: N-step loss {model["n_step_loss"]:.4f}')
+    write(args.figures / "predictions.svg", charts)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["learning", "ablation", "long", "pushes"])
+    parser.add_argument("what", choices=["learning", "ablation", "long", "predictions", "pushes"])
     parser.add_argument("inputs", nargs="+")
     parser.add_argument("--figures", type=pathlib.Path, default=pathlib.Path("docs/results/figures"))
     args = parser.parse_args()
-    {"learning": learning, "ablation": ablation, "long": long_session, "pushes": pushes}[args.what](args)
+    {"learning": learning, "ablation": ablation, "long": long_session, "predictions": predictions,
+     "pushes": pushes}[args.what](args)
 
 
 if __name__ == "__main__":

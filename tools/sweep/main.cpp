@@ -9,6 +9,7 @@
 #include "host/app/learn_command.h"
 #include "host/motion/motion.h"
 #include "tools/inprocess/inprocess_access.h"
+#include "tools/sweep/predictions.h"
 #include "tools/sweep/pushes.h"
 #include "tools/sweep/ranks.h"
 
@@ -157,6 +158,12 @@ int run(int argc, char** argv) {
   id->add_option("--seed", identify.seed)->capture_default_str();
   id->add_option("--population", identify.population)->capture_default_str()->check(CLI::Range(4, 100000));
   id->add_option("--generations", identify.generations)->capture_default_str()->check(CLI::PositiveNumber);
+  PredictionOptions predictions;
+  CLI::App* predict = app.add_subcommand("predict", "what the models of sessions foresee over 0.72 s beside a recorded trial");
+  predict->add_option("--episode", predictions.episode, "trial_NNNN.episode of a session")->required()->check(CLI::ExistingFile);
+  predict->add_option("--sessions", predictions.sessions, "folders whose newest models predict it")->required()->delimiter(',');
+  predict->add_option("--motion", predictions.motion, "whose weights the loss uses")->capture_default_str();
+  predict->add_option("--out", predictions.out, "folder of predictions.json")->required();
   PushOptions pushes;
   pushes.without = {"none", "lower", "middle", "upper"};
   CLI::App* push = app.add_subcommand("pushes", "push the torso while a learned motion runs; who stays on its feet");
@@ -171,6 +178,10 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (*learn) fs::create_directories(sweep.out);
+    if (*predict) {
+      fs::create_directories(predictions.out);
+      return run_predictions(predictions);
+    }
     if (*push) {
       fs::create_directories(pushes.out);
       return run_pushes(ranks, pushes);

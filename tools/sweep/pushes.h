@@ -17,7 +17,7 @@ struct PushOptions {
   std::vector<std::string> without;  // one campaign each: "none", "lower", "middle", "upper"
   int count = 200;
   std::uint64_t seed = 1;
-  double largest_Ns = 4.0;    // impulses are drawn evenly from 0 to this
+  double largest_Ns = 2.4;    // impulses are drawn evenly from 0 to this
   std::filesystem::path out;  // pushes.json
 };
 
