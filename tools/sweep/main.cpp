@@ -1,4 +1,5 @@
-// sanso-sweep: many learning sessions, one identification, or a campaign of pushes, spread over MPI ranks. Same results as on one rank.
+// sanso-sweep: many learning sessions, one identification, or a campaign of pushes, spread over MPI ranks. Same results as
+// on one rank.
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
