@@ -60,6 +60,7 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files, const st
     }
     std::move(defects.begin(), defects.end(), std::back_inserter(loaded.gate.defects));
   }
+  if (loaded.recordings.empty() && !files.empty()) return loaded;  // nothing left to judge, and each file has its reason
   std::vector<GateRecording> views;
   for (const recording::Recording& r : loaded.recordings) views.push_back(gate_view(r));
   GateReport report = inspect(views, joints);

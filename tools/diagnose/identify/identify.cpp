@@ -189,6 +189,12 @@ int run_identify(const std::string& model_folder, const std::vector<std::string>
                  p.at_bound ? "(ended at its bound)" : "");
     }
     fmt::print("held out   {:.1f} % of the nominal model's error energy at 0.5 s is left\n", 100 * found.error_left);
+    if (found.error_left >= 1.0) {
+      fmt::print(
+          "warning    on data not used for the fit this model is worse than the nominal one: the recordings are too "
+          "few or "
+          "too different for these settings. Do not use it; record more, or run sanso diagnose.\n");
+    }
     write_model_folder(found.model, out);
     fmt::print("model      {}\n", out);
     return 0;
