@@ -39,5 +39,26 @@ TEST(Trial, OneSeedGivesTheSameBits) {
   EXPECT_NE(a, c) << "another seed has to give another trial";
 }
 
+TEST(Trial, APushMovesTheTorsoFromItsTickOnAndNotBefore) {
+  constexpr int kPushTick = 60;
+  Loop calm("stand"), pushed("stand");
+  calm.setup.duration_ticks = pushed.setup.duration_ticks = 90;
+  const learn::Episode undisturbed = calm.run(5);
+  pushed.stand(5);
+  pushed.robot().push_at({kPushTick, 0.1, {0.0, 8.0, 0.0}, {}});  // 0.8 N s to the left
+  learn::Episode episode = learn::run_trial(*pushed.link, pushed.upper, pushed.setup, pushed.settings);
+  pushed.access.add_measurements(episode);
+
+  double before = 0.0, after = 0.0;
+  for (std::size_t i = 0; i < std::min(episode.ticks.size(), undisturbed.ticks.size()); ++i) {
+    const double moved = episode.truth[i].x[model::kXVel + 1] - undisturbed.truth[i].x[model::kXVel + 1];
+    double& largest = episode.ticks[i].trial_tick <= kPushTick ? before : after;
+    largest = std::max(largest, moved);
+  }
+  EXPECT_EQ(before, 0.0);
+  EXPECT_GT(after, 0.02);  // m/s; the whole robot flying free would get 0.8 N s / 3.5 kg = 0.23
+  EXPECT_LT(after, 0.6);
+}
+
 }  // namespace
 }  // namespace sanso::loop
