@@ -42,8 +42,8 @@ host::ResidualNetwork plausible_network() {
   const auto fill = [&](auto& m, float scale) { m = m.NullaryExpr([&] { return scale * normal(random); }); };
   host::ResidualNetwork n;
   fill(n.W1, 0.15f), fill(n.W2, 0.12f), fill(n.W3, 0.12f), fill(n.b1, 0.1f), fill(n.b2, 0.1f);
-  n.output_scale.setConstant(0.001f);                      // m, rad
-  n.output_scale.tail<model::kNv>().setConstant(0.02f);    // m/s, rad/s
+  n.output_scale.setConstant(0.001f);                    // m, rad
+  n.output_scale.tail<model::kNv>().setConstant(0.02f);  // m/s, rad/s
   return n;
 }
 
@@ -122,6 +122,31 @@ class Peer {
   mpc::Solver solver_;
 };
 
+/// Our planner stopped after 1, 2, .. iterations: when does it reach a given cost?
+class Stopped {
+ public:
+  Stopped(const BenchMpcOptions& o, const host::AugmentedModel& model, const mpc::TrialContext& trial) {
+    for (int n = 1; n <= o.mpc.max_iterations; ++n) {
+      mpc::MpcSettings settings = o.mpc;
+      settings.max_iterations = n;
+      planners_.push_back(std::make_unique<mpc::UpperLayer>(settings, model));
+      planners_.back()->begin_trial(trial);
+    }
+  }
+  /// Time of the shortest plan whose cost is not above `cost` [ms]; the longest plan's when none is.
+  double time_to(double cost, const mpc::PlanRequest& request) {
+    for (const auto& planner : planners_) {
+      planner->plan(request, *plan_);
+      if (plan_->cost_after <= cost) break;
+    }
+    return ms(plan_->timing.total);
+  }
+
+ private:
+  std::vector<std::unique_ptr<mpc::UpperLayer>> planners_;
+  std::unique_ptr<mpc::PlanResult> plan_ = std::make_unique<mpc::PlanResult>();
+};
+
 /// Median time of one evaluation of f_A in one of eight lanes, standing on both feet.
 double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x, double dt_s) {
   auto xs = std::make_unique<model::StateLanes>();
@@ -147,7 +172,8 @@ double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x
 BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   BenchMpcResult r;
   if (!o.lanes.empty() && !model::select_batch_isa(o.lanes.c_str()))
-    throw std::invalid_argument(fmt::format("--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable", o.lanes));
+    throw std::invalid_argument(
+        fmt::format("--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable", o.lanes));
   r.lanes = model::batch_isa();
   Walk walk(o);
   host::AugmentedModel model;
@@ -159,11 +185,12 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   trial.weights = walk.motion.weights;
   upper.begin_trial(trial);
   std::unique_ptr<Peer> peer;
-  if (o.peer) peer = std::make_unique<Peer>(o, walk);
+  std::unique_ptr<Stopped> stopped;
+  if (o.peer) peer = std::make_unique<Peer>(o, walk), stopped = std::make_unique<Stopped>(o, model, trial);
 
   r.threads = o.mpc.threads;
   r.updates = o.updates;
-  std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize, ratios;
+  std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize, ratios, same_cost_ratios;
   mpc::PlanResult plan;
   for (int i = -20; i < o.updates; ++i) {  // the first ones warm caches and clock
     mpc::PlanRequest request = walk.next();
@@ -191,6 +218,8 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
       peer_after.push_back(solved.cost_after);
       peer_linearize.push_back(ms(solved.timing.linearize) / std::max(1, solved.iterations));
       ratios.push_back(peer_times.back() / t);
+      same_cost_ratios.push_back(peer_times.back() / stopped->time_to(solved.cost_after, request));
+      r.peer_cheaper += solved.cost_after < plan.cost_after;
       r.peer_iterations += solved.iterations;
     }
   }
@@ -207,6 +236,7 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
     r.peer_step_us = peer->step_us(walk.reference.front());
     r.peer_linearize_ms = median_of(peer_linearize);
     r.ratio = median_of(ratios);
+    r.same_cost_ratio = median_of(same_cost_ratios);
   }
   return r;
 }
@@ -232,30 +262,43 @@ void print_json(const BenchMpcResult& r) {
                       {"cost_after", r.cost_after},
                       {"lanes", r.lanes}};
   if (r.peer_updates > 0)
-    j["peer"] = {{"update_ms", to_json(r.peer_ms)},       {"updates", r.peer_updates},
-                 {"ddp_iterations", r.peer_iterations},   {"step_us", r.peer_step_us},
-                 {"linearize_ms", r.peer_linearize_ms},   {"cost_after", r.peer_cost_after},
-                 {"ratio", r.ratio}};
+    j["peer"] = {{"update_ms", to_json(r.peer_ms)},
+                 {"updates", r.peer_updates},
+                 {"ddp_iterations", r.peer_iterations},
+                 {"step_us", r.peer_step_us},
+                 {"linearize_ms", r.peer_linearize_ms},
+                 {"cost_after", r.peer_cost_after},
+                 {"ratio", r.ratio},
+                 {"same_cost_ratio", r.same_cost_ratio},
+                 {"cheaper", r.peer_cheaper}};
   fmt::print("{}\n", j.dump(2));
 }
 
 void print_table(const BenchMpcResult& r) {
   fmt::print("policy update, {} updates, {} thread(s), {}\n", r.updates, r.threads, r.lanes);
-  fmt::print("  update               p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.update_ms.p50, r.update_ms.p99, r.update_ms.max);
+  fmt::print("  update               p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.update_ms.p50, r.update_ms.p99,
+             r.update_ms.max);
   fmt::print("  of these, {} that no other program interrupted: p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.undisturbed,
              r.undisturbed_ms.p50, r.undisturbed_ms.p99, r.undisturbed_ms.max);
   fmt::print("  iterations           mean {:.2f}, most {:.0f};  cost {:.3f} -> {:.3f} (medians)\n", r.iterations,
              r.max_iterations, r.cost_before, r.cost_after);
-  if (r.cut_short > 0) fmt::print("  {} updates used up their time budget and returned the best plan found\n", r.cut_short);
-  fmt::print("  mean of an update    predict {:.3f}  linearise {:.3f}  backward {:.3f}  roll-outs {:.3f} ms\n", r.predict_ms,
-             r.linearize_ms, r.backward_ms, r.line_search_ms);
+  if (r.cut_short > 0)
+    fmt::print("  {} updates used up their time budget and returned the best plan found\n", r.cut_short);
+  fmt::print("  mean of an update    predict {:.3f}  linearise {:.3f}  backward {:.3f}  roll-outs {:.3f} ms\n",
+             r.predict_ms, r.linearize_ms, r.backward_ms, r.line_search_ms);
   fmt::print("  one dynamics step    {:.3f} us a lane\n", r.dynamics_eval_us);
   if (r.peer_updates == 0) return;
-  fmt::print("peer: iLQG on MuJoCo, same horizon, cost, step lengths and stopping rule, {} updates in the same run\n", r.peer_updates);
+  fmt::print("peer: iLQG on MuJoCo, same horizon, cost, step lengths and stopping rule, {} updates in the same run\n",
+             r.peer_updates);
   fmt::print("  update               p50 {:.1f}  p99 {:.1f}  max {:.1f} ms;  iterations {:.2f};  cost after {:.3f}\n",
              r.peer_ms.p50, r.peer_ms.p99, r.peer_ms.max, r.peer_iterations, r.peer_cost_after);
   fmt::print("  one dynamics step    {:.1f} us;  linearise {:.2f} ms\n", r.peer_step_us, r.peer_linearize_ms);
-  fmt::print("  peer / sanso         {:.1f} (median of the ratios)\n", r.ratio);
+  fmt::print(
+      "  peer / sanso         both to convergence {:.1f};  sanso stopped at the peer's cost {:.1f} (medians of the "
+      "ratios)\n",
+      r.ratio, r.same_cost_ratio);
+  fmt::print("  the peer's cost, in its own model, was the lower one in {} of {} updates\n", r.peer_cheaper,
+             r.peer_updates);
 }
 
 }  // namespace

@@ -42,7 +42,9 @@ struct BenchMpcResult {
   TimeSummary peer_ms;
   double peer_iterations = 0, peer_cost_after = 0;
   double peer_step_us = 0, peer_linearize_ms = 0;
-  double ratio = 0;              // median of peer / ours, update by update
+  double ratio = 0;              // median of peer / ours, update by update, both to convergence
+  double same_cost_ratio = 0;    // the same with ours stopped at the iteration that reaches the peer's cost
+  int peer_cheaper = 0;          // updates in which the peer's cost, in its own model, was lower than ours in our model
 };
 
 BenchMpcResult run_bench_mpc(const BenchMpcOptions& options);
