@@ -17,8 +17,8 @@ struct Quality {
   int iterations = 0, slow_iterations = 0;
 };
 
-/// `seed` draws motion, moment and disturbance.
-inline Quality compare_on_problem(unsigned seed) {
+/// `seed` draws motion, moment and disturbance; `convergence` is our solver's.
+inline Quality compare_on_problem(unsigned seed, double convergence = SolverSettings{}.convergence) {
   static const char* const kMotions[] = {"stand", "squat", "walk_forward"};
   std::mt19937 random(seed);
   const auto reference = problems::reference_of(kMotions[seed % 3]);
@@ -30,7 +30,8 @@ inline Quality compare_on_problem(unsigned seed) {
   phases.context() = *context;
   const model::State x0 = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
   SolverSettings settings;
-  settings.max_iterations = 20;
+  settings.convergence = convergence;
+  settings.max_iterations = 30;
   Solver solver(settings, phases);
   std::copy_n(x0.data(), kNx, solver.trajectory().x[0]);
   SolveResult result;
