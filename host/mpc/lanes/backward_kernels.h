@@ -4,31 +4,23 @@
 #include <cmath>
 
 #include "host/mpc/backward_pass.h"
-#include "host/mpc/lanes/vector8.h"
+#include "host/mpc/lanes/native_vector.h"
 
 namespace sanso::mpc::SANSO_ISA {
 
 inline constexpr int kPacksAB = kColumns / 8;      // 6
 inline constexpr int kPacksX = kNdxPadded / 8;     // 5
 
-/// out[r][first pack ..] = sum_k left(r, k) * right[k][..] for Rows rows and Packs packs of 8 columns.
-/// `left_row_stride`, `left_k_stride` let the same kernel read a matrix or its transpose.
-template <int Rows, int Packs>
+/// out[r][..] (+)= sum_k left(r, k) right[k][..] for Rows rows and Packs packs of 8 columns.
+template <int Rows, int Packs, Start start = Start::at_zero>
 inline void multiply_rows(const double* left, int left_row_stride, int left_k_stride, const double* right,
                           int right_stride, int inner, double* out, int out_stride) {
-  Vector8 sum[Rows][Packs];
-  for (int r = 0; r < Rows; ++r)
-    for (int c = 0; c < Packs; ++c) sum[r][c] = broadcast8(0.0);
-  for (int k = 0; k < inner; ++k) {
-    Vector8 row[Packs];
-    for (int c = 0; c < Packs; ++c) row[c] = load8(right + k * right_stride + 8 * c);
-    for (int r = 0; r < Rows; ++r) {
-      const Vector8 s = broadcast8(left[r * left_row_stride + k * left_k_stride]);
-      for (int c = 0; c < Packs; ++c) sum[r][c] += s * row[c];
-    }
-  }
-  for (int r = 0; r < Rows; ++r)
-    for (int c = 0; c < Packs; ++c) store8(out + r * out_stride + 8 * c, sum[r][c]);
+  multiply<Rows, 8 * Packs, start>(left, left_row_stride, left_k_stride, right, right_stride, inner, out, out_stride);
+}
+
+/// out[..] -= factor in[..] over a row of gains.
+inline void subtract_row(double factor, const double* in, double* out) {
+  for (int c = 0; c < kNdxPadded; c += kWidth<double>) store(out + c, load(out + c) - factor * load(in + c));
 }
 
 /// Scratch of one stage.
@@ -125,19 +117,17 @@ inline bool factorize(StageScratch& s, double mu) {
 inline void solve_gains(StageScratch& s, StageGains& g) {
   for (int i = 0; i < kNu; ++i) {
     g.k[i] = s.held[i] ? 0.0 : -s.Qu[i];
-    for (int c = 0; c < kPacksX; ++c)
-      store8(&g.K[i][8 * c], s.held[i] ? broadcast8(0.0) : -load8(&s.Qu_x[i][8 * c]));
+    for (int j = 0; j < kNdxPadded; ++j) g.K[i][j] = s.held[i] ? 0.0 : -s.Qu_x[i][j];
     for (int j = kNdx; j < kNdxPadded; ++j) g.K[i][j] = 0;  // those columns held B'Vxx B
   }
   const auto eliminate = [&](int i, int j, double l) {
     g.k[i] -= l * g.k[j];
-    for (int c = 0; c < kPacksX; ++c)
-      store8(&g.K[i][8 * c], load8(&g.K[i][8 * c]) - broadcast8(l) * load8(&g.K[j][8 * c]));
+    subtract_row(l, g.K[j], g.K[i]);
   };
   const auto scale = [&](int i) {
     const double r = 1.0 / s.L[i][i];
     g.k[i] *= r;
-    for (int c = 0; c < kPacksX; ++c) store8(&g.K[i][8 * c], broadcast8(r) * load8(&g.K[i][8 * c]));
+    for (int j = 0; j < kNdxPadded; ++j) g.K[i][j] *= r;
   };
   for (int i = 0; i < kNu; ++i) {
     for (int j = 0; j < i; ++j) eliminate(i, j, s.L[i][j]);
@@ -152,16 +142,8 @@ inline void solve_gains(StageScratch& s, StageGains& g) {
 /// Rows r .. r+3 of Qxx += K' (Qux - mu K), upper part.
 template <int FirstPack>
 inline void add_gain_rows(const StageGains& g, const double (&R)[kNu][kNdxPadded], StageScratch& s, int r) {
-  Vector8 sum[4][kPacksX - FirstPack];
-  for (int a = 0; a < 4; ++a)
-    for (int c = FirstPack; c < kPacksX; ++c) sum[a][c - FirstPack] = load8(&s.Qxx[r + a][8 * c]);
-  for (int k = 0; k < kNu; ++k)
-    for (int a = 0; a < 4; ++a) {
-      const Vector8 gain = broadcast8(g.K[k][r + a]);
-      for (int c = FirstPack; c < kPacksX; ++c) sum[a][c - FirstPack] += gain * load8(&R[k][8 * c]);
-    }
-  for (int a = 0; a < 4; ++a)
-    for (int c = FirstPack; c < kPacksX; ++c) store8(&s.Qxx[r + a][8 * c], sum[a][c - FirstPack]);
+  multiply_rows<4, kPacksX - FirstPack, Start::at_out>(&g.K[0][r], 1, kNdxPadded, &R[0][8 * FirstPack], kNdxPadded, kNu,
+                                                       &s.Qxx[r][8 * FirstPack], kNdxPadded);
 }
 
 /// V of the knot before the stage. With k, K exact solutions for Quu + mu I the usual sums shrink to

@@ -150,14 +150,11 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
 
 /// A += B (d layers / dx).
 inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives& out) {
-  for (int i = 0; i < kNdx; ++i) {
-    alignas(64) double row[kNdxPadded] = {};
-    for (int c = 0; c < kNdxPadded; c += 8) {
-      Vector8 sum = load8(row + c);
-      for (int j = 0; j < kNu; ++j) sum += broadcast8(out.AB[i][kNdx + j]) * load8(slope[j] + c);
-      store8(row + c, sum);
-    }
-    for (int c = 0; c < kNdx; ++c) out.AB[i][c] += row[c];
+  for (int i = 0; i < kNdx; i += 4) {
+    alignas(64) double rows[4][kNdxPadded];
+    multiply<4, kNdxPadded, Start::at_zero>(&out.AB[i][kNdx], kColumns, 1, slope[0], kNdxPadded, kNu, rows[0], kNdxPadded);
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < kNdx; ++c) out.AB[i + r][c] += rows[r][c];
   }
 }
 

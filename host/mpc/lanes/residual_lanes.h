@@ -3,16 +3,12 @@
 // instruction set. Vectors run along the hidden units, so a weight is loaded once for several states.
 #pragma once
 
+#include <algorithm>
+
+#include "host/mpc/lanes/native_vector.h"
 #include "host/mpc/residual_weights.h"
 
 namespace sanso::mpc::SANSO_ISA {
-
-using Floats = float __attribute__((vector_size(64)));  // 16
-using FloatsUnaligned = float __attribute__((vector_size(64), aligned(4), may_alias));
-using FloatBits = int __attribute__((vector_size(64)));
-
-inline Floats load16(const float* p) { return *reinterpret_cast<const FloatsUnaligned*>(p); }
-inline void store16(float* p, Floats v) { *reinterpret_cast<FloatsUnaligned*>(p) = v; }
 
 /// softplus(a) = log(1 + e^a) and its slope 1 / (1 + e^-a); relative error a few 1e-7.
 inline Floats softplus(Floats a, Floats& slope) {
@@ -35,50 +31,47 @@ inline Floats softplus(Floats a, Floats& slope) {
   return (a > 0 ? a : Floats{}) + log1p;
 }
 
-/// out[r][..] = bias[..] + sum_k in(r, k) W[k][..] for Rows states and Packs packs of 16 units.
-template <int Rows, int Packs>
-inline void layer(const float* in, int in_row_stride, int in_k_stride, int inner, const float* weights, int weight_stride,
-                  const float* bias, float* out, int out_stride) {
-  Floats sum[Rows][Packs];
-  for (int r = 0; r < Rows; ++r)
-    for (int c = 0; c < Packs; ++c) sum[r][c] = bias ? load16(bias + 16 * c) : Floats{};
-  for (int k = 0; k < inner; ++k) {
-    Floats w[Packs];
-    for (int c = 0; c < Packs; ++c) w[c] = load16(weights + k * weight_stride + 16 * c);
-    for (int r = 0; r < Rows; ++r) {
-      const Floats s = Floats{} + in[r * in_row_stride + k * in_k_stride];
-      for (int c = 0; c < Packs; ++c) sum[r][c] += s * w[c];
-    }
-  }
-  for (int r = 0; r < Rows; ++r)
-    for (int c = 0; c < Packs; ++c) store16(out + r * out_stride + 16 * c, sum[r][c]);
+/// out[r][..] = bias[..] + sum_k in(r, k) W[k][..] for Rows states and Units units.
+template <int Rows, int Units>
+inline void layer(const float* in, int in_row_stride, const float* weights, int inner, const float* bias, float* out) {
+  for (int r = 0; r < Rows; ++r) std::copy_n(bias, Units, out + r * Units);
+  multiply<Rows, Units, Start::at_out>(in, in_row_stride, 1, weights, Units, inner, out, Units);
+}
+
+/// a = softplus(a) for `count` units (a multiple of 16).
+inline void activate(float* a, int count) {
+  Floats slope;
+  for (int i = 0; i < count; i += kWidth<float>) store(a + i, softplus(load(a + i), slope));
 }
 
 /// Eight evaluations: features[lane][48] -> output[lane][48] (36 used), base axes, SI.
 inline void residual_lanes(const ResidualWeights& w, const float (&features)[8][kFeaturesPadded],
                            float (&output)[8][kOutputsPadded]) {
   alignas(64) float h1[8][kHiddenUnits], h2[8][kHiddenUnits];
-  Floats slope;
   for (int r = 0; r < 8; r += 4)
-    layer<4, 4>(&features[r][0], kFeaturesPadded, 1, kFeatureCount, &w.W1[0][0], kHiddenUnits, w.b1, &h1[r][0], kHiddenUnits);
-  for (int i = 0; i < 8 * kHiddenUnits; i += 16) store16(&h1[0][0] + i, softplus(load16(&h1[0][0] + i), slope));
+    layer<4, kHiddenUnits>(features[r], kFeaturesPadded, &w.W1[0][0], kFeatureCount, w.b1, h1[r]);
+  activate(&h1[0][0], 8 * kHiddenUnits);
   for (int r = 0; r < 8; r += 4)
-    layer<4, 4>(&h1[r][0], kHiddenUnits, 1, kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, &h2[r][0], kHiddenUnits);
-  for (int i = 0; i < 8 * kHiddenUnits; i += 16) store16(&h2[0][0] + i, softplus(load16(&h2[0][0] + i), slope));
+    layer<4, kHiddenUnits>(h1[r], kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, h2[r]);
+  activate(&h2[0][0], 8 * kHiddenUnits);
   for (int r = 0; r < 8; r += 4)
-    layer<4, 3>(&h2[r][0], kHiddenUnits, 1, kHiddenUnits, &w.W3[0][0], kOutputsPadded, w.b3, &output[r][0], kOutputsPadded);
+    layer<4, kOutputsPadded>(h2[r], kHiddenUnits, &w.W3[0][0], kHiddenUnits, w.b3, output[r]);
 }
 
 /// One evaluation.
 inline void residual_single(const ResidualWeights& w, const float (&features)[kFeaturesPadded],
                             float (&output)[kOutputsPadded]) {
   alignas(64) float h1[kHiddenUnits], h2[kHiddenUnits];
-  Floats slope;
-  layer<1, 4>(features, 0, 1, kFeatureCount, &w.W1[0][0], kHiddenUnits, w.b1, h1, kHiddenUnits);
-  for (int i = 0; i < kHiddenUnits; i += 16) store16(h1 + i, softplus(load16(h1 + i), slope));
-  layer<1, 4>(h1, 0, 1, kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, h2, kHiddenUnits);
-  for (int i = 0; i < kHiddenUnits; i += 16) store16(h2 + i, softplus(load16(h2 + i), slope));
-  layer<1, 3>(h2, 0, 1, kHiddenUnits, &w.W3[0][0], kOutputsPadded, w.b3, output, kOutputsPadded);
+  layer<1, kHiddenUnits>(features, 0, &w.W1[0][0], kFeatureCount, w.b1, h1);
+  activate(h1, kHiddenUnits);
+  layer<1, kHiddenUnits>(h1, 0, &w.W2[0][0], kHiddenUnits, w.b2, h2);
+  activate(h2, kHiddenUnits);
+  layer<1, kOutputsPadded>(h2, 0, &w.W3[0][0], kHiddenUnits, w.b3, output);
+}
+
+/// out[i] = factor * in[i] for one row of a Jacobian.
+inline void scale_row(float factor, const float* in, float* out) {
+  for (int c = 0; c < kFeaturesPadded; c += kWidth<float>) store(out + c, factor * load(in + c));
 }
 
 /// Output and d output / d features (36 x 48, the last two columns zero) at one point.
@@ -86,28 +79,31 @@ inline void residual_jacobian(const ResidualWeights& w, const float (&features)[
                               float (&output)[kOutputsPadded], float (&J)[kOutputCount][kFeaturesPadded]) {
   alignas(64) float a1[kHiddenUnits], a2[kHiddenUnits], d1[kHiddenUnits], d2[kHiddenUnits];
   alignas(64) float J1[kHiddenUnits][kFeaturesPadded], J2[kHiddenUnits][kFeaturesPadded];
-  const auto activate = [](float* a, float* d) {
-    for (int i = 0; i < kHiddenUnits; i += 16) {
+  const auto activate_with_slope = [](float* a, float* d) {
+    for (int i = 0; i < kHiddenUnits; i += kWidth<float>) {
       Floats slope;
-      store16(a + i, softplus(load16(a + i), slope));
-      store16(d + i, slope);
+      store(a + i, softplus(load(a + i), slope));
+      store(d + i, slope);
     }
   };
-  layer<1, 4>(features, 0, 1, kFeatureCount, &w.W1[0][0], kHiddenUnits, w.b1, a1, kHiddenUnits);
-  activate(a1, d1);
-  layer<1, 4>(a1, 0, 1, kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, a2, kHiddenUnits);
-  activate(a2, d2);
-  layer<1, 3>(a2, 0, 1, kHiddenUnits, &w.W3[0][0], kOutputsPadded, w.b3, output, kOutputsPadded);
+  layer<1, kHiddenUnits>(features, 0, &w.W1[0][0], kFeatureCount, w.b1, a1);
+  activate_with_slope(a1, d1);
+  layer<1, kHiddenUnits>(a1, 0, &w.W2[0][0], kHiddenUnits, w.b2, a2);
+  activate_with_slope(a2, d2);
+  layer<1, kOutputsPadded>(a2, 0, &w.W3[0][0], kHiddenUnits, w.b3, output);
   // J1 = diag(d1) W1, J2 = diag(d2) W2 J1, J = W3 J2
-  for (int i = 0; i < kHiddenUnits; ++i)
-    for (int c = 0; c < kFeaturesPadded; c += 16) store16(&J1[i][c], d1[i] * load16(&w.W1_by_unit[i][c]));
-  for (int i = 0; i < kHiddenUnits; i += 8) {
-    layer<8, 3>(&w.W2[0][i], 1, kHiddenUnits, kHiddenUnits, &J1[0][0], kFeaturesPadded, nullptr, &J2[i][0], kFeaturesPadded);
-    for (int r = i; r < i + 8; ++r)
-      for (int c = 0; c < kFeaturesPadded; c += 16) store16(&J2[r][c], d2[r] * load16(&J2[r][c]));
+  constexpr int kRows = kVectorBytes == 64 ? 8 : 4, kOutputRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
+  for (int i = 0; i < kHiddenUnits; ++i) scale_row(d1[i], w.W1_by_unit[i], J1[i]);
+  for (int i = 0; i < kHiddenUnits; i += kRows) {
+    multiply<kRows, kFeaturesPadded, Start::at_zero>(&w.W2[0][i], 1, kHiddenUnits, &J1[0][0], kFeaturesPadded,
+                                                     kHiddenUnits, J2[i],
+                                                     kFeaturesPadded);
+    for (int r = i; r < i + kRows; ++r) scale_row(d2[r], J2[r], J2[r]);
   }
-  for (int i = 0; i < kOutputCount; i += 6)
-    layer<6, 3>(&w.W3[0][i], 1, kOutputsPadded, kHiddenUnits, &J2[0][0], kFeaturesPadded, nullptr, &J[i][0], kFeaturesPadded);
+  for (int i = 0; i < kOutputCount; i += kOutputRows)
+    multiply<kOutputRows, kFeaturesPadded, Start::at_zero>(&w.W3[0][i], 1, kOutputsPadded, &J2[0][0], kFeaturesPadded,
+                                                           kHiddenUnits, J[i],
+                                                           kFeaturesPadded);
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

@@ -4,6 +4,7 @@
 #include "host/mpc/lane_kernels.h"
 #include "host/mpc/lanes/math_lanes.h"
 #include "host/mpc/lanes/residual_lanes.h"
+#include "host/mpc/lanes/vector8.h"
 
 namespace sanso::mpc::SANSO_ISA {
 

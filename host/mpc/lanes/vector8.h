@@ -1,4 +1,4 @@
-// Eight doubles in one value, by the compiler's vector extension: one AVX-512 register, two of AVX2, four of NEON.
+// The eight lanes of a roll-out in one value, by the compiler's vector extension: one AVX-512 register, two of AVX2, four of NEON.
 // Included only by the per-instruction-set sources: every name lives in a namespace of its own (SANSO_ISA), because an
 // inline function with one name compiled for two instruction sets would be merged by the linker into one of them.
 #pragma once
@@ -14,6 +14,5 @@ using Vector8Unaligned = double __attribute__((vector_size(64), aligned(8), may_
 
 inline Vector8 load8(const double* p) { return *reinterpret_cast<const Vector8Unaligned*>(p); }
 inline void store8(double* p, Vector8 v) { *reinterpret_cast<Vector8Unaligned*>(p) = v; }
-inline Vector8 broadcast8(double s) { return Vector8{s, s, s, s, s, s, s, s}; }
 
 }  // namespace sanso::mpc::SANSO_ISA
