@@ -30,6 +30,10 @@ if(SANSO_SANITIZE)
   add_link_options(-fsanitize=${SANSO_SANITIZE})
 endif()
 
+if(SANSO_FUZZ)  # coverage of the code under test guides the fuzzer, not of the target's own file alone
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
 find_package(Eigen3 QUIET NO_MODULE)
 if(NOT TARGET Eigen3::Eigen)  # cross builds: headers only, architecture-free
   add_library(Eigen3::Eigen INTERFACE IMPORTED)
@@ -87,7 +91,11 @@ endfunction()
 function(sanso_fuzz name source)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
   if(SANSO_FUZZ)
+    if(NOT TARGET fuzzers)  # `cmake --build --preset fuzz` builds the targets and what they link, no tests
+      add_custom_target(fuzzers)
+    endif()
     add_executable(${name} ${source})
+    add_dependencies(fuzzers ${name})
     target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
     target_link_options(${name} PRIVATE -fsanitize=fuzzer)
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})

@@ -51,7 +51,7 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
     }
     for (const auto& [name, value] : entry.parameters) {
       const auto p = std::find_if(effect->parameters.begin(), effect->parameters.end(),
-                                  [&](const EffectParameter& q) { return q.name == name; });
+                                  [&name = name](const EffectParameter& q) { return q.name == name; });
       if (p == effect->parameters.end())
         fail(name, "unknown parameter", name, "a parameter of " + entry.id + " (docs/model-folder.md)");
       instance.theta[static_cast<std::size_t>(p - effect->parameters.begin())] = value;
