@@ -6,8 +6,12 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "tools/bench/diagnose/baselines.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
@@ -20,6 +24,10 @@ struct Outcome {
   unsigned long seed = 0;
   DiagnoseScore score;
   double seconds = 0.0;
+  bool ran = false;
+  std::map<std::string, Names> baselines;  // what simpler methods name
+  std::string without_status;              // verdict without the true effects in the library
+  Names without_named;
 };
 
 /// A proportion that grows case by case.
@@ -49,6 +57,18 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   const std::string verdict = (folder / "verdict.json").string();
   std::ofstream(verdict) << diagnose::verdict_json(found.verdict);
   out.score = options.reveal(folder.string(), verdict);
+  out.ran = true;
+  const diagnose::FirstLook& look = found.first_look;
+  out.baselines = {{"largest score", largest_score(look)},
+                   {"fit everything", fit_everything(look)},
+                   {"sparse regression", sparse_regression(look)},
+                   {"friction ladder", friction_ladder(look)}};
+  if (options.leave_out && (out.score.family == "single" || out.score.family == "pair")) {
+    task.without = out.score.truth;
+    const diagnose::Verdict without = diagnose::diagnose(task, [](const std::string&) {}).verdict;
+    out.without_status = diagnose::to_string(without.status);
+    for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
+  }
   return out;
 }
 
@@ -93,6 +113,53 @@ void print_table(const std::vector<Outcome>& all) {
   }
 }
 
+/// Exactly the true effects and nothing else; for a clean case nothing.
+bool exact(const Names& named, const std::vector<std::string>& truth) {
+  return std::set<std::string>(named.begin(), named.end()) == std::set<std::string>(truth.begin(), truth.end());
+}
+
+void print_baselines(const std::vector<Outcome>& all) {
+  fmt::print("\nexactly the true effects named, at ratio 3 and more\n{:<20} {:<34} {:<34} {:<34}\n", "",
+             "clean: nothing", "single", "pair");
+  const auto row = [&](const std::string& method, const std::function<Names(const Outcome&)>& names) {
+    std::map<std::string, Count> counts;
+    for (const Outcome& o : all) {
+      if (o.score.family != "clean" && o.score.ratio < 3.0) continue;
+      counts[o.score.family].add(exact(names(o), o.score.truth));
+    }
+    fmt::print("{:<20} {:<34} {:<34} {:<34}\n", method, counts["clean"].text(), counts["single"].text(),
+               counts["pair"].text());
+  };
+  row("diagnose", [](const Outcome& o) { return o.score.named; });
+  for (const char* method : {"largest score", "fit everything", "sparse regression", "friction ladder"}) {
+    row(method, [method](const Outcome& o) { return o.baselines.contains(method) ? o.baselines.at(method) : Names{}; });
+  }
+  // a network that predicts the residual gives no name: right where there is nothing to name
+  row("residual network", [](const Outcome&) { return Names{}; });
+}
+
+/// A name that the library itself lists as a twin of a true effect.
+bool documented_twin(const std::string& name, const std::vector<std::string>& truth) {
+  return std::any_of(truth.begin(), truth.end(), [&](const std::string& id) {
+    const diagnose::Effect* effect = diagnose::find_effect(id);
+    return effect != nullptr &&
+           std::find(effect->confounders.begin(), effect->confounders.end(), name) != effect->confounders.end();
+  });
+}
+
+void print_left_out(const std::vector<Outcome>& all) {
+  Count right;
+  for (const Outcome& o : all) {
+    if (o.without_status.empty() || o.score.ratio < 10.0) continue;
+    const bool twins = !o.without_named.empty() &&
+                       std::all_of(o.without_named.begin(), o.without_named.end(),
+                                   [&](const std::string& n) { return documented_twin(n, o.score.truth); });
+    right.add(o.without_status == "PRESENT_UNNAMED" || twins);
+    fmt::print("  without {}: {} {}\n", joined(o.score.truth), o.without_status, joined(o.without_named));
+  }
+  fmt::print("left out of the library, ratio 10 and more: unnamed or a documented twin {}\n", right.text());
+}
+
 void print_confusions(const std::vector<Outcome>& all) {
   std::map<std::string, int> pairs;
   for (const Outcome& o : all) {
@@ -134,23 +201,30 @@ void print_json(const std::vector<Outcome>& all) {
 
 int bench_diagnose(const DiagnoseBenchOptions& options) {
   std::vector<Outcome> all(static_cast<std::size_t>(options.cases));
+  const auto begin = std::chrono::steady_clock::now();
   diagnose::parallel_for(options.cases, [&](int k) {
+    const double minutes = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 60.0;
+    if (options.minutes > 0.0 && minutes > options.minutes) return;
     Outcome& o = all[static_cast<std::size_t>(k)];
     o = run_case(options, options.seed + static_cast<unsigned long>(k));
     fmt::print(stderr, "seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", o.seed, o.score.family, o.score.ratio,
                joined(o.score.truth), o.score.status, joined(o.score.named), o.score.right ? "right" : "wrong",
                o.seconds);
   });
+  std::erase_if(all, [](const Outcome& o) { return !o.ran; });
   std::vector<double> seconds;
   for (const Outcome& o : all) seconds.push_back(o.seconds);
   if (options.json) {
     print_json(all);
     return 0;
   }
-  fmt::print("{} cases of {}, seeds {} to {}; intervals are 95 % (Wilson)\n", options.cases, options.robot,
-             options.seed, options.seed + static_cast<unsigned long>(std::max(0, options.cases - 1)));
+  fmt::print("{} cases run of {} asked for, {}, seeds {} to {}; intervals are 95 % (Wilson)\n", all.size(),
+             options.cases, options.robot, options.seed,
+             options.seed + static_cast<unsigned long>(std::max(0, options.cases - 1)));
   print_table(all);
+  print_baselines(all);
   print_confusions(all);
+  if (options.leave_out) print_left_out(all);
   fmt::print("time of a diagnosis: median {:.1f} s, largest {:.1f} s\n", diagnose::median(seconds),
              diagnose::quantile(seconds, 1.0));
   return 0;

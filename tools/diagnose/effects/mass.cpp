@@ -65,7 +65,7 @@ std::vector<Effect> mass_effects() {
           .family = F,
           .port = P,
           .scope = L,
-          .parameters = {{"share", "-", 0, -0.5, 0.5, 0.1}},
+          .parameters = {{"share", "-", 0, -0.6, 1, 0.1}},
           .probes = {{0.1}},
           .residuals = R,
           .cluster = "A",

@@ -15,7 +15,8 @@ namespace {
 
 const Candidate& candidate(const Library& library, int i) { return library.candidates[static_cast<std::size_t>(i)]; }
 
-std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const std::vector<double>& theta, const Accepted& entry) {
+std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const std::vector<double>& theta,
+                                                      const Accepted& entry) {
   std::map<std::string, VerdictParameter> out;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
@@ -30,9 +31,11 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const 
   return out;
 }
 
-/// A rival that only adds parameters to the same kind of physics contains the chosen effect; it is no other explanation.
+/// A rival that only adds parameters to the same kind of physics contains the chosen effect; it is no other
+/// explanation.
 bool contains(const Candidate& larger, const Candidate& chosen) {
-  return larger.family == chosen.family && larger.parameters.size() > chosen.parameters.size() && larger.where == chosen.where;
+  return larger.family == chosen.family && larger.parameters.size() > chosen.parameters.size() &&
+         larger.where == chosen.where;
 }
 
 std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
@@ -45,8 +48,7 @@ std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
 
 }  // namespace
 
-std::vector<Finding> findings_of(const Library& library, const Selection& selection,
-                                 const Regimes& regimes) {
+std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes) {
   std::vector<Finding> out;
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
@@ -115,7 +117,8 @@ double position_error_level(const Problem& problem, const Selection& selection) 
     const Observed& channel = problem.channels[c];
     if (channel.signal != Signal::q) continue;
     for (const Shot& shot : problem.shots) {
-      const auto piece = r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows));
+      const auto piece =
+          r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows));
       square += piece.squaredNorm() * channel.sigma * channel.sigma / (channel.floor * channel.floor);
       rows += static_cast<double>(shot.rows);
     }
@@ -123,7 +126,8 @@ double position_error_level(const Problem& problem, const Selection& selection) 
   return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
 }
 
-/// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later gates.
+/// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later
+/// gates.
 bool detected(const Selection& selection) {
   return std::any_of(selection.first.probes.begin(), selection.first.probes.end(),
                      [](const ProbeScore& p) { return p.p_family < constants::kFamilyWise; });
@@ -166,11 +170,15 @@ std::string sentence(const Finding& f) {
 
 }  // namespace
 
-void decide(Verdict& verdict, const Problem& problem, const Selection& selection, const std::vector<Predictability>& left,
-            const std::string& location) {
+void decide(Verdict& verdict, const Problem& problem, const Selection& selection,
+            const std::vector<Predictability>& left, const std::string& location) {
   const double share = remaining_share(problem, selection);
   const Predictability* unnamed = most_predictable(left);
+  verdict.notes.push_back(fmt::format(
+      "left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %", 100 * share,
+      position_error_level(problem, selection), unnamed != nullptr ? 100 * unnamed->explained : 0.0));
   const bool much_left = verdict.findings.empty() || share > 1.0 - constants::kNamedShare;
+  const bool inadequate = position_error_level(problem, selection) > constants::kAdequate && detected(selection);
   if (unnamed != nullptr) {
     Unexplained u;
     u.predictable = unnamed->explained;
@@ -180,15 +188,14 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
     u.regime = location;
     verdict.unexplained = u;
   }
-  const bool clearly_wrong = position_error_level(problem, selection) > constants::kClearlyWrong && detected(selection);
-  if (unnamed == nullptr && verdict.findings.empty() && clearly_wrong) {
+  if (unnamed == nullptr && much_left && inadequate) {
     Unexplained u;
     u.energy_share = share;
     u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
     u.regime = location;
     verdict.unexplained = u;
   }
-  if ((unnamed != nullptr && much_left) || (verdict.findings.empty() && clearly_wrong)) {
+  if (much_left && (unnamed != nullptr || inadequate)) {
     verdict.status = VerdictStatus::present_unnamed;
   } else if (verdict.findings.empty()) {
     verdict.status = VerdictStatus::absent;
@@ -203,11 +210,13 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
     return;
   }
   if (verdict.findings.empty()) {
-    verdict.answer = "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where + " (" + location + ").";
+    verdict.answer = "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where +
+                     " (" + location + ").";
     return;
   }
   verdict.answer = "Missing: ";
-  for (std::size_t i = 0; i < verdict.findings.size(); ++i) verdict.answer += (i == 0 ? "" : "; ") + sentence(verdict.findings[i]);
+  for (std::size_t i = 0; i < verdict.findings.size(); ++i)
+    verdict.answer += (i == 0 ? "" : "; ") + sentence(verdict.findings[i]);
   verdict.answer += verdict.status == VerdictStatus::present_unnamed
                         ? fmt::format("; {:.0f} % of the error beyond noise stays without a name.", 100 * share)
                         : ".";
@@ -228,12 +237,14 @@ void add_limits(Verdict& verdict, const Library& library, const Selection& selec
     if (smallest > c.parameters[0].high - c.parameters[0].low) continue;
     std::string where;
     for (const std::string& w : c.where) where += (where.empty() ? "" : ", ") + w;
-    verdict.detectable.push_back({c.effect, where.empty() ? "robot" : where, c.parameters[0].name, c.parameters[0].unit, smallest});
+    verdict.detectable.push_back(
+        {c.effect, where.empty() ? "robot" : where, c.parameters[0].name, c.parameters[0].unit, smallest});
   }
   for (const auto& [effect, signature] : best_signature) {
     if (signature >= constants::kTestable) continue;
-    verdict.untestable.push_back({effect, fmt::format("a typical size changes these recordings by {:.2g} noise levels only (needs {})",
-                                                      signature, constants::kTestable)});
+    verdict.untestable.push_back(
+        {effect, fmt::format("a typical size changes these recordings by {:.2g} noise levels only (needs {})",
+                             signature, constants::kTestable)});
   }
 }
 

@@ -148,6 +148,7 @@ class Run {
     ProblemOptions options;
     options.shot_seconds = shot_seconds(sources_);
     options.maximum_rows = constants::kMaximumRows;
+    options.maximum_shots = constants::kMaximumShots;
     problem_ = make_problem(sources_, loaded_.gate.noise, options);
     if (problem_.shots.empty()) {  // nothing was compared: no answer, least of all "no mismatch"
       throw recording::InputError(sources_.front().file, 0, "t", "too short", "no piece of motion to simulate",
@@ -176,6 +177,15 @@ class Run {
     options.progress = progress_;
     selection_ = select(problem_, library_, options);
     out_.log = selection_.log;
+    const Screening& first = selection_.first;
+    out_.first_look.critical = first.critical;
+    for (const ProbeScore& p : first.probes) {
+      const Candidate& c = library_.candidates[static_cast<std::size_t>(p.candidate)];
+      out_.first_look.effect.push_back(c.effect);
+      out_.first_look.family.push_back(c.family);
+      out_.first_look.z.push_back(p.z);
+    }
+    out_.first_look.correlation.assign(first.correlation.data(), first.correlation.data() + first.correlation.size());
   }
 
   /// The search divides channels by the error level it reaches; a person reads errors in units of the noise.

@@ -32,6 +32,14 @@ struct RollOut {
   double noise = 0.0;
 };
 
+/// The linear first look that simpler methods would stop at: one entry a probe of a candidate.
+struct FirstLook {
+  std::vector<std::string> effect, family;
+  std::vector<double> z;            // matched-filter score of the probe
+  std::vector<double> correlation;  // probes x probes, of the projected signatures
+  double critical = 0.0;            // |z| that the family's maximum exceeds by chance once in a hundred
+};
+
 /// All that was found out; the verdict is what counts, the rest feeds the report.
 struct Diagnosis {
   Verdict verdict;
@@ -42,6 +50,7 @@ struct Diagnosis {
   std::vector<int> shown_joints;
   std::vector<RollOut> roll_outs;
   std::vector<std::string> log;
+  FirstLook first_look;
 };
 
 using Progress = std::function<void(const std::string&)>;

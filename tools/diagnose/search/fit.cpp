@@ -248,6 +248,28 @@ std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd
   return out;
 }
 
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result) {
+  const Problem& problem = *around.problem;
+  const Eigen::Index n = result.J.cols();
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(result.r));
+  const Eigen::VectorXd error = around.starts.project(result.r);
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const Shot& shot = problem.shots[s];
+    const auto from = static_cast<Eigen::Index>(shot.offset);
+    const auto rows = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
+    const Eigen::VectorXd g = weights[static_cast<Eigen::Index>(s)] *
+                              (result.J.middleRows(from, rows).transpose() * error.segment(from, rows));
+    spread.noalias() += g * g.transpose();
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (result.fixed[static_cast<std::size_t>(i)] == 0) continue;
+    spread.row(i).setZero();
+    spread.col(i).setZero();
+  }
+  return result.covariance + result.covariance * spread * result.covariance;
+}
+
 std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {
   std::vector<double> out;
   Eigen::Index i = 0;

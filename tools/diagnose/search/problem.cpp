@@ -190,11 +190,13 @@ void add_shots(Problem& problem, int source_index, double seconds) {
 }
 
 /// Keeps an even choice of shots when there are more than the budget allows.
-void thin_shots(Problem& problem, int maximum_rows) {
+void thin_shots(Problem& problem, int maximum_rows, int maximum_shots) {
   std::size_t total = 0;
   for (const Shot& s : problem.shots) total += s.rows * problem.joints.size();
-  problem.used_share =
-      std::min(1.0, static_cast<double>(maximum_rows) / static_cast<double>(std::max<std::size_t>(total, 1)));
+  const auto share = [](int allowed, std::size_t there) {
+    return static_cast<double>(allowed) / static_cast<double>(std::max<std::size_t>(there, 1));
+  };
+  problem.used_share = std::min({1.0, share(maximum_rows, total), share(maximum_shots, problem.shots.size())});
   if (problem.used_share >= 1.0) return;
   std::vector<Shot> kept;
   double credit = 0.5;
@@ -233,7 +235,7 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   problem.channels = observed_channels(problem, noise, options.secondary);
   for (std::size_t i = 0; i < problem.sources.size(); ++i)
     add_shots(problem, static_cast<int>(i), options.shot_seconds);
-  thin_shots(problem, options.maximum_rows);
+  thin_shots(problem, options.maximum_rows, options.maximum_shots);
   for (Shot& s : problem.shots) {
     s.offset = problem.size;
     problem.size += s.rows * problem.channels.size();

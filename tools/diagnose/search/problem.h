@@ -1,6 +1,7 @@
 // What is compared with what: recordings as drives, their smoothed motion, shots, channels with noise, held-out groups.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,7 @@ struct Problem {
 struct ProblemOptions {
   double shot_seconds = 0.5;
   int maximum_rows = 40000;  // rows x joints
+  int maximum_shots = std::numeric_limits<int>::max();
   bool secondary = true;     // also compare velocity, torque, current and duty where recorded
 };
 

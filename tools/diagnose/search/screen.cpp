@@ -27,18 +27,59 @@ Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const
   return S;
 }
 
-/// Inner products after eliminating the nuisances within their prior: Schur complement.
+/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + |x + d|^2 with x + d in its box, by
+/// coordinate descent. `free`: those not at an end of their box.
+struct BoxedNuisances {
+  Eigen::VectorXd d;
+  std::vector<Eigen::Index> free;
+};
+BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library, const Model& model) {
+  const auto n = static_cast<Eigen::Index>(library.nuisances.size());
+  const Eigen::Index last = gram.cols() - 1;
+  BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
+    x[static_cast<Eigen::Index>(i)] = model.nuisance[i] / library.nuisances[i].tolerance;
+  }
+  constexpr int kSweeps = 300;  // far more than these few, weakly coupled coordinates need
+  constexpr double kEdge = 1e-6;
+  const auto low = [&](Eigen::Index i) {
+    return library.nuisances[static_cast<std::size_t>(i)].positive ? 0.0 : -constants::kToleranceReach;
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double gradient = gram(i, last) + gram.row(i).head(n).dot(out.d) + x[i] + out.d[i];
+      const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + 1.0);
+      out.d[i] = std::clamp(moved, low(i), constants::kToleranceReach) - x[i];
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double at = x[i] + out.d[i];
+    if (at > low(i) + kEdge && at < constants::kToleranceReach - kEdge) out.free.push_back(i);
+  }
+  return out;
+}
+
+/// Inner products after eliminating the nuisances that are free to move within their prior: Schur complement. A
+/// nuisance at the end of its tolerance explains no more, so that an effect of the same shape keeps its signature.
 struct Eliminated {
   Eigen::MatrixXd G;  // probes x probes
   Eigen::VectorXd b;  // probes: s' M r
 };
-Eliminated eliminate(const Eigen::MatrixXd& gram, Eigen::Index nuisances, Eigen::Index probes) {
-  Eigen::MatrixXd H = gram.topLeftCorner(nuisances, nuisances);
-  H.diagonal().array() += 1.0;
-  const Eigen::MatrixXd cross = gram.block(0, nuisances, nuisances, probes + 1);
-  const Eigen::MatrixXd reduced =
-      gram.block(nuisances, nuisances, probes + 1, probes + 1) - cross.transpose() * H.ldlt().solve(cross);
-  return {reduced.topLeftCorner(probes, probes), reduced.topRightCorner(probes, 1)};
+Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eigen::Index nuisances,
+                     Eigen::Index probes) {
+  const auto n = static_cast<Eigen::Index>(at.free.size());
+  Eigen::MatrixXd H(n, n), cross(n, probes);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < n; ++j)
+      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? 1.0 : 0.0);
+    cross.row(i) = gram.block(row, nuisances, 1, probes);
+  }
+  // the free nuisances are at their optimum: they contribute no gradient of their own
+  const auto S = gram.block(nuisances, 0, probes, nuisances);
+  return {gram.block(nuisances, nuisances, probes, probes) - cross.transpose() * H.ldlt().solve(cross),
+          gram.block(nuisances, nuisances + probes, probes, 1) + S * at.d};
 }
 
 /// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit):
@@ -143,7 +184,8 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   all << around.A, S, r;
   const std::vector<double> phi = saturated_overdispersion(around, S, r, around.starts.gram(all));
   rescale(*around.problem, phi, all, out.channel_sigma);
-  const Eliminated e = eliminate(around.starts.gram(all), around.A.cols(), S.cols());
+  const Eigen::MatrixXd gram = around.starts.gram(all);
+  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model), around.A.cols(), S.cols());
   out.correlation.resize(S.cols(), S.cols());
   for (Eigen::Index i = 0; i < S.cols(); ++i) {
     ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];

@@ -309,9 +309,9 @@ class Search {
       if (out_.final.model.has(c)) continue;
       const Candidate &own = candidate(entry.candidate), &other = candidate(c);
       const double similarity = out_.first.similarity(entry.candidate, c);
-      const bool known =
-          std::find(own.confounders.begin(), own.confounders.end(), other.effect) != own.confounders.end() &&
-          other.where == own.where;
+      const bool same_place = other.joints == own.joints || other.joints.empty() || own.joints.empty();
+      const bool known = same_place && std::find(own.confounders.begin(), own.confounders.end(), other.effect) !=
+                                           own.confounders.end();
       const bool fitted = std::any_of(entry.alternatives.begin(), entry.alternatives.end(),
                                       [&](const Alternative& a) { return a.candidate == c; });
       if (similarity > constants::kSameSignature || known || fitted)
@@ -368,6 +368,7 @@ class Search {
   }
 
   void finish() {
+    out_.final.covariance = robust_covariance(*out_.around, out_.final);
     const std::vector<double> sigma = parameter_sigmas(out_.final, library_);
     std::size_t next = 0;
     for (std::size_t i = 0; i < out_.accepted.size(); ++i) {

@@ -20,6 +20,10 @@ bool needs_heat(const SimParams& params) {
 /// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place scratch L.
 void invert_block(JointMatrix& L, JointMatrix& inverse, int b, int e) {
   const auto at = [](int i, int j) { return static_cast<std::size_t>(i) * kMaxJoints + static_cast<std::size_t>(j); };
+  if (e - b == 1) {
+    inverse[at(b, b)] = 1.0 / std::max(L[at(b, b)], kInertiaFloor);
+    return;
+  }
   for (int j = b; j < e; ++j) {  // Cholesky
     for (int i = j; i < e; ++i) {
       double sum = L[at(i, j)];

@@ -66,13 +66,20 @@ class WindowRun {
     t_before_ = t_now_ = drive_.t[window.first] - longest_delay_;
   }
 
+  /// state_ into before_, only the joints that exist.
+  void keep_state() {
+    std::copy_n(state_.q.begin(), n_, before_.q.begin());
+    std::copy_n(state_.dq.begin(), n_, before_.dq.begin());
+    std::copy_n(state_.inner.begin(), n_, before_.inner.begin());
+  }
+
   void advance(double from, double until) {
     const double span = until - from;
     if (!(span > 0.0)) return;
     const int steps = std::max(1, static_cast<int>(std::ceil(span / options_.max_step_s - 1e-9)));
     const double h = span / steps;
     for (int s = 0; s < steps; ++s) {
-      if (longest_delay_ > 0.0) before_ = state_;  // old readings lie inside a step
+      if (longest_delay_ > 0.0) keep_state();  // old readings lie inside a step
       t_before_ = from + s * h;
       t_now_ = s + 1 == steps ? until : from + (s + 1) * h;
       if (!diverged_) diverged_ = !integrator_.step(t_before_, h, state_, torques_);

@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace sanso::diagnose {
 namespace {
@@ -69,9 +70,30 @@ TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity) : n_(tree
     c.I = {I[0], I[4], I[8], I[1], I[2], I[5]};
   }
   branch_begin_.push_back(n_);
+  if (n_ != 1 || constant_[0].prismatic) return;
+  const double zero = 0.0, quarter = std::numbers::pi / 2;
+  JointVector h{};
+  JointMatrix M{};
+  set_frames(&quarter);
+  recursive_newton_euler<false>(&zero, nullptr, h);
+  pull_sine_ = h[0];
+  set_frames(&zero);
+  recursive_newton_euler<false>(&zero, nullptr, h);
+  pull_cosine_ = h[0];
+  mass_matrix(M);
+  lone_inertia_ = M[0];
+  lone_hinge_ = true;
 }
 
 void TreeDynamics::set_positions(const double* q) {
+  if (lone_hinge_ && !any_force_) {
+    lone_q_ = q[0];
+    return;
+  }
+  set_frames(q);
+}
+
+void TreeDynamics::set_frames(const double* q) {
   for (int j = 0; j < n_; ++j) {
     const Constant& c = constant_[static_cast<std::size_t>(j)];
     Frame& f = frame_[static_cast<std::size_t>(j)];
@@ -118,6 +140,10 @@ void TreeDynamics::set_positions(const double* q) {
 }
 
 void TreeDynamics::mass_matrix(JointMatrix& M) const {
+  if (lone_hinge_) {
+    M[0] = lone_inertia_;
+    return;
+  }
   // composite bodies, from the tips to the base; then M_ij = s_i . (I_j s_j) for every ancestor i of j
   std::array<Inertia, kMaxJoints> composite;
   for (int j = 0; j < n_; ++j) composite[static_cast<std::size_t>(j)] = inertia_[static_cast<std::size_t>(j)];
@@ -200,9 +226,20 @@ void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, J
   }
 }
 
-void TreeDynamics::bias(const double* dq, JointVector& h) const { recursive_newton_euler<false>(dq, nullptr, h); }
+void TreeDynamics::bias(const double* dq, JointVector& h) const {
+  if (lone_hinge_ && !any_force_) {
+    h[0] = pull_sine_ * std::sin(lone_q_) + pull_cosine_ * std::cos(lone_q_);
+    return;
+  }
+  recursive_newton_euler<false>(dq, nullptr, h);
+}
 
 void TreeDynamics::inverse_dynamics(const double* dq, const double* ddq, JointVector& tau) const {
+  if (lone_hinge_ && !any_force_) {
+    bias(dq, tau);
+    tau[0] += lone_inertia_ * ddq[0];
+    return;
+  }
   recursive_newton_euler<true>(dq, ddq, tau);
 }
 

@@ -66,6 +66,7 @@ class TreeDynamics {
     std::array<double, 6> I;
   };
 
+  void set_frames(const double* q);
   template <bool kWithAcceleration>
   void recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau) const;
 
@@ -78,6 +79,10 @@ class TreeDynamics {
   std::array<Inertia, kMaxJoints> inertia_{};
   std::array<Vec3, kMaxJoints> force_{};
   bool any_force_ = false;
+  // one revolute joint alone: its inertia is constant and gravity's torque is pull_sine_ sin q + pull_cosine_ cos q
+  bool lone_hinge_ = false;
+  double lone_inertia_ = 0.0, pull_sine_ = 0.0, pull_cosine_ = 0.0;  // kg m^2, N m, N m
+  double lone_q_ = 0.0;                                              // rad
 };
 
 }  // namespace sanso::diagnose
