@@ -40,7 +40,6 @@ struct Nuisance {
   std::vector<int> joints;
   std::vector<double> null, direction;
   double tolerance = 1.0;
-  bool positive = false;          // cannot be negative (a lag)
   std::function<void(SimParams&, int, std::span<const double>)> run;
   std::vector<double> theta(double value) const;
   void apply(SimParams& params, double value) const;

@@ -95,7 +95,7 @@ class Coordinates {
   }
   double low(Eigen::Index i) const {
     if (i < effects()) return parameter(i).low / parameter(i).typical;
-    return library_->nuisances[static_cast<std::size_t>(i - effects())].positive ? 0.0 : -constants::kToleranceReach;
+    return -constants::kToleranceReach;
   }
   double high(Eigen::Index i) const {
     return i < effects() ? parameter(i).high / parameter(i).typical : constants::kToleranceReach;

@@ -40,7 +40,7 @@ std::vector<double> Nuisance::theta(double value) const {
 
 void Nuisance::apply(SimParams& params, double value) const {
   // beyond these no body or gain remains; a fit that gets there has left every tolerance
-  const double bounded = positive ? std::max(0.0, value) : std::max(-0.9, value);
+  const double bounded = std::max(-0.9, value);
   const std::vector<double> values = theta(bounded);
   for (const int j : joints) run(params, j, values);
 }
@@ -78,8 +78,9 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     if (s.armature > 0.0)
       out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));
   }
+  // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample early. Bounded at zero, the
+  // fraction of a millisecond takes the next name that can shift a command forward (feed-forward).
   out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
-  out.back().positive = true;
   return out;
 }
 

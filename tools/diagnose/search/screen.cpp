@@ -43,19 +43,16 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
   }
   constexpr int kSweeps = 300;  // far more than these few, weakly coupled coordinates need
   constexpr double kEdge = 1e-6;
-  const auto low = [&](Eigen::Index i) {
-    return library.nuisances[static_cast<std::size_t>(i)].positive ? 0.0 : -constants::kToleranceReach;
-  };
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const double gradient = gram(i, last) + gram.row(i).head(n).dot(out.d) + x[i] + out.d[i];
       const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + 1.0);
-      out.d[i] = std::clamp(moved, low(i), constants::kToleranceReach) - x[i];
+      out.d[i] = std::clamp(moved, -constants::kToleranceReach, constants::kToleranceReach) - x[i];
     }
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     const double at = x[i] + out.d[i];
-    if (at > low(i) + kEdge && at < constants::kToleranceReach - kEdge) out.free.push_back(i);
+    if (std::abs(at) < constants::kToleranceReach - kEdge) out.free.push_back(i);
   }
   return out;
 }
