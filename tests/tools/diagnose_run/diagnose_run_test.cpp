@@ -73,6 +73,16 @@ TEST_F(DiagnoseRun, CleanRecordingsGiveNoMismatch) {
   EXPECT_FALSE(verdict().at("detectable").empty());
 }
 
+/// Instants inside a bus cycle are not known better than half a millisecond, in either direction.
+TEST_F(DiagnoseRun, CommandsALittleEarlyOrLateAreNoMismatch) {
+  for (const double late : {-0.0004, 0.0004}) {
+    options_.recordings.clear();
+    for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", late}}, 0}}, i));
+    EXPECT_EQ(run_diagnose(options_), 0) << late << " s";
+    EXPECT_EQ(verdict().at("status"), "ABSENT") << late << " s: " << verdict().at("answer");
+  }
+}
+
 TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolder) {
   for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.02}}, 0}}, i));
   EXPECT_EQ(run_diagnose(options_), 1);
