@@ -8,6 +8,8 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
+#include "shared/base/toml_grammar.h"
+
 namespace sanso::firmware {
 namespace {
 
@@ -44,7 +46,8 @@ class TableReader {
   void reject_unknown() {
     if (table_ == nullptr) return;
     for (const auto& [key, node] : *table_)
-      if (!known_.contains(std::string(key.str()))) fail(node, std::string(key.str()), "no such setting; docs/settings.md lists them");
+      if (!known_.contains(std::string(key.str())))
+        fail(node, std::string(key.str()), "no such setting; docs/settings.md lists them");
   }
 
  private:
@@ -56,7 +59,10 @@ class TableReader {
     if (!error_.empty()) return;
     std::ostringstream text;
     text << file_ << ":" << node.source().begin.line << ": " << name_ << "." << key << " = ";
-    node.visit([&](const auto& n) { text << n; });
+    if (node.is_value())
+      node.visit([&](const auto& n) { text << n; });
+    else  // the library's own text of a list casts a negative width to unsigned
+      text << (node.is_array() ? "a list" : "a table");
     text << ": expected " << expected;
     error_ = text.str();
   }
@@ -82,6 +88,10 @@ void read_devices(TableReader reader, DeviceConfig& device) {
 
 bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config, std::string& error) {
   error.clear();
+  if (const auto defect = first_toml_defect(text)) {
+    error = name + ":" + describe(*defect);
+    return false;
+  }
   const toml::parse_result parsed = toml::parse(text, name);
   if (!parsed) {
     std::ostringstream message;
@@ -95,7 +105,8 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
   config.settings.visit([&](const char* section, auto& group) {
     sections.insert(section);
     TableReader reader(root[section].as_table(), section, name, error);
-    group.visit([&](const char* key, auto& value, auto low, auto high, const char*) { reader.read(key, value, low, high); });
+    group.visit(
+        [&](const char* key, auto& value, auto low, auto high, const char*) { reader.read(key, value, low, high); });
     reader.reject_unknown();
   });
   for (const auto& [key, node] : root) {

@@ -3,15 +3,16 @@
 #include <cmath>
 
 #include "host/motion/motion.h"
+#include "shared/base/toml_grammar.h"
 
 namespace sanso::motion {
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
+  if (const auto defect = first_toml_defect(text)) throw MotionError(file + ":" + describe(*defect));
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw MotionError(file + ":" + std::to_string(error.source().begin.line) + ": " +
-                      std::string(error.description()));
+    throw MotionError(file + ":" + std::to_string(error.source().begin.line) + ": " + std::string(error.description()));
   }
 }
 
@@ -109,7 +110,8 @@ void TomlTable::optional(const std::string& key, std::string& value) {
 
 void TomlTable::finish() {
   for (const auto& [key, node] : table_) {
-    if (!seen_.contains(std::string(key.str()))) fail(std::string(key.str()), "unknown key; remove it or mend its name");
+    if (!seen_.contains(std::string(key.str())))
+      fail(std::string(key.str()), "unknown key; remove it or mend its name");
   }
 }
 

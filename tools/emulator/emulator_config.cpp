@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 
 #define TOML_HEADER_ONLY 0
 #include <toml++/toml.h>
 
+#include "shared/base/toml_grammar.h"
 #include "shared/servo_bus/xm430.h"
 #include "tools/plant/world_error.h"
 
@@ -69,9 +72,13 @@ Fault read_fault(const Reader& reader, const toml::table& table) {
 }  // namespace
 
 EmulatorConfig load_emulator_config(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  if (!in) throw WorldError(path + ": cannot be read, expected a readable file of emulator settings");
+  if (const auto defect = first_toml_defect(content)) throw WorldError(path + ":" + describe(*defect));
   toml::table table;
   try {
-    table = toml::parse_file(path);
+    table = toml::parse(content, path);
   } catch (const toml::parse_error& error) {
     throw WorldError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }

@@ -8,6 +8,7 @@
 #define TOML_HEADER_ONLY 0
 #include <toml++/toml.h>
 
+#include "shared/base/toml_grammar.h"
 #include "tools/plant/body_data.h"
 #include "tools/plant/world_error.h"
 
@@ -95,7 +96,10 @@ class TableReader {
   }
   [[noreturn]] void refuse(const toml::node& node, const char* key, const std::string& expected) const {
     std::ostringstream value;
-    value << toml::node_view<const toml::node>(node);
+    if (node.is_value())
+      value << toml::node_view<const toml::node>(node);
+    else  // the library's own text of a list casts a negative width to unsigned
+      value << (node.is_array() ? "a list" : "a table");
     throw WorldError(fmt::format("{}:{}: {}{} = {}, expected {}", origin_, node.source().begin.line, path_, key,
                                  value.str(), expected));
   }
@@ -173,6 +177,7 @@ void read_world(TableReader& t, World& world) {
 }  // namespace
 
 World parse_world(const std::string& toml_text, const std::string& origin) {
+  if (const auto defect = first_toml_defect(toml_text)) throw WorldError(origin + ":" + describe(*defect));
   toml::table table;
   try {
     table = toml::parse(toml_text, origin);

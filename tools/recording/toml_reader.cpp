@@ -9,6 +9,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "shared/base/toml_grammar.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::recording {
@@ -24,6 +25,8 @@ namespace {
 int line_at(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
 std::string shown(const toml::node& node) {
+  if (node.is_array()) return "a list";  // the library's own text of a list casts a negative width to unsigned
+  if (node.is_table()) return "a table";
   std::ostringstream out;
   node.visit([&](const auto& n) { out << n; });
   std::string s = out.str();
@@ -31,66 +34,11 @@ std::string shown(const toml::node& node) {
   return s;
 }
 
-std::string_view without_leading_blanks(std::string_view text) {
-  return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
-}
-
-/// [ or [[ followed by something that is no name; false for every other line.
-bool header_without_name(std::string_view line) {
-  line = without_leading_blanks(line);
-  if (!line.starts_with('[')) return false;
-  line = without_leading_blanks(line.substr(line.starts_with("[[") ? 2 : 1));
-  const unsigned char first = line.empty() ? '\0' : static_cast<unsigned char>(line.front());
-  return !(std::isalnum(first) || first == '-' || first == '_' || first == '"' || first == '\'');
-}
-
-/// What of a line is neither quoted text nor comment; a quoted piece becomes one pair of quotes.
-std::string bare_part(std::string_view line) {
-  std::string out;
-  char quote = '\0';
-  for (std::size_t k = 0; k < line.size(); ++k) {
-    const char c = line[k];
-    if (quote != '\0') {
-      if (c == '\\' && quote == '"') ++k;
-      if (c == quote) quote = '\0', out += c;
-      continue;
-    }
-    if (c == '#') break;
-    if (c == '"' || c == '\'') quote = c;
-    out += c;
-  }
-  return out;
-}
-
-/// What the TOML library (3.x) aborts on, or worse, instead of refusing it: a table without a name, a letter beyond
-/// ASCII outside quotes, a bracket where a value should be. Nothing of the kind reaches it.
-void refuse_what_the_library_cannot_take(std::string_view text, const std::string& file) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  char before = '\0';  // last character that is no blank
-  for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    const auto refuse = [&](const char* expected) {
-      throw InputError(file, number, "", "not valid TOML", std::string(line.substr(0, 20)), expected);
-    };
-    const bool inside_list = before == '[' || before == ',';
-    if (!inside_list && header_without_name(line)) refuse("[name] or [[name]]");
-    for (const char c : bare_part(line)) {
-      if (static_cast<unsigned char>(c) >= 0x80) refuse("quotes around text beyond ASCII");
-      if (c == ' ' || c == '\t' || c == '\r') continue;
-      if (c == '}' && (before == '[' || before == ',')) refuse("a value, or the end of the list");
-      if ((c == '}' || c == ']' || c == ',') && before == '=') refuse("a value");
-      before = c;
-    }
-  }
-}
-
 }  // namespace
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
-  refuse_what_the_library_cannot_take(text, file);
+  if (const auto defect = first_toml_defect(text))
+    throw InputError(file, defect->line, "", "not valid TOML", std::string(defect->found), defect->expected);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, file));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
