@@ -3,8 +3,10 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "tools/bench/diagnose/diagnose_bench.h"
+#include "tools/bench/diagnose/scaled_constant.h"
 #include "tools/conceal/conceal.h"
 #include "tools/conceal/reveal.h"
 #include "tools/sanso/commands.h"
@@ -43,7 +45,7 @@ bench::DiagnoseScore opened(const conceal::Score& s) {
 void add_bench_diagnose(CLI::App& app, int& result) {
   struct Options {
     bench::DiagnoseBenchOptions bench;
-    std::string family, effect;
+    std::string family, effect, constant;
     double ratio = 0.0;
   };
   auto options = std::make_shared<Options>();
@@ -64,8 +66,17 @@ void add_bench_diagnose(CLI::App& app, int& result) {
   command->add_option("--minutes", options->bench.minutes, "begin no case later than this; 0: run all");
   command->add_flag("--leave-out", options->bench.leave_out,
                     "diagnose every case again without its true effects in the library");
+  command->add_option("--constant", options->constant,
+                      "scale one constant of tools/diagnose/constants.h, e.g. kFamilyWise=0.5");
   command->add_flag("--json", options->bench.json, "print every case as JSON");
   command->callback([options, &result] {
+    if (!options->constant.empty()) {
+      try {
+        bench::scale_constant(options->constant);
+      } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError("--constant", error.what());
+      }
+    }
     options->bench.conceal = [options](unsigned long seed, const std::string& robot, const std::string& folder) {
       conceal::ConcealOptions c;
       c.seed = seed;

@@ -1,5 +1,6 @@
-// Simpler methods on the same cases, all on the linear first look that the diagnosis itself starts from (signatures of every
-// effect, nuisances and starts eliminated), so that they differ in the decision only. Each returns the effects that it names.
+// Simpler methods on the same cases, all on the linear first look that the diagnosis itself starts from (signatures of
+// every effect, nuisances and starts eliminated), so that they differ in the decision only. Each returns the effects
+// that it names.
 #pragma once
 
 #include <string>

@@ -30,11 +30,13 @@ Split make_split(const std::vector<Source>& sources) {
   for (std::size_t i = 0; i < n; ++i) conditions[sources[i].condition].push_back(i);
   std::vector<std::size_t> held;
   if (conditions.size() > 1) {
-    const auto smallest = std::min_element(conditions.begin(), conditions.end(),
-                                           [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    const auto smallest = std::min_element(conditions.begin(), conditions.end(), [](const auto& a, const auto& b) {
+      return a.second.size() < b.second.size();
+    });
     held = smallest->second;
   } else if (n >= 2) {
-    for (std::size_t i = n - 1; held.size() < std::max<std::size_t>(1, n / 3); i -= std::min<std::size_t>(i, 3)) held.push_back(i);
+    for (std::size_t i = n - 1; held.size() < std::max<std::size_t>(1, n / 3); i -= std::min<std::size_t>(i, 3))
+      held.push_back(i);
   }
   for (std::size_t i : held) {
     split.heldout.until[i] = 1.0;
@@ -52,19 +54,26 @@ Split make_split(const std::vector<Source>& sources) {
 Problem restricted(const Problem& problem, const Part& part) {
   Problem out = problem;
   out.shots.clear();
+  out.step_error.clear();
   out.size = 0;
   for (const Shot& shot : problem.shots) {
     if (!inside(problem, shot, part)) continue;
     out.shots.push_back(shot);
     out.shots.back().offset = out.size;
+    if (!problem.step_error.empty()) {
+      const auto from = problem.step_error.begin() + static_cast<std::ptrdiff_t>(shot.offset);
+      out.step_error.insert(out.step_error.end(), from,
+                            from + static_cast<std::ptrdiff_t>(shot.rows * out.channels.size()));
+    }
     out.size += shot.rows * out.channels.size();
   }
   return out.shots.empty() ? problem : out;
 }
 
 std::map<std::string, std::map<std::string, FitScore>> heldout_scores(const std::vector<Source>& sources,
-                                                                      const std::vector<NoiseLevel>& noise, const Library& library,
-                                                                      const Model& patched, const Part& heldout) {
+                                                                      const std::vector<NoiseLevel>& noise,
+                                                                      const Library& library, const Model& patched,
+                                                                      const Part& heldout) {
   std::map<std::string, std::map<std::string, FitScore>> out;
   for (const auto& [name, seconds] : {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
     ProblemOptions options;
@@ -86,11 +95,13 @@ std::map<std::string, std::map<std::string, FitScore>> heldout_scores(const std:
         }
       }
       const double scale = channel.sigma * channel.sigma;
-      out[name]["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {std::sqrt(scale * b / rows),
-                                                                                   std::sqrt(scale * a / rows), channel.noise};
-      all_before += scale * b, all_after += scale * a, all_noise += channel.noise * channel.noise * rows, all_rows += rows;
+      out[name]["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
+          std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
+      all_before += scale * b, all_after += scale * a, all_noise += channel.noise * channel.noise * rows,
+          all_rows += rows;
     }
-    out[name]["all"] = {std::sqrt(all_before / all_rows), std::sqrt(all_after / all_rows), std::sqrt(all_noise / all_rows)};
+    out[name]["all"] = {std::sqrt(all_before / all_rows), std::sqrt(all_after / all_rows),
+                        std::sqrt(all_noise / all_rows)};
   }
   return out;
 }

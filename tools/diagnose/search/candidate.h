@@ -1,5 +1,5 @@
-// What can be asked of the data: candidate explanations (an effect of the library at a place) and nuisances (what a nominal
-// model may be wrong by). A model is a choice of candidates with parameters, and values of the nuisances.
+// What can be asked of the data: candidate explanations (an effect of the library at a place) and nuisances (what a
+// nominal model may be wrong by). A model is a choice of candidates with parameters, and values of the nuisances.
 #pragma once
 
 #include <functional>
@@ -15,28 +15,29 @@ namespace sanso::diagnose {
 struct CandidateParameter {
   std::string name, unit;
   double null = 0.0, low = 0.0, high = 0.0;
-  double typical = 1.0;  // a size at which the effect matters in practice; scale of the fit's coordinate
+  double typical = 1.0;     // a size at which the effect matters in practice; scale of the fit's coordinate
   bool structural = false;  // stays what the probe says; not fitted
 };
 
 struct Candidate {
-  std::string effect;                        // id of the library
-  std::string family;                        // "friction", ...
-  std::vector<std::string> where;            // joints or links; empty: the whole robot
-  std::vector<int> joints;                   // the same, as indices
+  std::string effect;              // id of the library
+  std::string family;              // "friction", ...
+  std::vector<std::string> where;  // joints or links; empty: the whole robot
+  std::vector<int> joints;         // the same, as indices
   std::vector<CandidateParameter> parameters;
-  std::vector<std::vector<double>> probes;   // parameter vectors whose signature is looked for
-  bool two_sided = true;                     // both signs of a signature are possible
-  std::vector<std::string> confounders;      // library ids known to look alike
+  std::vector<std::vector<double>> probes;  // parameter vectors whose signature is looked for
+  bool two_sided = true;                    // both signs of a signature are possible
+  std::vector<std::string> confounders;     // library ids known to look alike
   std::function<void(SimParams&, const std::vector<double>&)> apply;
-  std::string title() const;                 // "backlash at l_knee"
+  std::string title() const;  // "backlash at l_knee"
 };
 
-/// A quantity the nominal model states with finite accuracy: zero-mean Gaussian, standard deviation `tolerance`. It acts as an
-/// effect of the library with theta = null + value * direction, so that a calibrated model can be written like any other.
+/// A quantity the nominal model states with finite accuracy: zero-mean Gaussian, standard deviation `tolerance`. It
+/// acts as an effect of the library with theta = null + value * direction, so that a calibrated model can be written
+/// like any other.
 struct Nuisance {
   std::string name;
-  std::string effect;             // id of the library
+  std::string effect;  // id of the library
   std::vector<int> joints;
   std::vector<double> null, direction;
   double tolerance = 1.0;
@@ -45,15 +46,16 @@ struct Nuisance {
   void apply(SimParams& params, double value) const;
 };
 
-/// The library on this robot and these channels: every effect at every joint, at mirror pairs and all joints alike, or at the
-/// robot; and what cannot be tested, (effect, because). `only` (library ids) restricts the library; empty: all.
+/// The library on this robot and these channels: every effect at every joint, at mirror pairs and all joints alike, or
+/// at the robot; and what cannot be tested, (effect, because). `only` (library ids) restricts the library; empty: all.
 struct Placement {
   std::vector<Candidate> candidates;
   std::vector<std::pair<std::string, std::string>> untestable;
 };
 Placement place_library(const Problem& problem, const std::vector<std::string>& only);
 
-/// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of constants.h; one common lag.
+/// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of constants.h; one common
+/// lag.
 std::vector<Nuisance> make_nuisances(const Problem& problem);
 
 struct Chosen {

@@ -1,7 +1,7 @@
-// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts eliminated.
-// Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2
-// rho(e) = c n log(1 + e / (c n)), n the shot's rows: a shot that runs away (a fall through an unstable posture, a blow) counts,
-// but does not decide alone.
+// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts
+// eliminated. Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2 rho(e) = c n log(1 + e / (c n)), n
+// the shot's rows: a shot that runs away (a fall through an unstable posture, a blow) counts, but does not decide
+// alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,30 +32,30 @@ Surroundings make_surroundings(const Problem& problem, const Library& library, c
 struct FitResult {
   Model model;
   double objective = 0.0;
-  Eigen::VectorXd r;                   // prediction error at the optimum
-  Eigen::MatrixXd J;                   // d r / d (effects' parameters / typical, nuisances / tolerance)
-  Eigen::MatrixXd covariance;          // of the same coordinates
-  std::vector<char> fixed;             // by the same coordinates: held at a bound, or structural
-  int parameters = 0;                  // number of effect parameters = leading columns of J
+  Eigen::VectorXd r;           // prediction error at the optimum
+  Eigen::MatrixXd J;           // d r / d (effects' parameters / typical, nuisances / tolerance)
+  Eigen::MatrixXd covariance;  // of the same coordinates
+  std::vector<char> fixed;     // by the same coordinates: held at a bound, or structural
+  int parameters = 0;          // number of effect parameters = leading columns of J
   bool converged = false;
 };
 
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
 
-/// Overdispersion of a projected error by channel: median over shots of mean square x autocorrelation time. Errors that are
-/// correlated or larger than the noise carry less information than their number says.
+/// Overdispersion of a projected error by channel: median over shots of mean square x autocorrelation time. Errors that
+/// are correlated or larger than the noise carry less information than their number says.
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
 
-/// Covariance that does not trust the error model: H^-1 + H^-1 (sum over shots g g') H^-1 with the shots' own gradients g, as
-/// for data in clusters (White 1980). Coordinates of FitResult::covariance.
+/// Covariance that does not trust the error model: H^-1 + H^-1 (sum over shots g g') H^-1 with the shots' own gradients
+/// g, as for data in clusters (White 1980). Coordinates of FitResult::covariance.
 Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit);
 
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
 
-/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one Gauss-Newton step from the full fit,
-/// exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
+/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one Gauss-Newton step from the
+/// full fit, exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit, bool by_condition = false);
 
 /// Paired comparison of two models' held-out energies.

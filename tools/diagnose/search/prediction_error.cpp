@@ -1,6 +1,7 @@
 #include "tools/diagnose/search/prediction_error.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "tools/diagnose/constants.h"
@@ -9,7 +10,7 @@
 namespace sanso::diagnose {
 namespace {
 
-Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const Model& model,
+Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const Model& model, double step_s,
                          const std::function<void(Window&)>& move_start) {
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
   std::size_t next = 0;  // shots are sorted by source
@@ -26,7 +27,7 @@ Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const M
     library.apply(model, params);
     SimOptions options;
     options.motion = &problem.sources[source].motion;
-    options.max_step_s = constants::kSearchStep;
+    options.max_step_s = step_s;
     const std::vector<Prediction> predictions = simulate(params, problem.sources[source].drive, windows, options);
     for (std::size_t i = 0; i < predictions.size(); ++i) {
       const Shot& shot = problem.shots[begin + i];
@@ -43,12 +44,33 @@ constexpr std::size_t kCoupledStarts = 4;
 }  // namespace
 
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model) {
-  return one_pass(problem, library, model, [](Window&) {});
+  return one_pass(problem, library, model, constants::kSearchStep, [](Window&) {});
+}
+
+void correct_step(Problem& problem, const Library& library, const Model& model) {
+  problem.step_error.clear();
+  const auto unmoved = [](Window&) {};
+  const double coarse = constants::kSearchStep, fine = std::min(constants::kFineStep, 0.5 * coarse);
+  Eigen::VectorXd at_coarse, at_fine;
+  parallel_for(2, [&](int i) {
+    (i == 0 ? at_fine : at_coarse) = one_pass(problem, library, model, i == 0 ? fine : coarse, unmoved);
+  });
+  // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the step
+  const Eigen::VectorXd error = (at_fine - at_coarse) * (coarse / (coarse - fine));
+  problem.step_error.assign(problem.size, 0.0);
+  for (const Shot& shot : problem.shots) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      for (std::size_t k = 0; k < shot.rows; ++k) {
+        const std::size_t at = shot.offset + c * shot.rows + k;
+        problem.step_error[at] = error[static_cast<Eigen::Index>(at)] * problem.channels[c].sigma;
+      }
+    }
+  }
 }
 
 Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
                                                   int joint, double dq0, double ddq0) {
-  return one_pass(problem, library, model, [&](Window& w) {
+  return one_pass(problem, library, model, constants::kSearchStep, [&](Window& w) {
     for (std::size_t j = 0; j < w.q.size(); ++j) {
       if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
       w.q[j] += dq0;

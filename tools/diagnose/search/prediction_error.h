@@ -12,18 +12,25 @@ namespace sanso::diagnose {
 /// r = (measured - predicted) / sigma of all shots; see Problem for the layout. One pass.
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model);
 
-/// Error when every start is moved: joint `joint` by `dq0` [rad] and `ddq0` [rad/s]; joint -1: all joints together.
-Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model, int joint,
-                                                  double dq0, double ddq0);
+/// Measures what the search's step adds to the predictions of `model` and stores it in the problem: every later
+/// prediction error is that of the limit of small steps, to first order of the integrator, as long as the model stays
+/// near.
+void correct_step(Problem& problem, const Library& library, const Model& model);
 
-/// The starts of the shots are known only within the smoother's deviation. Their influence is eliminated: the energy of an
-/// error is r' M r with M = I - J W J', J the derivative by the shot's start, W = (J'J + P^-1)^-1.
+/// Error when every start is moved: joint `joint` by `dq0` [rad] and `ddq0` [rad/s]; joint -1: all joints together.
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
+                                                  int joint, double dq0, double ddq0);
+
+/// The starts of the shots are known only within the smoother's deviation. Their influence is eliminated: the energy of
+/// an error is r' M r with M = I - J W J', J the derivative by the shot's start, W = (J'J + P^-1)^-1.
 class StartElimination {
  public:
   StartElimination(const Problem& problem, const Library& library, const Model& model);
 
-  /// columns' M columns, summed over the shots of every part with a weight by shot (empty: all 1). Result[part] is K x K.
-  std::vector<Eigen::MatrixXd> gram_by(const Eigen::MatrixXd& columns, int parts, const std::function<int(const Shot&)>& part_of,
+  /// columns' M columns, summed over the shots of every part with a weight by shot (empty: all 1). Result[part] is K x
+  /// K.
+  std::vector<Eigen::MatrixXd> gram_by(const Eigen::MatrixXd& columns, int parts,
+                                       const std::function<int(const Shot&)>& part_of,
                                        const Eigen::VectorXd& weights = {}) const;
   Eigen::MatrixXd gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights = {}) const;
   /// r' M r by shot.
@@ -32,10 +39,12 @@ class StartElimination {
   Eigen::VectorXd project(const Eigen::VectorXd& r) const;
 
  private:
-  Eigen::Index entries(const Shot& shot) const { return static_cast<Eigen::Index>(shot.rows * problem_->channels.size()); }
+  Eigen::Index entries(const Shot& shot) const {
+    return static_cast<Eigen::Index>(shot.rows * problem_->channels.size());
+  }
   const Problem* problem_;
-  Eigen::MatrixXd J_;                // stacked entries x 2n: d r / d start, in units of the starts' deviations
-  std::vector<Eigen::MatrixXd> W_;   // by shot
+  Eigen::MatrixXd J_;               // stacked entries x 2n: d r / d start, in units of the starts' deviations
+  std::vector<Eigen::MatrixXd> W_;  // by shot
 };
 
 }  // namespace sanso::diagnose

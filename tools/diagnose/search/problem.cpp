@@ -244,6 +244,12 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   return problem;
 }
 
+double rows_of_a_joint(const Problem& problem) {
+  double rows = 0.0;
+  for (const Shot& shot : problem.shots) rows += static_cast<double>(shot.rows);
+  return rows;
+}
+
 void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& p, double* out) {
   const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
@@ -256,7 +262,8 @@ void whitened_residual(const Problem& problem, const Shot& shot, const Predictio
     const auto predicted = p.of(all, channel.joint);
     for (std::size_t k = 0; k < shot.rows; ++k) {
       const std::size_t local = (k + 1) * static_cast<std::size_t>(shot.stride);
-      const double difference = measured(source, channel, shot.window.first + local) - predicted[local];
+      double difference = measured(source, channel, shot.window.first + local) - predicted[local];
+      if (!problem.step_error.empty()) difference += problem.step_error[shot.offset + c * shot.rows + k];
       out[c * shot.rows + k] = std::isfinite(difference) ? difference / channel.sigma : 0.0;
     }
   }

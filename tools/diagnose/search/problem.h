@@ -20,7 +20,8 @@ const char* to_string(Signal signal);
 struct Observed {
   Signal signal = Signal::q;
   int joint = 0;
-  double sigma = 1.0;  // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if larger
+  double sigma =
+      1.0;  // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if larger
   double floor = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
   double noise = 1.0;  // unit of the signal; measurement noise alone
 };
@@ -38,11 +39,11 @@ struct Source {
 struct Shot {
   int source = 0;
   Window window;
-  int stride = 1;            // every stride-th row is compared
-  std::size_t offset = 0;    // first entry in the stacked residual
-  std::size_t rows = 0;      // compared rows; the shot owns channels x rows entries, channel by channel
-  int group = 0;             // held-out group
-  int condition = 0;         // index of the condition
+  int stride = 1;          // every stride-th row is compared
+  std::size_t offset = 0;  // first entry in the stacked residual
+  std::size_t rows = 0;    // compared rows; the shot owns channels x rows entries, channel by channel
+  int group = 0;           // held-out group
+  int condition = 0;       // index of the condition
 };
 
 /// The stacked comparison. Entry of channel c and compared row k of shot s: shots[s].offset + c * rows + k.
@@ -51,25 +52,31 @@ struct Problem {
   std::vector<Source> sources;
   std::vector<Observed> channels;
   std::vector<Shot> shots;
-  std::size_t size = 0;      // length of the stacked residual
+  std::size_t size = 0;  // length of the stacked residual
   int groups = 1, conditions = 1;
-  double used_share = 1.0;   // of the recorded time that the shots cover
+  std::vector<double>
+      step_error;           // natural units, stacked: what the search's step adds to a prediction; empty: not known
+  double used_share = 1.0;  // of the recorded time that the shots cover
 };
 
 struct ProblemOptions {
   double shot_seconds = 0.5;
   int maximum_rows = 40000;  // rows x joints
   int maximum_shots = std::numeric_limits<int>::max();
-  bool secondary = true;     // also compare velocity, torque, current and duty where recorded
+  bool secondary = true;  // also compare velocity, torque, current and duty where recorded
 };
 
-/// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate. Throws recording::InputError.
+/// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate. Throws
+/// recording::InputError.
 std::vector<Source> make_sources(const ModelFolder& model, const std::vector<recording::Recording>& recordings,
                                  const std::vector<NoiseLevel>& noise);
 Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise, const ProblemOptions& options);
 
 /// (measured - predicted) / sigma for one shot into `out` (channels x rows); rows without a measurement become 0.
 void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction, double* out);
+
+/// Rows of one joint that are compared in all shots together: the unit of "noise levels over a joint's data".
+double rows_of_a_joint(const Problem& problem);
 
 /// A row's measured value of a channel; NaN when it was not sampled.
 double measured(const Source& source, const Observed& channel, std::size_t row);

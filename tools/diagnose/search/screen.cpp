@@ -179,9 +179,11 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   const Eigen::MatrixXd S = signatures(around, model, r, out.probes);
   Eigen::MatrixXd all(r.size(), around.A.cols() + S.cols() + 1);
   all << around.A, S, r;
-  const std::vector<double> phi = saturated_overdispersion(around, S, r, around.starts.gram(all));
+  // a shot that runs away (a joint that sticks at its start in one world and not in the other) does not decide alone
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
+  const std::vector<double> phi = saturated_overdispersion(around, S, r, around.starts.gram(all, weights));
   rescale(*around.problem, phi, all, out.channel_sigma);
-  const Eigen::MatrixXd gram = around.starts.gram(all);
+  const Eigen::MatrixXd gram = around.starts.gram(all, weights);
   const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model), around.A.cols(), S.cols());
   out.correlation.resize(S.cols(), S.cols());
   for (Eigen::Index i = 0; i < S.cols(); ++i) {

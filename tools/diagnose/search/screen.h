@@ -1,5 +1,7 @@
-// Screening by matched filter: the signature of every candidate at every probe size, compared with what is left of the error.
-//   z_h = s' M r / sqrt(s' M s)   after projecting out starts and nuisances, channels scaled by their overdispersed errors
+// Screening by matched filter: the signature of every candidate at every probe size, compared with what is left of the
+// error.
+//   z_h = s' M r / sqrt(s' M s)   after projecting out starts and nuisances, channels scaled by their overdispersed
+//   errors
 // Family-wise p over all candidates, places and probes: step-down max-T, null law N(0, correlation of the signatures).
 #pragma once
 
@@ -14,18 +16,19 @@ namespace sanso::diagnose {
 /// One probe of one candidate.
 struct ProbeScore {
   int candidate = 0, probe = 0;
-  double z = 0.0;           // matched-filter score; sign: + means towards the probe
-  double score = 0.0;       // |z|, or max(z, 0) where the parameter can leave its null in one direction only
-  double amount = 0.0;      // best multiple of (probe - null), linear
-  double signature = 0.0;   // sqrt(s' M s): size of the full probe in noise levels
+  double z = 0.0;          // matched-filter score; sign: + means towards the probe
+  double score = 0.0;      // |z|, or max(z, 0) where the parameter can leave its null in one direction only
+  double amount = 0.0;     // best multiple of (probe - null), linear
+  double signature = 0.0;  // sqrt(s' M s): size of the full probe in noise levels
   double p_family = 1.0;
 };
 
 struct Screening {
   std::vector<ProbeScore> probes;
-  Eigen::MatrixXd correlation;   // of the projected signatures, probes x probes
-  double critical = 0.0;         // |z| that the family's maximum exceeds with probability kFamilyWise under the null
-  std::vector<double> channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
+  Eigen::MatrixXd correlation;  // of the projected signatures, probes x probes
+  double critical = 0.0;        // |z| that the family's maximum exceeds with probability kFamilyWise under the null
+  std::vector<double>
+      channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
 
   /// Candidates by their best score, strongest first.
   std::vector<int> ranking() const;
@@ -37,9 +40,9 @@ struct Screening {
   double similarity(int a, int b) const;
 };
 
-/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening only two
-/// probes of every candidate are tried again: its strongest one and its most different one.
-Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r, const std::vector<int>& which,
-                 Random random, const Screening* earlier = nullptr);
+/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening
+/// only two probes of every candidate are tried again: its strongest one and its most different one.
+Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
+                 const std::vector<int>& which, Random random, const Screening* earlier = nullptr);
 
 }  // namespace sanso::diagnose

@@ -37,10 +37,12 @@ class Search {
   }
 
   void start() {
+    correct_step(problem_, library_, Model{});
     out_.around = make_surroundings(problem_, library_, Model{});
     std::vector<int> all(library_.candidates.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
     const Eigen::VectorXd r = prediction_error(problem_, library_, Model{});
+    out_.around->set_shot_scale(out_.around->starts.energy_by_shot(r));
     out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1));
     calibrate(out_.first);
     say(fmt::format("screened {} candidates ({} signatures), error level {}, critical score {:.2f}", all.size(),
@@ -76,7 +78,8 @@ class Search {
       const ProbeScore& best = *screening.best(c);
       // what a fit can remove is the squared score, as far as the model is linear; below a share of what counts it is
       // not tried
-      const bool worth = constants::kLinearReach * best.score * best.score > constants::kMinimumShare * whole();
+      const bool worth =
+          constants::kLinearReach * best.score * best.score > std::max(practical(), constants::kMinimumShare * whole());
       if (best.p_family < constants::kFamilyWise && worth) significant.push_back(c);
     }
     for (int c : significant) {
@@ -86,7 +89,8 @@ class Search {
       if (new_cluster) leaders.push_back(c);
     }
     const auto add = [&](int c) {
-      if (chosen.size() < constants::kRivals && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+      if (static_cast<int>(chosen.size()) < constants::kRivals &&
+          std::find(chosen.begin(), chosen.end(), c) == chosen.end())
         chosen.push_back(c);
     };
     for (int leader : leaders) {
@@ -173,6 +177,11 @@ class Search {
   /// A difference of this many energy units is one unit of log-likelihood.
   double noise_unit() const { return 2.0; }
 
+  /// Energy that an effect of the smallest size that matters removes, at one joint alone.
+  double practical() const {
+    return std::max(noise_unit(), constants::kPracticalSize * constants::kPracticalSize * rows_of_a_joint(problem_));
+  }
+
   /// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it returns true.
   template <class F>
   bool any_parameter(const Alternative& a, const F& f) const {
@@ -205,7 +214,7 @@ class Search {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
     if (gain.total < constants::kStandardErrors * gain.standard_error)
       return "held-out gain within two standard errors";
-    if (gain.total < noise_unit()) return "held-out gain below one unit of log-likelihood";
+    if (gain.total < practical()) return "changes predictions by less than what matters";
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
@@ -268,6 +277,7 @@ class Search {
 
   /// Starts and nuisances at the current model; its fit polished there, the nominal model's too.
   void relinearise() {
+    correct_step(problem_, library_, out_.final.model);
     out_.around = make_surroundings(problem_, library_, out_.final.model);
     out_.around->set_shot_scale(
         out_.around->starts.energy_by_shot(prediction_error(problem_, library_, out_.final.model)));
@@ -287,7 +297,7 @@ class Search {
     for (std::size_t i = 0; i + 1 < out_.accepted.size();) {
       const FitResult reduced = without(i);
       const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
-      const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > noise_unit() &&
+      const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > practical() &&
                           gain.total > constants::kMinimumShare * whole();
       if (needed) {
         ++i;
@@ -320,7 +330,7 @@ class Search {
     std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<int> out;
     for (const auto& [score, c] : order) {
-      if (out.size() < constants::kRivals) out.push_back(c);
+      if (static_cast<int>(out.size()) < constants::kRivals) out.push_back(c);
     }
     return out;
   }

@@ -1,5 +1,5 @@
-// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above two standard
-// errors, not worse on conditions left out, an interval that excludes the null, off its bounds.
+// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above two
+// standard errors, not worse on conditions left out, an interval that excludes the null, off its bounds.
 #pragma once
 
 #include <functional>
@@ -16,17 +16,17 @@ namespace sanso::diagnose {
 struct Alternative {
   int candidate = 0;
   FitResult fit;
-  Eigen::VectorXd heldout;   // energy by shot
-  double behind = 0.0;       // held-out energy above the best alternative's
-  double behind_se = 0.0;    // standard error of that difference
-  double similarity = 0.0;   // of its signature to the chosen one's
+  Eigen::VectorXd heldout;  // energy by shot
+  double behind = 0.0;      // held-out energy above the best alternative's
+  double behind_se = 0.0;   // standard error of that difference
+  double similarity = 0.0;  // of its signature to the chosen one's
 };
 
 struct Accepted {
   int candidate = 0;
   double p_family = 1.0;
-  HeldoutGain gain;                       // with it against without it, everything else refitted
-  std::vector<double> sigma;              // of its parameters
+  HeldoutGain gain;           // with it against without it, everything else refitted
+  std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
   FitResult without;                      // the final model without it, refitted
@@ -38,8 +38,8 @@ struct Selection {
   FitResult final;
   Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
   std::vector<Accepted> accepted;
-  Screening first;                     // of the nominal model: the family on which detection rests
-  std::vector<std::string> log;        // one line a step, for the report
+  Screening first;               // of the nominal model: the family on which detection rests
+  std::vector<std::string> log;  // one line a step, for the report
 };
 
 struct SelectOptions {
