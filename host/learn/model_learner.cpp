@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "host/learn/binary_io.h"
@@ -34,14 +35,6 @@ void get_all(BinaryReader& in, auto& m) {
   for (Eigen::Index i = 0; i < m.size(); ++i) in.get(m.data()[i]);
 }
 
-std::vector<Episode> newest(const std::vector<Episode>& episodes, int count) {
-  const auto keep = std::min(episodes.size(), static_cast<std::size_t>(count));
-  return {episodes.end() - static_cast<std::ptrdiff_t>(keep), episodes.end()};
-}
-
-// Every fourth episode is held out, the newest among them: it shows the motion as it is run now.
-bool is_heldout(std::size_t index, std::size_t count) { return (count - 1 - index) % 4 == 0; }
-
 }  // namespace
 
 double sigma_of_loss(double loss) {
@@ -60,14 +53,11 @@ ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tan
 
 host::AugmentedModel ModelLearner::current() const {
   host::AugmentedModel m = initial_;
-  if (z_.isZero(0.0)) {
-    m.residual = residual_;
-    return m;  // the very bits of the initial model: going through its parameters would round
-  }
+  if (residual_ && trust_.share > 0.0) m.residual = with_share(*residual_, trust_.share);
+  if (z_.isZero(0.0)) return m;  // the very bits of the initial model: going through its parameters would round
   const model::ContactSettings contact = m.analytical.contact;
   m.analytical = model::make_step_model(map_.parameters(z_));
   m.analytical.contact = contact;
-  m.residual = residual_;
   return m;
 }
 
@@ -89,10 +79,19 @@ std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episod
   return windows;
 }
 
+/// The newest episodes that have something to learn from: not those that fell at once.
+std::vector<Episode> ModelLearner::usable(const std::vector<Episode>& all) const {
+  const auto keep = std::min(all.size(), static_cast<std::size_t>(settings_.newest_episodes));
+  std::vector<Episode> episodes(all.end() - static_cast<std::ptrdiff_t>(keep), all.end());
+  std::erase_if(episodes, [this](const Episode& e) { return usable_windows(e).empty(); });
+  return episodes;
+}
+
 ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) const {
   Data data;
+  const std::size_t trained = episodes.size() - newest_heldout(episodes.size(), settings_.residual.heldout_fraction);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
-    auto& part = is_heldout(i, episodes.size()) ? data.heldout : data.train;
+    auto& part = i < trained ? data.train : data.heldout;
     for (const PredictionWindow& w : usable_windows(episodes[i])) part.push_back(w);
   }
   return data;
@@ -100,9 +99,9 @@ ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) con
 
 LearningRound ModelLearner::learn(const std::vector<Episode>& all) {
   LearningRound round;
-  const std::vector<Episode> episodes = newest(all, settings_.newest_episodes);
+  const std::vector<Episode> episodes = usable(all);
+  if (episodes.size() < 2) return round;
   const Data data = split(episodes);
-  if (data.train.empty() || data.heldout.empty()) return round;
   round.episodes = static_cast<int>(episodes.size());
   round.heldout_before = losses(data.heldout);
   ++rounds_;
@@ -122,6 +121,7 @@ void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
   if (!round.identification_used) return;
   z_ = found.z;
   residual_.reset();  // it was trained on what the old parameters missed
+  trust_ = {};
 }
 
 void ModelLearner::train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round) {
@@ -135,14 +135,23 @@ void ModelLearner::train_network(const std::vector<Episode>& episodes, const Dat
   round.residual_one_step_without = trained.heldout_loss_without;
   // Better over one step is not enough: the planner rolls the model out, and an error that feeds itself shows only
   // there.
-  const double without = n_step_loss(data.heldout, m.analytical, m.ground, weights_);
-  const auto rolled_out = [&](const std::optional<host::ResidualNetwork>& n) {
-    return n ? n_step_loss(data.heldout, m.analytical, m.ground, weights_, &*n) : without;
-  };
-  const double kept = rolled_out(residual_), fresh = rolled_out(trained.network);
-  if (fresh < std::min(kept, without)) residual_ = trained.network;
-  if (std::min(kept, fresh) >= without) residual_.reset();
-  round.residual_used = residual_.has_value();
+  const double in_use = n_step_loss(data.heldout, m.analytical, m.ground, weights_, m.residual ? &*m.residual : nullptr);
+  const double fresh = trained.network
+                           ? n_step_loss(data.heldout, m.analytical, m.ground, weights_, &*trained.network)
+                           : std::numeric_limits<double>::infinity();
+  if (fresh < kClearlyBetter * in_use) {
+    residual_ = trained.network;
+    trust_ = {};
+  }
+  round.residual_kept = residual_.has_value();
+}
+
+bool ModelLearner::judge_residual(const Episode& episode) {
+  if (!residual_) return false;
+  const host::AugmentedModel m = current();
+  const ResidualTrust before = trust_;
+  trust_ = judged(before, usable_windows(episode), m.analytical, m.ground, weights_, *residual_);
+  return trust_.share != before.share;
 }
 
 TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
@@ -195,6 +204,7 @@ void ModelLearner::load(const std::filesystem::path& path) {
     residual_.emplace();
     visit_network(*residual_, [&in](auto& m) { get_all(in, m); });
   }
+  trust_ = {};
 }
 
 }  // namespace sanso::learn

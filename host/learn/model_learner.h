@@ -1,5 +1,6 @@
 // One learner for the whole augmented model: identification, residual network and noise amplitude, with held-out
-// episodes deciding whether what was learned is used. The session calls it every ten trials and stores its state.
+// episodes deciding whether what was learned is used. Held out are the newest: they show the motion as it is run now.
+// The session calls learn() every ten trials, judge_residual() after every trial, and stores its state.
 //
 // Noise amplitude (the paper fixes only its ends): sigma = 0.1 + 0.6 E / (E + E1), E the N-step loss of the model in
 // use on held-out episodes, E1 = 1. A falling loss lowers sigma, from 0.7 for a useless model to 0.1 for a perfect one;
@@ -11,6 +12,7 @@
 
 #include "host/learn/identify.h"
 #include "host/learn/residual_training.h"
+#include "host/learn/residual_trust.h"
 
 namespace sanso::learn {
 
@@ -43,7 +45,8 @@ struct ModelLosses {
 struct LearningRound {
   int episodes = 0;
   ModelLosses heldout_before, heldout_after;  // on the held-out episodes
-  bool identification_used = false, residual_used = false;
+  bool identification_used = false;
+  bool residual_kept = false;  // a network passed the held-out episodes; the trials that follow decide on its share
   double residual_one_step = 0, residual_one_step_without = 0;  // held-out one-step losses in W_x
 };
 
@@ -52,7 +55,7 @@ class ModelLearner {
   ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
                const ModelLearningSettings& settings, std::uint64_t seed);
 
-  /// The model to plan with now.
+  /// The model to plan with now: the residual network with its trusted share, or without when that is zero.
   host::AugmentedModel current() const;
   double sigma() const { return sigma_; }
   int rounds() const { return rounds_; }
@@ -62,6 +65,12 @@ class ModelLearner {
   /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is learned, nothing
   /// changes.
   LearningRound learn(const std::vector<Episode>& episodes);
+
+  /// Judges the residual network on a trial run since its training. True when current() has changed by that.
+  bool judge_residual(const Episode& episode);
+  /// Changes after every trial: stored by the session, not with the model.
+  const ResidualTrust& residual_trust() const { return trust_; }
+  void set_residual_trust(const ResidualTrust& trust) { trust_ = trust; }
 
   /// Windows of an episode without the stretches in which the robot was already falling.
   std::vector<PredictionWindow> usable_windows(const Episode& episode) const;
@@ -74,6 +83,7 @@ class ModelLearner {
   struct Data {
     std::vector<PredictionWindow> train, heldout;
   };
+  std::vector<Episode> usable(const std::vector<Episode>& all) const;
   Data split(const std::vector<Episode>& episodes) const;
   void identify_parameters(const Data& data, LearningRound& round);
   void train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round);
@@ -85,7 +95,8 @@ class ModelLearner {
   std::uint64_t seed_;
   ParameterMap map_;
   Eigen::VectorXd z_;
-  std::optional<host::ResidualNetwork> residual_;
+  std::optional<host::ResidualNetwork> residual_;  // as trained, whole
+  ResidualTrust trust_;
   double sigma_ = kSigmaStart;
   int rounds_ = 0;
 };

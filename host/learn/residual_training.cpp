@@ -226,8 +226,9 @@ struct Split {
   std::vector<std::uint32_t> train, heldout;
 };
 
-// Whole trials are held out: neighbouring transitions of one trial are nearly copies of each other.
-Split split_by_trial(const TransitionSet& data, double heldout_fraction, std::mt19937_64& rng) {
+// Whole trials are held out, since neighbouring transitions of one trial are nearly copies of each other; and the newest
+// ones, since trials of one policy are nearly copies too and the policy moves on.
+Split split_by_trial(const TransitionSet& data, double heldout_fraction) {
   std::vector<std::uint32_t> trials(data.trial);
   std::sort(trials.begin(), trials.end());
   trials.erase(std::unique(trials.begin(), trials.end()), trials.end());
@@ -235,19 +236,20 @@ Split split_by_trial(const TransitionSet& data, double heldout_fraction, std::mt
     throw std::invalid_argument(
         fmt::format("residual network: {} trial(s) given, at least 2 are needed (one is held out)", trials.size()));
   }
-  shuffle(trials, rng);
-  const auto wanted = static_cast<std::size_t>(std::lround(heldout_fraction * static_cast<double>(trials.size())));
-  trials.resize(std::clamp<std::size_t>(wanted, 1, trials.size() - 1));
-  std::sort(trials.begin(), trials.end());
+  const std::uint32_t first_heldout = trials[trials.size() - newest_heldout(trials.size(), heldout_fraction)];
   Split split;
   for (std::uint32_t row = 0; row < data.size(); ++row) {
-    const bool held = std::binary_search(trials.begin(), trials.end(), data.trial[row]);
-    (held ? split.heldout : split.train).push_back(row);
+    (data.trial[row] >= first_heldout ? split.heldout : split.train).push_back(row);
   }
   return split;
 }
 
 }  // namespace
+
+std::size_t newest_heldout(std::size_t trials, double fraction) {
+  const auto wanted = static_cast<std::size_t>(std::lround(fraction * static_cast<double>(trials)));
+  return std::clamp<std::size_t>(wanted, 1, trials - 1);
+}
 
 void TransitionSet::add(std::uint32_t trial_number, const host::Features& f, const model::Tangent& target) {
   for (int i = 0; i < kFeatures; ++i) features.push_back(static_cast<float>(f[i]));
@@ -279,7 +281,7 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   }
   openblas_set_num_threads(1);  // batches are small, and one thread gives the same bits on every machine size
   std::mt19937_64 rng(seed);
-  Split split = split_by_trial(data, settings.heldout_fraction, rng);
+  Split split = split_by_trial(data, settings.heldout_fraction);
   ResidualNetwork network = start != nullptr ? *start : random_network(rng);
   set_standardisation(data, split.train, network);
   const Standardised s = standardised(data, network);

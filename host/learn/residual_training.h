@@ -1,6 +1,6 @@
 // Trains the residual network f_NN on what the analytical model missed in recorded transitions.
-// One-step loss on the tangent, standardised inputs and outputs, Adam, L2, early stop on held-out episodes, and a gate:
-// a network that does not beat "no network" on held-out data is not returned.   (paper, eq. 8 and "Learning details")
+// One-step loss on the tangent, standardised inputs and outputs, Adam, L2, early stop on the newest trials, which are
+// held out, and a gate: a network that does not beat "no network" there is not returned.   (paper, eq. 8 and "Learning details")
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct ResidualSettings {
   double l2 = 1e-4;             // weight of the squared weights in the standardised loss; chosen, see docs/settings.md
   int max_epochs = 60;          // passes over the training data
   int patience = 8;             // epochs without a better held-out loss before it stops
-  double heldout_fraction = 0.2;  // of the trials, at least one
+  double heldout_fraction = 0.2;  // of the trials, the newest; at least one
 
   constexpr void visit(auto&& field) {
     field("learning_rate", learning_rate, 1e-6, 1e-1);
@@ -46,6 +46,9 @@ struct ResidualTraining {
   double heldout_loss = 0;          // sum over the tangent of weight * error^2, mean over held-out transitions
   double heldout_loss_without = 0;  // the same without a network
 };
+
+/// How many of `trials` (at least two) are held out: the newest, at least one, never all.
+std::size_t newest_heldout(std::size_t trials, double fraction);
 
 /// Trains from `start` (its weights; the standardisation is computed anew) or from random weights.
 /// weights: (36) of the tangent, for the gate. Same data, settings and seed give the same bits.

@@ -115,6 +115,7 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
                                            settings_.out.string(), state_->identity, identity));
     if (state_->model_rounds > 0) {
       learner_.load(model_file(settings_.out, state_->model_rounds));
+      learner_.set_residual_trust(state_->residual);
       upper_.set_model(learner_.current());
     }
   } else {
@@ -165,6 +166,9 @@ TrialSummary Session::run_one() {
   summary.model_loss = losses.augmented;
   summary.model_loss_analytical = losses.analytical;
   summary.model_loss_initial = losses.initial;
+  summary.residual_share = state_->residual.share;
+  if (learner_.judge_residual(episode)) upper_.set_model(learner_.current());
+  state_->residual = learner_.residual_trust();
   summary.wall_s = wall_s() - begin;
   state_->history.push_back(summary);
   state_->next_trial = trial + 1;
@@ -194,6 +198,7 @@ void Session::learn_model() {
   if (learner_.rounds() == static_cast<int>(state_->model_rounds)) return;  // not enough data: nothing was learned
   state_->model_rounds = static_cast<std::uint32_t>(learner_.rounds());
   if (settings_.layers.stochastic) state_->sigma = learner_.sigma();
+  state_->residual = learner_.residual_trust();
   learner_.save(model_file(settings_.out, state_->model_rounds));
   upper_.set_model(learner_.current());
 }

@@ -10,11 +10,11 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kMagic[] = "SANSOSES";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 void visit_summary(auto& s, auto&& io) {
   io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss), io(s.model_loss_analytical);
-  io(s.model_loss_initial), io(s.u_upper_rms);
+  io(s.model_loss_initial), io(s.residual_share), io(s.u_upper_rms);
   io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost), io(s.bus_corrupt);
   io(s.digest), io(s.wall_s);
 }
@@ -80,6 +80,8 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
   out.put(state.next_trial);
   out.put(state.sigma);
   out.put(state.model_rounds);
+  out.put(state.residual.share);
+  out.put(state.residual.ceiling);
   put_learned(out, state);
   out.put(static_cast<std::uint32_t>(state.history.size()));
   for (const TrialSummary& s : state.history) {
@@ -98,6 +100,8 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
   in.get(state.next_trial);
   in.get(state.sigma);
   in.get(state.model_rounds);
+  in.get(state.residual.share);
+  in.get(state.residual.ceiling);
   get_learned(in, state);
   state.history.resize(in.read<std::uint32_t>());
   for (TrialSummary& s : state.history) {

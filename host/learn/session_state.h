@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/learn/episode.h"
+#include "host/learn/residual_trust.h"
 #include "shared/policy/primitives.h"
 
 namespace sanso::learn {
@@ -20,6 +21,7 @@ struct TrialSummary {
   double model_loss = -1.0;      // N-step loss in W_x of the model in use on this trial; negative: not computed
   double model_loss_analytical = -1.0;  // the same without the residual network
   double model_loss_initial = -1.0;     // and of the model the session began with
+  double residual_share = 0.0;          // of the network's correction that the planner used
   double u_upper_rms = 0.0;      // rad, over joints and time
   double u_middle_rms = 0.0;     // rad
   double gain_upper = 0.0;       // mean Frobenius norm of K_up as used
@@ -40,6 +42,7 @@ struct SessionState {
   std::uint32_t next_trial = 0;
   double sigma = 0.0;
   std::uint32_t model_rounds = 0;  // rounds of model learning done; the model itself is stored beside
+  ResidualTrust residual;          // in that model's network, after the newest trial
   policy::PrimitiveSet primitives; // goals as adapted so far
   policy::MiddleTable middle;      // full precision; the controller gets it rounded
   std::vector<TrialSummary> history;

@@ -18,7 +18,7 @@ Json iteration_json(const TrialSummary& s) {
   Json j{{"trial", s.trial}, {"cost", s.cost}, {"failed", s.failed()}, {"end", to_string(s.end)},
          {"succeeded", s.succeeded()}, {"broken_clauses", s.broken_clauses}, {"duration_s", s.duration_s},
          {"model_loss", nullptr}, {"model_loss_analytical", s.model_loss_analytical},
-         {"model_loss_initial", s.model_loss_initial}, {"sigma", s.sigma}, {"fault", s.fault}, {"u_upper_rms_rad", s.u_upper_rms},
+         {"model_loss_initial", s.model_loss_initial}, {"residual_share", s.residual_share}, {"sigma", s.sigma}, {"fault", s.fault}, {"u_upper_rms_rad", s.u_upper_rms},
          {"u_middle_rms_rad", s.u_middle_rms}, {"gain_upper", s.gain_upper}, {"gain_middle", s.gain_middle},
          {"late_updates", s.late_updates}, {"bus_lost", s.bus_lost}, {"bus_corrupt", s.bus_corrupt}, {"wall_s", s.wall_s},
          {"digest", fmt::format("{:016x}", s.digest)}};

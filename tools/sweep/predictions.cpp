@@ -31,6 +31,7 @@ host::AugmentedModel model_of(const std::filesystem::path& session, const motion
   learn::load_state(session / "state.bin", *state);
   learn::ModelLearner learner({}, motion.weights.state, {}, 1);
   if (state->model_rounds > 0) learner.load(session / fmt::format("model_{:03d}.bin", state->model_rounds));
+  learner.set_residual_trust(state->residual);
   return learner.current();
 }
 

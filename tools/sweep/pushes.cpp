@@ -45,6 +45,7 @@ std::unique_ptr<Learned> load_learned(const PushOptions& options) {
   learn::ModelLearner learner({}, learned->motion.weights.state, {}, options.seed);
   if (learned->state.model_rounds > 0)
     learner.load(options.session / fmt::format("model_{:03d}.bin", learned->state.model_rounds));
+  learner.set_residual_trust(learned->state.residual);
   learned->model = learner.current();
   learned->reference = learn::reference_of(learned->state.primitives);
   return learned;

@@ -57,6 +57,25 @@ TEST(ResidualTraining, GateRefusesWhatNoiseTaught) {
       << "early stop keeps the best network, which is close to none";
 }
 
+TEST(ResidualTraining, TheNewestTrialsDecide) {
+  // Four trials show an effect, the newest shows its opposite: what the old ones taught does not hold any more.
+  TransitionSet data = recorded(5, 300, true, 1e-3);
+  for (std::size_t row = 0; row < data.size(); ++row) {
+    if (data.trial[row] != 4) continue;
+    for (int i = 0; i < model::kNdx; ++i) data.targets[row * model::kNdx + static_cast<std::size_t>(i)] *= -1.0F;
+  }
+  const auto result = train_residual(data, model::Tangent::Ones(), quick(), kSeed);
+  EXPECT_LT(result.epochs, quick().max_epochs) << "stopped early";
+  EXPECT_GE(result.heldout_loss, 0.9 * result.heldout_loss_without) << "hardly any correction is left";
+}
+
+TEST(ResidualTraining, HoldsOutAtLeastOneTrialAndNeverAll) {
+  EXPECT_EQ(newest_heldout(10, 0.2), 2U);
+  EXPECT_EQ(newest_heldout(2, 0.05), 1U);
+  EXPECT_EQ(newest_heldout(2, 0.5), 1U);
+  EXPECT_EQ(newest_heldout(3, 0.9), 2U);
+}
+
 TEST(ResidualTraining, SameSeedSameBits) {
   const TransitionSet data = recorded(3, 200, true, 1e-2);
   ResidualSettings s = quick();
