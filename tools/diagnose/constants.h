@@ -31,6 +31,7 @@ inline double kZeroTolerance = 0.0015;    // rad: one count of a 12-bit encoder
 inline double kLagTolerance = 0.0005;     // s: instants inside a bus cycle are not known better
 inline double kArmatureTolerance = 0.1;   // relative, rotor inertia
 
+inline double kTolerancePrecision = 3.0; // of a nuisance in units of its tolerance: 1 / variance of a uniform spread over [-1, 1]
 inline double kToleranceReach = 1.0;  // of the above: further off, something is missing that wants a name
 
 // --- decisions

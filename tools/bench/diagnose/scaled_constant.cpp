@@ -37,6 +37,7 @@ const std::vector<Scalable> kScalable{
     {"kZeroTolerance", &c::kZeroTolerance},
     {"kLagTolerance", &c::kLagTolerance},
     {"kArmatureTolerance", &c::kArmatureTolerance},
+    {"kTolerancePrecision", &c::kTolerancePrecision},
     {"kToleranceReach", &c::kToleranceReach},
     {"kFamilyWise", &c::kFamilyWise},
     {"kNullDraws", &c::kNullDraws},

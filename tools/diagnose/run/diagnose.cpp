@@ -9,6 +9,7 @@
 #include "tools/diagnose/experiment/experiment.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/heldout/heldout.h"
+#include "tools/diagnose/locate/incidence.h"
 #include "tools/diagnose/run/conclude.h"
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
@@ -175,6 +176,10 @@ class Run {
     SelectOptions options;
     options.seed = options_.seed;
     options.progress = progress_;
+    const Regimes regimes = find_regimes(problem_);
+    options.refuted_by = [&regimes](const Surroundings& around, const FitResult& without, const FitResult& with) {
+      return refuted_by(incidence(around, regimes, without, with));
+    };
     selection_ = select(problem_, library_, options);
     out_.log = selection_.log;
     const Screening& first = selection_.first;

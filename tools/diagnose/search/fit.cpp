@@ -138,8 +138,8 @@ struct Normal {
   double objective;
 };
 
-/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), one on nuisances.
-double prior(const Coordinates& c, Eigen::Index i) { return i < c.effects() ? 1e-6 : 1.0; }
+/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the tolerance on nuisances.
+double prior(Eigen::Index effects, Eigen::Index i) { return i < effects ? 1e-6 : constants::kTolerancePrecision; }
 
 Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
   Eigen::MatrixXd all(J.rows(), J.cols() + 1);
@@ -154,17 +154,18 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
   const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
   Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1), around.bounded(energy).sum()};
   for (Eigen::Index i = 0; i < n; ++i) {
-    out.H(i, i) += prior(c, i);
+    out.H(i, i) += prior(c.effects(), i);
     if (i < c.effects()) continue;
-    out.g[i] += x[i];
-    out.objective += x[i] * x[i];
+    out.g[i] += constants::kTolerancePrecision * x[i];
+    out.objective += constants::kTolerancePrecision * x[i] * x[i];
   }
   return out;
 }
 
 double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
                     const Eigen::VectorXd& r) {
-  return around.bounded(around.starts.energy_by_shot(r)).sum() + x.tail(x.size() - c.effects()).squaredNorm();
+  return around.bounded(around.starts.energy_by_shot(r)).sum() +
+         constants::kTolerancePrecision * x.tail(x.size() - c.effects()).squaredNorm();
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
@@ -224,11 +225,6 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
     const bool structural = i < c.effects() && c.parameter(i).structural;
     if (!structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
     out.fixed[static_cast<std::size_t>(i)] = 1;
-    if (i < c.effects()) continue;
-    // a nuisance at the end of its tolerance lends no freedom to the effects' intervals
-    H.row(i).setZero();
-    H.col(i).setZero();
-    H(i, i) = 1.0;
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   return out;
@@ -248,28 +244,6 @@ std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd
   return out;
 }
 
-Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result) {
-  const Problem& problem = *around.problem;
-  const Eigen::Index n = result.J.cols();
-  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(result.r));
-  const Eigen::VectorXd error = around.starts.project(result.r);
-  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Shot& shot = problem.shots[s];
-    const auto from = static_cast<Eigen::Index>(shot.offset);
-    const auto rows = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
-    const Eigen::VectorXd g = weights[static_cast<Eigen::Index>(s)] *
-                              (result.J.middleRows(from, rows).transpose() * error.segment(from, rows));
-    spread.noalias() += g * g.transpose();
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (result.fixed[static_cast<std::size_t>(i)] == 0) continue;
-    spread.row(i).setZero();
-    spread.col(i).setZero();
-  }
-  return result.covariance + result.covariance * spread * result.covariance;
-}
-
 std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {
   std::vector<double> out;
   Eigen::Index i = 0;
@@ -282,30 +256,94 @@ std::vector<double> parameter_sigmas(const FitResult& result, const Library& lib
   return out;
 }
 
-Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result, bool by_condition) {
-  const Problem& problem = *around.problem;
-  const Eigen::Index n = result.J.cols();
-  const Eigen::MatrixXd columns = with_error(result.J, result.r);
-  const int parts = by_condition ? problem.conditions : problem.groups;
-  const auto part_of = [&](const Shot& shot) { return by_condition ? shot.condition : shot.group; };
-  const std::vector<Eigen::MatrixXd> grams =
-      around.starts.gram_by(columns, parts, part_of, around.weights(around.starts.energy_by_shot(result.r)));
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
-  for (const Eigen::MatrixXd& G : grams) H += G.topLeftCorner(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < result.parameters ? 1e-6 : 1.0;
-  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
-  for (int part = 0; part < parts; ++part) {
-    const Eigen::MatrixXd& G = grams[static_cast<std::size_t>(part)];
-    Eigen::MatrixXd rest = H - G.topLeftCorner(n, n);
-    Eigen::VectorXd gradient = G.topRightCorner(n, 1);  // of the part alone; the whole gradient is zero
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (!result.fixed[static_cast<std::size_t>(i)]) continue;
+namespace {
+
+int group_of(const Shot& shot) { return shot.group; }
+int condition_of(const Shot& shot) { return shot.condition; }
+
+/// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the model is linear.
+class LeaveOneOut {
+ public:
+  LeaveOneOut(const Surroundings& around, const FitResult& result, int parts, int (*part_of)(const Shot&))
+      : result_(result), n_(result.J.cols()) {
+    grams_ = around.starts.gram_by(with_error(result.J, result.r), parts, part_of,
+                                   around.weights(around.starts.energy_by_shot(result.r)));
+  }
+
+  /// J' M J of all shots.
+  Eigen::MatrixXd gram() const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_, n_);
+    for (const Eigen::MatrixXd& G : grams_) sum += G.topLeftCorner(n_, n_);
+    return sum;
+  }
+
+  /// Change of the parameters without this part.
+  Eigen::VectorXd delta(std::size_t part) const {
+    const Eigen::MatrixXd& G = grams_[part];
+    Eigen::MatrixXd rest = gram() - G.topLeftCorner(n_, n_);
+    Eigen::VectorXd gradient = G.topRightCorner(n_, 1);  // of the part alone; the whole gradient is zero
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      rest(i, i) += prior(result_.parameters, i);
+      if (!result_.fixed[static_cast<std::size_t>(i)]) continue;
       rest.row(i).setZero();
       rest.col(i).setZero();
       rest(i, i) = 1.0;
       gradient[i] = 0.0;
     }
-    const Eigen::VectorXd delta = rest.ldlt().solve(gradient);
+    return rest.ldlt().solve(gradient);
+  }
+
+  /// Delete-one-group variance, widened to Student's 95 % half-width for so few groups over the normal's (Tukey 1958).
+  Eigen::VectorXd jackknife_variance() const {
+    const auto parts = static_cast<double>(grams_.size());
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(n_), square = sum;
+    for (std::size_t part = 0; part < grams_.size(); ++part) {
+      const Eigen::VectorXd d = delta(part);
+      sum += d;
+      square += d.cwiseAbs2();
+    }
+    if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
+    const double student = 1.0 + 1.4 / (parts - 1.0);  // t / 1.96 at 95 %: within 5 % from 3 degrees of freedom up
+    return student * student * (parts - 1.0) / parts * (square - sum.cwiseAbs2() / parts);
+  }
+
+ private:
+  const FitResult& result_;
+  Eigen::Index n_;
+  std::vector<Eigen::MatrixXd> grams_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result, double inflation) {
+  const LeaveOneOut left_out(around, result, around.problem->groups, group_of);
+  const Eigen::Index n = result.J.cols();
+  Eigen::MatrixXd H = left_out.gram() / std::max(1.0, inflation);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    H(i, i) += prior(result.parameters, i);
+    const bool structural = i < result.parameters && H(i, i) < 1e-5;  // moves nothing: no interval
+    if (!structural) continue;
+    H.row(i).setZero();
+    H.col(i).setZero();
+    H(i, i) = 1.0;
+  }
+  Eigen::MatrixXd covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::VectorXd spread = left_out.jackknife_variance();
+  Eigen::VectorXd stretch = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (covariance(i, i) > 0.0) stretch[i] = std::sqrt(std::max(1.0, spread[i] / covariance(i, i)));
+  }
+  return stretch.asDiagonal() * covariance * stretch.asDiagonal();
+}
+
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result, bool by_condition) {
+  const Problem& problem = *around.problem;
+  const int parts = by_condition ? problem.conditions : problem.groups;
+  const auto part_of = by_condition ? condition_of : group_of;
+  const LeaveOneOut left_out(around, result, parts, part_of);
+  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
+  for (int part = 0; part < parts; ++part) {
+    const Eigen::VectorXd delta = left_out.delta(static_cast<std::size_t>(part));
     const Eigen::VectorXd energy = around.starts.energy_by_shot(result.r + result.J * delta);
     for (std::size_t s = 0; s < problem.shots.size(); ++s) {
       if (part_of(problem.shots[s]) == part)

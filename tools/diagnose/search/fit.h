@@ -47,9 +47,10 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations);
 /// are correlated or larger than the noise carry less information than their number says.
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
 
-/// Covariance that does not trust the error model: H^-1 + H^-1 (sum over shots g g') H^-1 with the shots' own gradients
-/// g, as for data in clusters (White 1980). Coordinates of FitResult::covariance.
-Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit);
+/// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left projects on the other
+/// candidates' signatures with this mean square where noise gives 1); and no variance is below that between groups of
+/// recordings (jackknife). Coordinates of FitResult::covariance.
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit, double inflation);
 
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);

@@ -27,8 +27,8 @@ Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const
   return S;
 }
 
-/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + |x + d|^2 with x + d in its box, by
-/// coordinate descent. `free`: those not at an end of their box.
+/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + prior |x + d|^2 with x + d in its
+/// box, by coordinate descent. `free`: those not at an end of their box.
 struct BoxedNuisances {
   Eigen::VectorXd d;
   std::vector<Eigen::Index> free;
@@ -43,10 +43,11 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
   }
   constexpr int kSweeps = 300;  // far more than these few, weakly coupled coordinates need
   constexpr double kEdge = 1e-6;
+  const double prior = constants::kTolerancePrecision;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double gradient = gram(i, last) + gram.row(i).head(n).dot(out.d) + x[i] + out.d[i];
-      const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + 1.0);
+      const double gradient = gram(i, last) + gram.row(i).head(n).dot(out.d) + prior * (x[i] + out.d[i]);
+      const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + prior);
       out.d[i] = std::clamp(moved, -constants::kToleranceReach, constants::kToleranceReach) - x[i];
     }
   }
@@ -70,7 +71,7 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eige
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
     for (Eigen::Index j = 0; j < n; ++j)
-      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? 1.0 : 0.0);
+      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? constants::kTolerancePrecision : 0.0);
     cross.row(i) = gram.block(row, nuisances, 1, probes);
   }
   // the free nuisances are at their optimum: they contribute no gradient of their own
@@ -94,7 +95,7 @@ std::vector<double> saturated_overdispersion(const Surroundings& around, const E
     const auto index = [&](Eigen::Index i) { return i < a ? i : a + chosen[static_cast<std::size_t>(i - a)]; };
     for (Eigen::Index i = 0; i < a + m; ++i) {
       for (Eigen::Index j = 0; j < a + m; ++j) H(i, j) = gram(index(i), index(j));
-      H(i, i) += i < a ? 1.0 : 1e-9 * (1.0 + H(i, i));
+      H(i, i) += i < a ? constants::kTolerancePrecision : 1e-9 * (1.0 + H(i, i));
       g[i] = gram(index(i), a + k);
     }
     coefficients = -H.ldlt().solve(g);
@@ -200,6 +201,12 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   }
   family_wise(out, signed_probe, random);
   return out;
+}
+
+double Screening::mean_square() const {
+  double square = 0.0;
+  for (const ProbeScore& p : probes) square += p.z * p.z;
+  return probes.empty() ? 1.0 : square / static_cast<double>(probes.size());
 }
 
 std::vector<int> Screening::ranking() const {

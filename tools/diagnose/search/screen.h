@@ -30,6 +30,8 @@ struct Screening {
   std::vector<double>
       channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
 
+  /// Mean square of all scores: 1 under noise alone, more when what is left is no noise.
+  double mean_square() const;
   /// Candidates by their best score, strongest first.
   std::vector<int> ranking() const;
   /// Best probe of a candidate; nullptr when it was not screened.

@@ -7,6 +7,7 @@
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/search/start.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -24,6 +25,7 @@ class Search {
       if (out_.accepted.size() > 1) backward();
     }
     swap();
+    drop_refuted();
     finish();
     return std::move(out_);
   }
@@ -108,23 +110,6 @@ class Search {
     return chosen;
   }
 
-  /// Start of a fit: the best probe scaled as the matched filter says, a little inside the bounds.
-  std::vector<double> start_of(int c, const ProbeScore* probe) const {
-    const Candidate& effect = candidate(c);
-    std::vector<double> theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
-    const double amount = probe != nullptr ? std::clamp(probe->amount, -3.0, 3.0) : 1.0;
-    for (std::size_t i = 0; i < theta.size(); ++i) {
-      const CandidateParameter& p = effect.parameters[i];
-      if (p.structural) continue;
-      if (p.null == 0.0) theta[i] *= amount;  // amplitudes scale; speeds, shapes and orders stay what the probe says
-      // an effect that is off at infinity has no meaningful width: there half a typical size is the margin
-      const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
-      const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
-      theta[i] = std::clamp(theta[i], low, p.high - margin);
-    }
-    return theta;
-  }
-
   /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of the same
   /// candidates, to start from. Candidates far behind after the first steps are not polished.
   std::vector<Alternative> fit_all(const Model& base, const std::vector<int>& which, const Screening& screening,
@@ -135,10 +120,12 @@ class Search {
       a.candidate = which[static_cast<std::size_t>(i)];
       const auto before =
           std::find_if(known.begin(), known.end(), [&](const Alternative& k) { return k.candidate == a.candidate; });
-      Model start = base;
-      start.effects.push_back({a.candidate, before != known.end()
-                                                ? before->fit.model.effects.back().theta
-                                                : start_of(a.candidate, screening.best(a.candidate))});
+      Model start{base.effects, {}};
+      if (before != known.end()) {
+        start.effects.push_back(before->fit.model.effects.back());
+      } else {
+        start = best_start(*out_.around, base, a.candidate, screening.best(a.candidate));
+      }
       a.fit = fit(*out_.around, start, constants::kFirstIterations);
     });
     double best = INFINITY;
@@ -154,7 +141,8 @@ class Search {
     return out;
   }
 
-  /// Best first. Among those within one standard error of the best, the one with fewest parameters (one-SE rule).
+  /// Best first. Among those within one standard error of the best (one-SE rule) or a difference that does
+  /// not matter, the one with fewest parameters.
   void rank(std::vector<Alternative>& all) const {
     if (all.empty()) return;
     std::stable_sort(all.begin(), all.end(),
@@ -167,8 +155,9 @@ class Search {
     }
     std::size_t pick = 0;
     for (std::size_t i = 1; i < all.size(); ++i) {
-      const bool close = all[i].behind <= all[i].behind_se + noise_unit();
-      if (close && all[i].fit.parameters < all[pick].fit.parameters) pick = i;
+      // a name with more parameters has to be better by something that matters
+      const bool close = all[i].behind <= std::max(all[i].behind_se + noise_unit(), practical());
+      if (close && free_parameters(all[i].candidate) < free_parameters(all[pick].candidate)) pick = i;
     }
     std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
                 all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
@@ -209,8 +198,9 @@ class Search {
   }
   double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
-  /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
-  std::string refused_by(const Alternative& a) const {
+  /// Empty when the alternative may be accepted over the current model; else the gate that it fails. `refutable`: also
+  /// the residual that it should have changed.
+  std::string refused_by(const Alternative& a, bool refutable) const {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
     if (gain.total < constants::kStandardErrors * gain.standard_error)
       return "held-out gain within two standard errors";
@@ -218,6 +208,7 @@ class Search {
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
+    if (refutable) return options_.refuted_by(*out_.around, out_.final, a.fit);
     return "";
   }
 
@@ -246,10 +237,11 @@ class Search {
     }
     std::vector<Alternative> fitted = fit_all(out_.final.model, which, screening);
     rank(fitted);
-    for (const bool bounds_allowed : {false, true}) {
+    // first those inside their bounds that no residual contradicts; one of two missing effects may look contradicted
+    for (const auto& [bounds_allowed, refutable] : {std::pair{false, true}, {false, false}, {true, true}}) {
       for (std::size_t i = 0; i < fitted.size(); ++i) {
         if (at_bound(fitted[i]) != bounds_allowed) continue;
-        const std::string refused = refused_by(fitted[i]);
+        const std::string refused = refused_by(fitted[i], refutable);
         const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
         say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error ({:.1f} standard errors){}{}", step + 1,
                         candidate(fitted[i].candidate).title(), 100 * gain.total / whole(),
@@ -377,8 +369,35 @@ class Search {
     }
   }
 
+  /// With everything else refitted, an effect whose own residual contradicts it is no explanation.
+  void drop_refuted() {
+    for (std::size_t i = 0; i < out_.accepted.size();) {
+      const FitResult reduced = without(i);
+      const std::string refuted = options_.refuted_by(*out_.around, reduced, out_.final);
+      if (refuted.empty()) {
+        ++i;
+        continue;
+      }
+      say("refuted: " + candidate(out_.accepted[i].candidate).title() + ", " + refuted);
+      out_.accepted.erase(out_.accepted.begin() + static_cast<std::ptrdiff_t>(i));
+      out_.final = reduced;
+      relinearise();
+      i = 0;
+    }
+  }
+
+  /// How much more than noise is left, in the directions of the candidates that are not named.
+  double left_over() {
+    std::vector<int> open;
+    for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
+      if (!out_.final.model.has(static_cast<int>(i))) open.push_back(static_cast<int>(i));
+    }
+    return screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 2), &out_.first)
+        .mean_square();
+  }
+
   void finish() {
-    out_.final.covariance = robust_covariance(*out_.around, out_.final);
+    if (!out_.accepted.empty()) out_.final.covariance = robust_covariance(*out_.around, out_.final, left_over());
     const std::vector<double> sigma = parameter_sigmas(out_.final, library_);
     std::size_t next = 0;
     for (std::size_t i = 0; i < out_.accepted.size(); ++i) {

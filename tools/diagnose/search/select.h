@@ -45,6 +45,9 @@ struct Selection {
 struct SelectOptions {
   unsigned long seed = 1;
   std::function<void(const std::string&)> progress = [](const std::string&) {};
+  /// The residual that an effect (in `with`, not in `without`) should have changed and did not; empty: none.
+  std::function<std::string(const Surroundings&, const FitResult& without, const FitResult& with)> refuted_by =
+      [](const Surroundings&, const FitResult&, const FitResult&) { return std::string(); };
 };
 
 /// Sets the channels' scales (Observed::sigma) in `problem` to the error levels that it finds.

@@ -1,0 +1,110 @@
+#include "tools/diagnose/search/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/diagnose/constants.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr double kFar = 1e5;  // a null beyond it means "off": such a parameter is scaled, not moved away from its null
+constexpr int kOrderSteps = 16;  // tried at most between two probed orders
+
+double error_energy(const Surroundings& around, const Model& model) {
+  const Eigen::VectorXd r = prediction_error(*around.problem, *around.library, model);
+  return around.bounded(around.starts.energy_by_shot(r)).sum();
+}
+
+/// A little inside the bounds (rule 2 of the method page: no fit starts at one).
+std::vector<double> inside(const Candidate& effect, std::vector<double> theta) {
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = effect.parameters[i];
+    if (p.structural) continue;
+    // an effect that is off at infinity has no meaningful width: there half a typical size is the margin
+    const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
+    const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
+    theta[i] = std::clamp(theta[i], low, p.high - margin);
+  }
+  return theta;
+}
+
+/// The probe at `factor` times its distance from the null.
+std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe, double factor) {
+  std::vector<double> theta = probe;
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = effect.parameters[i];
+    if (p.structural || probe[i] == p.null) continue;
+    theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor) : p.null + factor * (probe[i] - p.null);
+  }
+  return inside(effect, std::move(theta));
+}
+
+Model with(const Model& base, int candidate, std::vector<double> theta) {
+  Model out{base.effects, {}};
+  out.effects.push_back({candidate, std::move(theta)});
+  return out;
+}
+
+/// Sizes along the line from the null through the probe: what the matched filter promises, and fractions and multiples
+/// of the probe to both sides of it.
+Model best_size(const Surroundings& around, const Model& base, int candidate, const std::vector<double>& probe,
+                double amount) {
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
+  for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2}) factors.push_back(std::copysign(f, amount));
+  Model best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double f : factors) {
+    Model trial = with(base, candidate, scaled(effect, probe, f));
+    const double energy = error_energy(around, trial);
+    if (energy < least) least = energy, best = std::move(trial);
+  }
+  return best;
+}
+
+/// Orders around the probed one, up to the next ones that were probed.
+std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order) {
+  double below = effect.parameters[index].low, above = effect.parameters[index].high;
+  for (const std::vector<double>& probe : effect.probes) {
+    if (probe[index] < order) below = std::max(below, probe[index]);
+    if (probe[index] > order) above = std::min(above, probe[index]);
+  }
+  above = std::min(above, 1.5 * order);  // beyond the last probe
+  const double unit = effect.parameters[index].typical;
+  const double step = unit * std::max(1.0, std::ceil((above - below) / (unit * kOrderSteps)));
+  std::vector<double> out;
+  for (double o = order - step; o > below; o -= step) out.push_back(o);
+  for (double o = order + step; o < above; o += step) out.push_back(o);
+  return out;
+}
+
+/// The order whose amplitudes, after one Gauss-Newton step, leave the least.
+Model best_order(const Surroundings& around, Model model, std::size_t index) {
+  const int candidate = model.effects.back().candidate;
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  FitResult best = fit(around, model, 1);
+  for (const double order : orders_near(effect, index, model.effects.back().theta[index])) {
+    Model trial = model;
+    trial.effects.back().theta[index] = order;
+    const FitResult fitted = fit(around, trial, 1);
+    if (fitted.objective < best.objective) best = fitted;
+  }
+  return best.model;
+}
+
+}  // namespace
+
+Model best_start(const Surroundings& around, const Model& base, int candidate, const ProbeScore* probe) {
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  const std::vector<double>& theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
+  Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    const bool order = effect.parameters[i].structural && effect.parameters[i].name == "order";
+    if (order) model = best_order(around, std::move(model), i);
+  }
+  return model;
+}
+
+}  // namespace sanso::diagnose
