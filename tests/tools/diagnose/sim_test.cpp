@@ -1,5 +1,6 @@
 // The simulator against closed forms, our own second dynamics, and MuJoCo.
 #include <gtest/gtest.h>
+#include <algorithm>
 
 #include <random>
 
@@ -116,6 +117,41 @@ TEST(Simulator, WindowsAreIndependentOfEachOther) {
   const auto together = simulate(params, drive, std::vector{a, b});
   EXPECT_EQ(together[0].q, simulate(params, drive, std::vector{a})[0].q);
   EXPECT_EQ(together[1].q, simulate(params, drive, std::vector{b})[0].q);
+}
+
+/// Two pendulums on one base.
+constexpr const char* kTwoArms = R"(<robot name="two"><link name="base"/>
+<joint name="a" type="continuous"><parent link="base"/><child link="l1"/><axis xyz="0 1 0"/></joint>
+<link name="l1"><inertial><origin xyz="0 0 -0.1"/><mass value="0.5"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+<joint name="b" type="continuous"><parent link="l1"/><child link="l2"/><origin xyz="0 0 -0.2"/><axis xyz="1 0 0"/></joint>
+<link name="l2"><inertial><origin xyz="0 0.02 -0.1"/><mass value="0.3"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+<joint name="c" type="continuous"><parent link="base"/><child link="r1"/><origin xyz="0 0.3 0"/><axis xyz="0 1 0"/></joint>
+<link name="r1"><inertial><origin xyz="0 0 -0.1"/><mass value="0.5"/><inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link></robot>)";
+
+TEST(Simulator, OneBranchAloneIsTheSameBitForBit) {
+  const ModelFolder model = parse_model(
+      "format = 1\n[joint_default]\nactuator = \"dc_servo\"\ncoulomb = 0.05\narmature = 0.01\ni_gain = 0.5\n", kTwoArms,
+      "two/model.toml");
+  const Drive drive = make_test_drive(model, 1.0, 0.01, [](int j, double t) { return 0.3 * std::sin(4 * t + j); });
+  MeasuredMotion motion;
+  for (int j = 0; j < 3; ++j) motion.q.push_back(drive.joints[static_cast<std::size_t>(j)].command);
+  motion.dq.assign(3, std::vector<double>(drive.rows(), 0.1));
+  SimParams params = make_params(model);
+  params.joints[1].backlash = 0.02;
+  const std::vector<Window> windows{{0, 50, {0, 0.1, 0.2}, {0, 0, 0}}, {40, 90, {0.1, 0, 0}, {0.1, 0, 0}}};
+  SimOptions all, left;
+  all.motion = left.motion = &motion;
+  left.wanted = {0, 1, 0};
+  const auto both = simulate(params, drive, windows, all), one = simulate(params, drive, windows, left);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    for (int j = 0; j < 2; ++j) {
+      EXPECT_TRUE(std::ranges::equal(both[w].of(both[w].q, j), one[w].of(one[w].q, j))) << "joint " << j;
+      EXPECT_TRUE(std::ranges::equal(both[w].of(both[w].i, j), one[w].of(one[w].i, j))) << "joint " << j;
+    }
+    EXPECT_TRUE(std::ranges::all_of(one[w].of(one[w].q, 2), [](double q) { return q == 0.0; }));
+  }
+  params.supply_resistance = 0.5;  // now the other arm's current matters
+  EXPECT_EQ(simulate(params, drive, windows, all)[1].q, simulate(params, drive, windows, left)[1].q);
 }
 
 TEST(TreeDynamics, AgreesWithTheGeneralDynamicsOfTheController) {

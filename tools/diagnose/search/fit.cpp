@@ -21,7 +21,9 @@ Surroundings make_surroundings(const Problem& problem, const Library& library, c
     moved.nuisance.resize(library.nuisances.size(), 0.0);
     const double step = library.nuisances[static_cast<std::size_t>(i)].tolerance;
     moved.nuisance[static_cast<std::size_t>(i)] += step;
-    s.A.col(i) = prediction_error(problem, library, moved) - base;
+    s.A.col(i) =
+        prediction_error_near(problem, library, moved, base, library.nuisances[static_cast<std::size_t>(i)].joints) -
+        base;
   });
   return s;
 }
@@ -67,12 +69,15 @@ class Coordinates {
     for (const Chosen& c : shape_.effects) {
       for (const CandidateParameter& p : library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
         parameters_.push_back(p);
+        joints_.push_back(&library.candidates[static_cast<std::size_t>(c.candidate)].joints);
       }
     }
   }
   Eigen::Index effects() const { return static_cast<Eigen::Index>(parameters_.size()); }
   Eigen::Index size() const { return effects() + static_cast<Eigen::Index>(library_->nuisances.size()); }
   const CandidateParameter& parameter(Eigen::Index i) const { return parameters_[static_cast<std::size_t>(i)]; }
+  /// The joints that effect parameter i acts on; empty: the whole robot.
+  const std::vector<int>& joints(Eigen::Index i) const { return *joints_[static_cast<std::size_t>(i)]; }
 
   Eigen::VectorXd of(const Model& model) const {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
@@ -109,6 +114,7 @@ class Coordinates {
   const Library* library_;
   Model shape_;
   std::vector<CandidateParameter> parameters_;
+  std::vector<const std::vector<int>*> joints_;
 };
 
 /// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
@@ -127,7 +133,10 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
     Eigen::VectorXd moved = x;
     const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
     moved[i] += step;
-    J.col(i) = (prediction_error(*around.problem, *around.library, coordinates.model(moved)) - r) / step;
+    J.col(i) =
+        (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r, coordinates.joints(i)) -
+         r) /
+        step;
   });
   return J;
 }

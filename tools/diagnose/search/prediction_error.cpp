@@ -10,16 +10,23 @@
 namespace sanso::diagnose {
 namespace {
 
-Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const Model& model, double step_s,
-                         const std::function<void(Window&)>& move_start) {
-  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+/// How a pass differs from the plain one.
+struct Pass {
+  double step_s = constants::kSearchStep;
+  std::function<void(Window&)> move_start = [](Window&) {};
+  std::vector<char> wanted = {};  // by joint; empty: all
+};
+
+/// Writes the whitened error of the wanted joints into r.
+void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
+              Eigen::VectorXd& r) {
   std::size_t next = 0;  // shots are sorted by source
   for (std::size_t source = 0; source < problem.sources.size(); ++source) {
     const std::size_t begin = next;
     std::vector<Window> windows;
     while (next < problem.shots.size() && problem.shots[next].source == static_cast<int>(source)) {
       windows.push_back(problem.shots[next].window);
-      move_start(windows.back());
+      pass.move_start(windows.back());
       ++next;
     }
     if (windows.empty()) continue;
@@ -27,14 +34,29 @@ Eigen::VectorXd one_pass(const Problem& problem, const Library& library, const M
     library.apply(model, params);
     SimOptions options;
     options.motion = &problem.sources[source].motion;
-    options.max_step_s = step_s;
+    options.max_step_s = pass.step_s;
+    options.wanted = pass.wanted;
     const std::vector<Prediction> predictions = simulate(params, problem.sources[source].drive, windows, options);
     for (std::size_t i = 0; i < predictions.size(); ++i) {
       const Shot& shot = problem.shots[begin + i];
-      whitened_residual(problem, shot, predictions[i], r.data() + shot.offset);
+      whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
     }
   }
-  return r;
+}
+
+/// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when `joints` is.
+std::vector<char> branches_with(const Problem& problem, const std::vector<int>& joints) {
+  if (joints.empty()) return {};
+  const std::vector<TreeJoint>& tree = problem.sources.front().nominal.tree.joints;
+  const auto root = [&](int j) {
+    while (tree[static_cast<std::size_t>(j)].parent >= 0) j = tree[static_cast<std::size_t>(j)].parent;
+    return j;
+  };
+  std::vector<char> wanted(tree.size(), 0);
+  for (std::size_t j = 0; j < tree.size(); ++j) {
+    wanted[j] = std::any_of(joints.begin(), joints.end(), [&](int i) { return root(i) == root(static_cast<int>(j)); });
+  }
+  return wanted;
 }
 
 /// Beyond this many joints the starts are moved all at once and coupling between joints is left out of their
@@ -44,16 +66,30 @@ constexpr std::size_t kCoupledStarts = 4;
 }  // namespace
 
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model) {
-  return one_pass(problem, library, model, constants::kSearchStep, [](Window&) {});
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  one_pass(problem, library, model, {}, r);
+  return r;
+}
+
+Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library, const Model& model,
+                                      const Eigen::VectorXd& base, const std::vector<int>& joints) {
+  Pass pass;
+  SimParams params = problem.sources.front().nominal;
+  library.apply(model, params);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  Eigen::VectorXd r = base;
+  one_pass(problem, library, model, pass, r);
+  return r;
 }
 
 void correct_step(Problem& problem, const Library& library, const Model& model) {
   problem.step_error.clear();
-  const auto unmoved = [](Window&) {};
   const double coarse = constants::kSearchStep, fine = std::min(constants::kFineStep, 0.5 * coarse);
-  Eigen::VectorXd at_coarse, at_fine;
+  Eigen::VectorXd at_coarse(static_cast<Eigen::Index>(problem.size)), at_fine = at_coarse;
   parallel_for(2, [&](int i) {
-    (i == 0 ? at_fine : at_coarse) = one_pass(problem, library, model, i == 0 ? fine : coarse, unmoved);
+    Pass pass;
+    pass.step_s = i == 0 ? fine : coarse;
+    one_pass(problem, library, model, pass, i == 0 ? at_fine : at_coarse);
   });
   // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the step
   const Eigen::VectorXd error = (at_fine - at_coarse) * (coarse / (coarse - fine));
@@ -70,13 +106,17 @@ void correct_step(Problem& problem, const Library& library, const Model& model) 
 
 Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
                                                   int joint, double dq0, double ddq0) {
-  return one_pass(problem, library, model, constants::kSearchStep, [&](Window& w) {
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  Pass pass;
+  pass.move_start = [&](Window& w) {
     for (std::size_t j = 0; j < w.q.size(); ++j) {
       if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
       w.q[j] += dq0;
       w.dq[j] += ddq0;
     }
-  });
+  };
+  one_pass(problem, library, model, pass, r);
+  return r;
 }
 
 StartElimination::StartElimination(const Problem& problem, const Library& library, const Model& model)

@@ -17,6 +17,11 @@ Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
 /// near.
 void correct_step(Problem& problem, const Library& library, const Model& model);
 
+/// The same for a model that differs from the one of `base` (its prediction error) at `joints` only (empty: anywhere).
+/// Only the branches of the tree that hold one of them are simulated: legs on one stand do not feel each other.
+Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library, const Model& model,
+                                      const Eigen::VectorXd& base, const std::vector<int>& joints);
+
 /// Error when every start is moved: joint `joint` by `dq0` [rad] and `ddq0` [rad/s]; joint -1: all joints together.
 Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
                                                   int joint, double dq0, double ddq0);

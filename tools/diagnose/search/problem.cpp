@@ -250,10 +250,12 @@ double rows_of_a_joint(const Problem& problem) {
   return rows;
 }
 
-void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& p, double* out) {
+void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& p, const std::vector<char>& wanted,
+                       double* out) {
   const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Observed& channel = problem.channels[c];
+    if (!wanted.empty() && wanted[static_cast<std::size_t>(channel.joint)] == 0) continue;
     const std::vector<double>& all = channel.signal == Signal::q     ? p.q
                                      : channel.signal == Signal::dq  ? p.dq
                                      : channel.signal == Signal::tau ? p.tau

@@ -22,7 +22,8 @@ Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const
     Model with = model;
     with.effects.push_back({probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
                                                  .probes[static_cast<std::size_t>(probe.probe)]});
-    S.col(i) = prediction_error(*around.problem, *around.library, with) - r;
+    const std::vector<int>& joints = around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
+    S.col(i) = prediction_error_near(*around.problem, *around.library, with, r, joints) - r;
   });
   return S;
 }

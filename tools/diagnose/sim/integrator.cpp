@@ -11,6 +11,7 @@ constexpr double kThermalTime = 300.0;      // s
 constexpr int kFrictionSweeps = 30;         // projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
 constexpr double kInertiaFloor = 1e-9;      // kg m^2: links without inertia still move
 constexpr double kFastest = 1e4;            // rad/s: beyond it the motion has diverged
+constexpr double kTreeRefresh = 0.01;  // s; a joint at 5 rad/s turns 3 degrees, inertia and load change by percents
 
 bool needs_heat(const SimParams& params) {
   return std::any_of(params.joints.begin(), params.joints.end(),
@@ -50,7 +51,8 @@ void invert_block(JointMatrix& L, JointMatrix& inverse, int b, int e) {
 
 }  // namespace
 
-Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed)
+Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed,
+                       const std::vector<char>& wanted)
     : params_(params),
       drive_(drive),
       commands_(params, drive, random_seed),
@@ -64,6 +66,14 @@ Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_
     first_temperature_.push_back(first == temp.end() ? std::nan("") : *first);
   }
   update_bodies(drive.t.empty() ? 0.0 : drive.t.front());
+  for (int b = 0; b < tree_->branches(); ++b) {
+    const int begin = tree_->branch_begin(b), end = tree_->branch_begin(b + 1);
+    const bool any = wanted.empty() || any_sag_ ||
+                     std::any_of(wanted.begin() + begin, wanted.begin() + end, [](char w) { return w != 0; });
+    if (!any) continue;
+    branches_.push_back(b);
+    for (int j = begin; j < end; ++j) joints_.push_back(j);
+  }
 }
 
 void Integrator::restart(double t) {
@@ -73,6 +83,7 @@ void Integrator::restart(double t) {
   temperature_cursor_.assign(temperature_cursor_.size(), row);
   change_.fill(0.0);
   supply_current_ = 0.0;
+  tree_time_ = -kNone;
   update_bodies(t);
 }
 
@@ -104,21 +115,25 @@ double Integrator::warming_of(int joint, double t, const InnerState& inner) cons
   return std::isfinite(temp[k]) ? temp[k] - first_temperature_[j] : 0.0;
 }
 
-void Integrator::prepare(double t, double h, RobotState& state, StepTorques& out) {
-  for (int j = 0; j < n_; ++j) {
+void Integrator::move_tree(double t, double h, const RobotState& state) {
+  for (const int j : joints_) {
     const auto k = static_cast<std::size_t>(j);
     q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
     dq_mid_[k] = state.dq[k] + 0.5 * change_[k];  // the last change, extrapolated: centrifugal terms at mid-step
   }
   if (!params_.late_payloads.empty() || !params_.forces.empty()) update_bodies(t);
-  tree_->set_positions(q_half_.data());
-  tree_->mass_matrix(M_);
-  tree_->bias(dq_mid_.data(), bias_);
+  for (const int b : branches_) {
+    tree_->set_positions(q_half_.data(), b);
+    tree_->mass_matrix(M_, b);
+    tree_->bias(dq_mid_.data(), bias_, b);
+  }
+}
 
+void Integrator::prepare(double t, double h, const std::vector<int>& serves, RobotState& state, StepTorques& out) {
   const double supply = 1.0 + params_.supply_level + params_.supply_slope * (t - drive_.t.front()) / 60.0;
   const double drop = any_sag_ ? params_.supply_resistance * supply_current_ : 0.0;
   double drawn = 0.0;
-  for (int j = 0; j < n_; ++j) {
+  for (const int j : serves) {
     const auto k = static_cast<std::size_t>(j);
     const JointParams& joint = params_.joints[k];
     InnerState& inner = state.inner[k];
@@ -146,11 +161,11 @@ void Integrator::prepare(double t, double h, RobotState& state, StepTorques& out
 }
 
 void Integrator::solve_free(double h, const RobotState& state) {
-  for (int j = 0; j < n_; ++j) {
+  for (const int j : joints_) {
     const auto k = static_cast<std::size_t>(j);
     M_[k * kMaxJoints + k] += part_[k].added;
   }
-  for (int branch = 0; branch < tree_->branches(); ++branch) {
+  for (const int branch : branches_) {
     const int b = tree_->branch_begin(branch), e = tree_->branch_begin(branch + 1);
     invert_block(M_, inverse_, b, e);
     for (int i = b; i < e; ++i) {
@@ -168,7 +183,7 @@ void Integrator::solve_friction() {
   // friction impulses f stop the coordinate they act on, or give all they can: a box-constrained linear complementarity
   // problem in y = y0 + mobility f + coupling dq', solved by projected Gauss-Seidel
   friction_.fill(0.0);
-  for (int branch = 0; branch < tree_->branches(); ++branch) {
+  for (const int branch : branches_) {
     const int b = tree_->branch_begin(branch), e = tree_->branch_begin(branch + 1);
     for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
       double largest = 0.0;
@@ -193,8 +208,9 @@ void Integrator::solve_friction() {
   }
 }
 
-void Integrator::finish(double h, const JointVector& dq_end, RobotState& state, StepTorques& out) {
-  for (int j = 0; j < n_; ++j) {
+void Integrator::finish(double h, const JointVector& dq_end, const std::vector<int>& serves, RobotState& state,
+                        StepTorques& out) {
+  for (const int j : serves) {
     const auto k = static_cast<std::size_t>(j);
     const JointPart& part = part_[k];
     finish_transmission(params_.joints[k], instant_[k], part, dq_end[k], friction_[k], state.inner[k]);
@@ -214,20 +230,31 @@ void Integrator::finish(double h, const JointVector& dq_end, RobotState& state, 
 }
 
 bool Integrator::step(double t, double h, RobotState& state, StepTorques& out) {
-  prepare(t, h, state, out);
+  move_tree(t, h, state);
+  prepare(t, h, joints_, state, out);
   solve_free(h, state);
   solve_friction();
-  for (int j = 0; j < n_; ++j) {
+  for (const int j : joints_) {
     if (!(std::abs(dq_end_[static_cast<std::size_t>(j)]) < kFastest)) return false;
   }
-  finish(h, dq_end_, state, out);
+  finish(h, dq_end_, joints_, state, out);
   return true;
 }
 
-void Integrator::follow(double t, double h, const double* dq_end, RobotState& state, StepTorques& out) {
-  prepare(t, h, state, out);
-  JointVector end{};
-  for (int j = 0; j < n_; ++j) {
+void Integrator::follow(double t, double h, const double* dq_end, const std::vector<int>& serves, RobotState& state,
+                        StepTorques& out) {
+  if (t >= tree_time_ + kTreeRefresh) {
+    move_tree(t, h, state);
+    tree_time_ = t;
+  }
+  JointVector end;
+  for (const int j : serves) {
+    const auto k = static_cast<std::size_t>(j);
+    q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
+    dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
+  }
+  prepare(t, h, serves, state, out);
+  for (const int j : serves) {
     const auto k = static_cast<std::size_t>(j);
     end[k] = dq_end[k];
     const JointPart& p = part_[k];
@@ -240,7 +267,7 @@ void Integrator::follow(double t, double h, const double* dq_end, RobotState& st
       friction_[k] = std::clamp(-y * inertia, p.f_min, p.f_max);
     }
   }
-  finish(h, end, state, out);
+  finish(h, end, serves, state, out);
 }
 
 }  // namespace sanso::diagnose

@@ -51,7 +51,7 @@ class WindowRun {
   void place(const Window& window, const std::array<InnerState, kMaxJoints>* inner) {
     state_ = RobotState{};
     if (inner != nullptr) state_.inner = *inner;
-    for (int j = 0; j < n_; ++j) {
+    for (const int j : integrator_.joints()) {
       const auto k = static_cast<std::size_t>(j);
       const JointParams& joint = params_.joints[k];
       const double early = longest_delay_ - delay_[k];
@@ -102,7 +102,7 @@ class WindowRun {
   /// interpolation.
   void emit_until(double t) {
     const double h = t_now_ - t_before_;
-    for (int j = 0; j < n_; ++j) {
+    for (const int j : integrator_.joints()) {
       const auto k = static_cast<std::size_t>(j);
       for (std::size_t& row = next_[k]; row < rows_; ++row) {
         const double instant = drive_.t[prediction_.first + row] - delay_[k];
@@ -155,17 +155,27 @@ class WindowRun {
   void reset() { diverged_ = false; }
 };
 
-bool any_memory(const SimParams& params) { return std::any_of(params.joints.begin(), params.joints.end(), has_memory); }
+/// Simulated joints whose inner states have to be brought to the start of a window. A sagging supply needs every
+/// current.
+std::vector<int> with_memory(const SimParams& params, const Integrator& integrator) {
+  std::vector<int> out;
+  for (const int j : integrator.joints()) {
+    if (has_memory(params.joints[static_cast<std::size_t>(j)])) out.push_back(j);
+  }
+  return out.empty() || params.supply_resistance == 0.0 ? out : integrator.joints();
+}
 
-/// Follows the recording and calls at_row(row, state, torques) at every row up to the last.
+/// Follows the recording with servo and transmission of `serves`, and calls at_row(row, state, torques) at every row up
+/// to the last.
 template <class AtRow>
 void follow_recording(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
-                      const SimOptions& options, std::size_t last, Integrator& integrator, AtRow&& at_row) {
-  const auto n = static_cast<std::size_t>(params.size());
+                      const SimOptions& options, std::size_t last, const std::vector<int>& serves,
+                      Integrator& integrator, AtRow&& at_row) {
   RobotState state;
   StepTorques torques;
   const auto snap = [&](std::size_t row) {
-    for (std::size_t j = 0; j < n; ++j) {
+    for (const int joint_index : integrator.joints()) {
+      const auto j = static_cast<std::size_t>(joint_index);
       const JointParams& joint = params.joints[j];
       const InnerState& in = state.inner[j];
       const double side = position_for_reading(joint, motion.q[j][row]);
@@ -176,17 +186,20 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
   };
   integrator.restart(drive.t.front());
   snap(0);
-  for (std::size_t j = 0; j < n; ++j) state.inner[j].velocity_channel = state.dq[j];
+  for (std::size_t j = 0; j < state.inner.size(); ++j) state.inner[j].velocity_channel = state.dq[j];
   at_row(std::size_t{0}, state, torques);
   for (std::size_t row = 0; row < last; ++row) {
     const double span = drive.t[row + 1] - drive.t[row];
     const int steps = std::max(1, static_cast<int>(std::ceil(span / options.max_step_s - 1e-9)));
     const double h = span / steps;
-    JointVector end{};
+    JointVector end;
     for (int s = 0; s < steps; ++s) {
       const double share = (s + 1.0) / steps;
-      for (std::size_t j = 0; j < n; ++j) end[j] = (1 - share) * motion.dq[j][row] + share * motion.dq[j][row + 1];
-      integrator.follow(drive.t[row] + s * h, h, end.data(), state, torques);
+      for (const int joint_index : serves) {
+        const auto j = static_cast<std::size_t>(joint_index);
+        end[j] = (1 - share) * motion.dq[j][row] + share * motion.dq[j][row + 1];
+      }
+      integrator.follow(drive.t[row] + s * h, h, end.data(), serves, state, torques);
     }
     snap(row + 1);
     at_row(row + 1, state, torques);
@@ -197,17 +210,18 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
 
 std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
                                  const SimOptions& options) {
-  Integrator integrator(params, drive, options.random_seed);
+  Integrator integrator(params, drive, options.random_seed, options.wanted);
   std::vector<Prediction> predictions;
   predictions.reserve(windows.size());
   if (windows.empty()) return predictions;
 
   // inner states at the starts, from following the recording up to there
   std::vector<std::array<InnerState, kMaxJoints>> inner;
-  if (options.motion != nullptr && any_memory(params)) {
+  const std::vector<int> remembering = with_memory(params, integrator);
+  if (options.motion != nullptr && !remembering.empty()) {
     inner.resize(windows.size());
     std::size_t next = 0;
-    follow_recording(params, drive, *options.motion, options, windows.back().first, integrator,
+    follow_recording(params, drive, *options.motion, options, windows.back().first, remembering, integrator,
                      [&](std::size_t row, const RobotState& state, const StepTorques&) {
                        for (; next < windows.size() && windows[next].first == row; ++next) inner[next] = state.inner;
                      });
@@ -227,7 +241,7 @@ ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const 
   ReplayTorques out;
   out.rows = drive.rows();
   for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty}) v->assign(n * out.rows, 0.0);
-  follow_recording(params, drive, motion, options, drive.rows() - 1, integrator,
+  follow_recording(params, drive, motion, options, drive.rows() - 1, integrator.joints(), integrator,
                    [&](std::size_t row, const RobotState&, const StepTorques& torques) {
                      for (std::size_t j = 0; j < n; ++j) {
                        const std::size_t at = j * out.rows + row;

@@ -43,6 +43,9 @@ struct SimOptions {
   double max_step_s = 1e-3;
   const MeasuredMotion* motion = nullptr;  // null: inner states start at rest at every window
   std::uint64_t random_seed = 0;           // not 0: lost commands are drawn instead of averaged
+  /// Only these joints are wanted (by joint, not 0: wanted; empty: all). Branches that hold none of them stay 0 in the
+  /// prediction; what is simulated is bit for bit what it is without the choice.
+  std::vector<char> wanted = {};
 };
 
 /// Simulates every window. Windows must be in order of `first`. Deterministic; no state is kept between calls.

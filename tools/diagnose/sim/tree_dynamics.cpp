@@ -74,11 +74,11 @@ TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity) : n_(tree
   const double zero = 0.0, quarter = std::numbers::pi / 2;
   JointVector h{};
   JointMatrix M{};
-  set_frames(&quarter);
-  recursive_newton_euler<false>(&zero, nullptr, h);
+  set_frames(&quarter, 0, 1);
+  recursive_newton_euler<false>(&zero, nullptr, h, 0, 1);
   pull_sine_ = h[0];
-  set_frames(&zero);
-  recursive_newton_euler<false>(&zero, nullptr, h);
+  set_frames(&zero, 0, 1);
+  recursive_newton_euler<false>(&zero, nullptr, h, 0, 1);
   pull_cosine_ = h[0];
   mass_matrix(M);
   lone_inertia_ = M[0];
@@ -86,15 +86,19 @@ TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity) : n_(tree
 }
 
 void TreeDynamics::set_positions(const double* q) {
+  for (int b = 0; b < branches(); ++b) set_positions(q, b);
+}
+
+void TreeDynamics::set_positions(const double* q, int branch) {
   if (lone_hinge_ && !any_force_) {
     lone_q_ = q[0];
     return;
   }
-  set_frames(q);
+  set_frames(q, branch_begin(branch), branch_begin(branch + 1));
 }
 
-void TreeDynamics::set_frames(const double* q) {
-  for (int j = 0; j < n_; ++j) {
+void TreeDynamics::set_frames(const double* q, int begin, int end) {
+  for (int j = begin; j < end; ++j) {
     const Constant& c = constant_[static_cast<std::size_t>(j)];
     Frame& f = frame_[static_cast<std::size_t>(j)];
     const double sine = c.prismatic ? 0.0 : std::sin(q[j]);
@@ -140,14 +144,19 @@ void TreeDynamics::set_frames(const double* q) {
 }
 
 void TreeDynamics::mass_matrix(JointMatrix& M) const {
+  for (int b = 0; b < branches(); ++b) mass_matrix(M, b);
+}
+
+void TreeDynamics::mass_matrix(JointMatrix& M, int branch) const {
   if (lone_hinge_) {
     M[0] = lone_inertia_;
     return;
   }
   // composite bodies, from the tips to the base; then M_ij = s_i . (I_j s_j) for every ancestor i of j
+  const int begin = branch_begin(branch), end = branch_begin(branch + 1);
   std::array<Inertia, kMaxJoints> composite;
-  for (int j = 0; j < n_; ++j) composite[static_cast<std::size_t>(j)] = inertia_[static_cast<std::size_t>(j)];
-  for (int j = n_ - 1; j >= 0; --j) {
+  for (int j = begin; j < end; ++j) composite[static_cast<std::size_t>(j)] = inertia_[static_cast<std::size_t>(j)];
+  for (int j = end - 1; j >= begin; --j) {
     const Inertia& in = composite[static_cast<std::size_t>(j)];
     const int parent = constant_[static_cast<std::size_t>(j)].parent;
     if (parent >= 0) {
@@ -171,9 +180,10 @@ void TreeDynamics::mass_matrix(JointMatrix& M) const {
 }
 
 template <bool kWithAcceleration>
-void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau) const {
+void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau, int begin,
+                                          int end) const {
   std::array<Vec3, kMaxJoints> w, v, dw, dv, n, f;
-  for (int j = 0; j < n_; ++j) {
+  for (int j = begin; j < end; ++j) {
     const auto k = static_cast<std::size_t>(j);
     const Constant& c = constant_[k];
     const Frame& fr = frame_[k];
@@ -215,7 +225,7 @@ void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, J
       add(f[k], scaled(-1.0, F));
     }
   }
-  for (int j = n_ - 1; j >= 0; --j) {
+  for (int j = end - 1; j >= begin; --j) {
     const auto k = static_cast<std::size_t>(j);
     tau[k] = dot(frame_[k].s_ang, n[k]) + dot(frame_[k].s_lin, f[k]);
     if (constant_[k].parent >= 0) {
@@ -227,11 +237,15 @@ void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, J
 }
 
 void TreeDynamics::bias(const double* dq, JointVector& h) const {
+  for (int b = 0; b < branches(); ++b) bias(dq, h, b);
+}
+
+void TreeDynamics::bias(const double* dq, JointVector& h, int branch) const {
   if (lone_hinge_ && !any_force_) {
     h[0] = pull_sine_ * std::sin(lone_q_) + pull_cosine_ * std::cos(lone_q_);
     return;
   }
-  recursive_newton_euler<false>(dq, nullptr, h);
+  recursive_newton_euler<false>(dq, nullptr, h, branch_begin(branch), branch_begin(branch + 1));
 }
 
 void TreeDynamics::inverse_dynamics(const double* dq, const double* ddq, JointVector& tau) const {
@@ -240,7 +254,7 @@ void TreeDynamics::inverse_dynamics(const double* dq, const double* ddq, JointVe
     tau[0] += lone_inertia_ * ddq[0];
     return;
   }
-  recursive_newton_euler<true>(dq, ddq, tau);
+  recursive_newton_euler<true>(dq, ddq, tau, 0, n_);
 }
 
 }  // namespace sanso::diagnose

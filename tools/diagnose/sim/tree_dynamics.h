@@ -25,11 +25,14 @@ class TreeDynamics {
   int branches() const { return static_cast<int>(branch_begin_.size()) - 1; }
   int branch_begin(int b) const { return branch_begin_[static_cast<std::size_t>(b)]; }
 
-  /// Frames, axes and inertias at joint positions q (n). First call of every step.
+  /// Frames, axes and inertias at joint positions q (n). First call of every step; of one branch, or of all.
+  void set_positions(const double* q, int branch);
   void set_positions(const double* q);
   /// Lower triangle and diagonal of M, kg m^2 (kg).
+  void mass_matrix(JointMatrix& M, int branch) const;
   void mass_matrix(JointMatrix& M) const;
   /// Gravity, centrifugal and Coriolis torques at velocities dq (n); also minus the torques of world_force().
+  void bias(const double* dq, JointVector& h, int branch) const;
   void bias(const double* dq, JointVector& h) const;
   /// Torques that move the joints with acceleration ddq: M ddq + bias.
   void inverse_dynamics(const double* dq, const double* ddq, JointVector& tau) const;
@@ -66,9 +69,9 @@ class TreeDynamics {
     std::array<double, 6> I;
   };
 
-  void set_frames(const double* q);
+  void set_frames(const double* q, int begin, int end);
   template <bool kWithAcceleration>
-  void recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau) const;
+  void recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau, int begin, int end) const;
 
   int n_;
   Vec3 gravity_;
