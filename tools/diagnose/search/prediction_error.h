@@ -38,18 +38,34 @@ class StartElimination {
                                        const std::function<int(const Shot&)>& part_of,
                                        const Eigen::VectorXd& weights = {}) const;
   Eigen::MatrixXd gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights = {}) const;
+  /// The same for columns kept in single precision (thousands of signatures); products are summed in double precision.
+  Eigen::MatrixXd gram(const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) const;
   /// r' M r by shot.
   Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r) const;
   /// M r: what of an error cannot come from the starts.
   Eigen::VectorXd project(const Eigen::VectorXd& r) const;
 
  private:
+  /// Channels of one branch of the tree: a contiguous piece of every shot that only this branch's starts move.
+  struct Block {
+    std::size_t first_channel, channels;
+    Eigen::Index first_start, starts;
+  };
+  void make_blocks();
+  template <class Columns>
+  std::vector<Eigen::MatrixXd> gram_of(const Columns& columns, int parts,
+                                       const std::function<int(const Shot&)>& part_of,
+                                       const Eigen::VectorXd& weights) const;
+  template <class Columns>
+  std::vector<Eigen::Index> support(const Columns& columns, const Block& block) const;
+
   Eigen::Index entries(const Shot& shot) const {
     return static_cast<Eigen::Index>(shot.rows * problem_->channels.size());
   }
   const Problem* problem_;
   Eigen::MatrixXd J_;               // stacked entries x 2n: d r / d start, in units of the starts' deviations
   std::vector<Eigen::MatrixXd> W_;  // by shot
+  std::vector<Block> blocks_;
 };
 
 }  // namespace sanso::diagnose

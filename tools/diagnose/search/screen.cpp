@@ -13,19 +13,24 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Signatures: change of the prediction error for a full probe.
-Eigen::MatrixXd signatures(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
+/// [nuisances | signatures | error], single precision: thousands of signatures of a robot with many joints fill
+/// gigabytes. A signature is the change of the prediction error for a full probe.
+Eigen::MatrixXf columns_of(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
                            const std::vector<ProbeScore>& probes) {
-  Eigen::MatrixXd S(r.size(), static_cast<Eigen::Index>(probes.size()));
+  const Eigen::Index nuisances = around.A.cols(), count = static_cast<Eigen::Index>(probes.size());
+  Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
+  columns.leftCols(nuisances) = around.A.cast<float>();
+  columns.rightCols(1) = r.cast<float>();
   parallel_for(static_cast<int>(probes.size()), [&](int i) {
     const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
     Model with = model;
     with.effects.push_back({probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
                                                  .probes[static_cast<std::size_t>(probe.probe)]});
     const std::vector<int>& joints = around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
-    S.col(i) = prediction_error_near(*around.problem, *around.library, with, r, joints) - r;
+    columns.col(nuisances + i) =
+        (prediction_error_near(*around.problem, *around.library, with, r, joints) - r).cast<float>();
   });
-  return S;
+  return columns;
 }
 
 /// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + prior |x + d|^2 with x + d in its
@@ -81,61 +86,76 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eige
           gram.block(nuisances, nuisances + probes, probes, 1) + S * at.d};
 }
 
+/// Every shot's entries times its weight.
+Eigen::VectorXd by_shot(const Problem& problem, const Eigen::VectorXd& weights, Eigen::VectorXd r) {
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const Shot& shot = problem.shots[s];
+    const auto entries = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
+    r.segment(static_cast<Eigen::Index>(shot.offset), entries) *= weights[static_cast<Eigen::Index>(s)];
+  }
+  return r;
+}
+
 /// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit):
 /// the error level of a model large enough, as in ordinary regression.
-std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& S,
-                                             const Eigen::VectorXd& r, const Eigen::MatrixXd& gram) {
-  const Eigen::Index a = around.A.cols(), k = S.cols();
+std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXf& columns,
+                                             const Eigen::VectorXd& weights) {
+  const Eigen::Index a = around.A.cols(), k = columns.cols() - a - 1;
+  std::vector<double> energy(static_cast<std::size_t>(k)), score(energy.size());
+  parallel_for(static_cast<int>(k), [&](int c) {
+    energy[static_cast<std::size_t>(c)] = around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
+  });
+  const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
+  Eigen::MatrixXd taken = around.A;  // nuisances and the signatures taken out so far
+  Eigen::VectorXd left;              // M times what they leave
   std::vector<Eigen::Index> chosen;
-  Eigen::VectorXd coefficients;
   constexpr int kPursuit = 5;
   for (int round = 0; round <= kPursuit; ++round) {
-    const auto m = static_cast<Eigen::Index>(chosen.size());
-    Eigen::MatrixXd H(a + m, a + m);
-    Eigen::VectorXd g(a + m);
-    const auto index = [&](Eigen::Index i) { return i < a ? i : a + chosen[static_cast<std::size_t>(i - a)]; };
-    for (Eigen::Index i = 0; i < a + m; ++i) {
-      for (Eigen::Index j = 0; j < a + m; ++j) H(i, j) = gram(index(i), index(j));
+    Eigen::MatrixXd with_error(r.size(), taken.cols() + 1);
+    with_error << taken, r;
+    const Eigen::MatrixXd gram = around.starts.gram(with_error, weights);
+    Eigen::MatrixXd H = gram.topLeftCorner(taken.cols(), taken.cols());
+    for (Eigen::Index i = 0; i < H.rows(); ++i)
       H(i, i) += i < a ? constants::kTolerancePrecision : 1e-9 * (1.0 + H(i, i));
-      g[i] = gram(index(i), a + k);
-    }
-    coefficients = -H.ldlt().solve(g);
+    left = around.starts.project(r - taken * H.ldlt().solve(gram.topRightCorner(taken.cols(), 1)));
     if (round == kPursuit) break;
-    Eigen::Index best = -1;
-    double strongest = 0.0;
-    for (Eigen::Index c = 0; c < k; ++c) {
-      double b = gram(a + c, a + k);
-      for (Eigen::Index i = 0; i < a + m; ++i) b += gram(a + c, index(i)) * coefficients[i];
-      const double score = b * b / std::max(gram(a + c, a + c), 1e-12);
-      if (score > strongest) strongest = score, best = c;
-    }
-    if (best < 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
+    const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
+    parallel_for(static_cast<int>(k), [&](int c) {
+      const double b = columns.col(a + c).cast<double>().dot(weighted);
+      score[static_cast<std::size_t>(c)] = b * b / std::max(energy[static_cast<std::size_t>(c)], 1e-12);
+    });
+    const auto best = std::max_element(score.begin(), score.end()) - score.begin();
+    if (k == 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
     chosen.push_back(best);
+    taken.conservativeResize(Eigen::NoChange, taken.cols() + 1);
+    taken.rightCols(1) = columns.col(a + best).cast<double>();
   }
-  Eigen::VectorXd left = r + around.A * coefficients.head(a);
-  for (std::size_t i = 0; i < chosen.size() && a + static_cast<Eigen::Index>(i) < coefficients.size(); ++i) {
-    left += S.col(chosen[i]) * coefficients[a + static_cast<Eigen::Index>(i)];
-  }
-  return overdispersion(*around.problem, around.starts.project(left));
+  return overdispersion(*around.problem, left);
 }
 
 /// Divides every channel's rows by the square root of its overdispersion; the scale never falls below the channel's
 /// floor.
-void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXd& columns,
+void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXf& columns,
              std::vector<double>& sigma) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Observed& channel = problem.channels[c];
     sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
     for (const Shot& shot : problem.shots) {
       columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                         static_cast<Eigen::Index>(shot.rows)) *= channel.sigma / sigma.back();
+                         static_cast<Eigen::Index>(shot.rows)) *= static_cast<float>(channel.sigma / sigma.back());
     }
   }
 }
 
-/// Symmetric square root by eigenvalues: draws with this covariance are root * standard normals, also when it is
-/// singular.
+/// Square root: draws with this covariance are root * standard normals. Cholesky is much faster than eigenvalues for
+/// thousands of probes; signatures that are alike make the matrix singular, so a hundred-thousandth of independent
+/// noise on each keeps the factor real and moves no draw visibly. Where rounding spoils even that, eigenvalues.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
+  Eigen::MatrixXd regular = correlation;
+  regular.diagonal().array() += 1e-5;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(regular);
+  if (cholesky.info() == Eigen::Success) return cholesky.matrixL();
+  fprintf(stderr, "LLT FAILED\n");
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
@@ -152,6 +172,8 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
   std::vector<double> statistic(out.probes.size()), maxima;
   for (std::size_t i = 0; i < out.probes.size(); ++i) {
     statistic[i] = out.probes[i].score;
+    // what cannot be seen cannot be mistaken for something either
+    if (out.probes[i].signature == 0.0) draws.row(static_cast<Eigen::Index>(i)).setZero();
     if (one_sided_probe[i] == 0)
       draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   }
@@ -178,26 +200,29 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
       signed_probe.push_back(!c.two_sided);
     }
   }
-  const Eigen::MatrixXd S = signatures(around, model, r, out.probes);
-  Eigen::MatrixXd all(r.size(), around.A.cols() + S.cols() + 1);
-  all << around.A, S, r;
+  const auto count = static_cast<Eigen::Index>(out.probes.size());
+  Eigen::MatrixXf columns = columns_of(around, model, r, out.probes);
   // a shot that runs away (a joint that sticks at its start in one world and not in the other) does not decide alone
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
-  const std::vector<double> phi = saturated_overdispersion(around, S, r, around.starts.gram(all, weights));
-  rescale(*around.problem, phi, all, out.channel_sigma);
-  const Eigen::MatrixXd gram = around.starts.gram(all, weights);
-  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model), around.A.cols(), S.cols());
-  out.correlation.resize(S.cols(), S.cols());
-  for (Eigen::Index i = 0; i < S.cols(); ++i) {
+  rescale(*around.problem, saturated_overdispersion(around, columns, weights), columns, out.channel_sigma);
+  const Eigen::MatrixXd gram = around.starts.gram(columns, weights);
+  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model), around.A.cols(), count);
+  out.correlation.resize(count, count);
+  // a signature below rounding says nothing
+  const auto says_something = [&](Eigen::Index i) {
+    constexpr double kRounding = 1e-10;  // of its energy before the nuisances took their share
+    const Eigen::Index at = around.A.cols() + i;
+    return e.G(i, i) > std::max(1e-12, kRounding * gram(at, at));
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
     ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];
-    const double norm = std::sqrt(std::max(e.G(i, i), 0.0));
+    const double norm = says_something(i) ? std::sqrt(e.G(i, i)) : 0.0;
     probe.signature = norm;
-    // a signature below rounding says nothing
-    if (norm > 1e-6) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
+    if (norm > 0.0) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
     probe.score = signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
-    for (Eigen::Index j = 0; j < S.cols(); ++j) {
-      const double scale = std::sqrt(std::max(e.G(i, i), 0.0) * std::max(e.G(j, j), 0.0));
-      out.correlation(i, j) = i == j ? 1.0 : scale > 1e-12 ? e.G(i, j) / scale : 0.0;
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const double scale = std::sqrt(e.G(i, i) * e.G(j, j));
+      out.correlation(i, j) = i == j ? 1.0 : says_something(i) && says_something(j) ? e.G(i, j) / scale : 0.0;
     }
   }
   family_wise(out, signed_probe, random);
