@@ -155,7 +155,6 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
   regular.diagonal().array() += 1e-5;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(regular);
   if (cholesky.info() == Eigen::Success) return cholesky.matrixL();
-  fprintf(stderr, "LLT FAILED\n");
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
