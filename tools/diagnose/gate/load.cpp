@@ -39,6 +39,7 @@ Defect defect_of(const recording::InputError& error) {
       {"NaN or infinity", defect::kNotANumber},  {"recording too large", defect::kTooLarge},
       {"time missing", defect::kNotANumber},     {"no time column", defect::kMissingChannel},
       {"cannot open", defect::kUnreadable},      {"binary data", defect::kUnreadable},
+      {"no positions", defect::kMissingChannel}, {"no command column", defect::kMissingChannel},
   };
   Defect d{error.file, error.channel, error.line > 1 ? error.line - 2 : -1, error.defect, error.what()};
   for (const auto& [theirs, ours] : names) {
