@@ -10,6 +10,7 @@
 Prints the tables as Markdown. Reads only what `sanso learn` and `sanso-sweep` wrote.
 """
 import argparse
+import collections
 import json
 import math
 import pathlib
@@ -98,26 +99,34 @@ def best_cost(iterations):
     return min((i["cost"] for i in iterations if not i["failed"]), default=math.nan)
 
 
+def broken_in(iterations):
+    """How often each clause was broken, or how trials ended that ended early."""
+    words = [c.split()[0] for i in iterations for c in i["broken_clauses"]] + [i["end"] for i in iterations if i["failed"]]
+    return ", ".join(f"{name} {count}" for name, count in collections.Counter(words).most_common()) or "-"
+
+
 def learning_table(sessions):
-    print("| motion | world | trials | succeeded, of the last 10 | first success | first cost | best cost | best / first | p99 / max update [ms] |")
+    print("| motion | world | trials | succeeded, of the last 10 | first success | first cost | best cost | best / first | broken in the last 10 |")
     print("|---|---|---|---|---|---|---|---|---|")
     for s in sessions:
         its = s["iterations"]
         first_success = next((str(i["trial"] + 1) for i in its if i["succeeded"]), "-")
-        update = s["policy_update_ms"]
         print(f'| {s["motion"]} | {s["world"]} | {len(its)} | {sum(i["succeeded"] for i in its[-10:])} | {first_success} | '
               f'{its[0]["cost"]:.1f}{" (fell)" if its[0]["failed"] else ""} | {best_cost(its):.1f} | '
-              f'{best_cost(its) / its[0]["cost"]:.2f} | {update["p99"]:.0f} / {update["max"]:.0f} |')
+              f'{best_cost(its) / its[0]["cost"]:.2f} | {broken_in(its[-10:])} |')
 
 
 def loss_table(sessions):
     """N-step losses on trials that no learning has seen yet: each is predicted before the next learning takes it in."""
-    print("\n| motion | world | initial model | identified | identified + network | initial / augmented |")
-    print("|---|---|---|---|---|---|")
+    print("\n| motion | world | initial model | identified | as used (with network) | share used | initial / used | trials worse with network |")
+    print("|---|---|---|---|---|---|---|---|")
     for s in sessions:
         last = [i for i in s["iterations"][-10:] if i["model_loss"] is not None]
         mean = [statistics.fmean(i[k] for i in last) for k in ("model_loss_initial", "model_loss_analytical", "model_loss")]
-        print(f'| {s["motion"]} | {s["world"]} | {mean[0]:.3f} | {mean[1]:.3f} | {mean[2]:.3f} | {mean[0] / mean[2]:.0f} x |')
+        share = f'{statistics.fmean(i["residual_share"] for i in last):.2f}' if "residual_share" in last[0] else "1"
+        worse = sum(i["model_loss"] > i["model_loss_analytical"] for i in s["iterations"] if i["model_loss"] is not None)
+        print(f'| {s["motion"]} | {s["world"]} | {mean[0]:.3f} | {mean[1]:.3f} | {mean[2]:.3f} | {share} | '
+              f'{mean[0] / mean[2]:.0f} x | {worse} of {len(s["iterations"])} |')
 
 
 def curves(session, key, label, title):
@@ -135,6 +144,8 @@ def learning(args):
     learning_table(sessions)
     loss_table(sessions)
     lab = {s["motion"]: s for s in sessions if s["world"] == "lab"}
+    if not lab:
+        return
     bars = Chart("Best cost over first cost, world lab", "motion", "ratio", (0, len(lab)), (0.0, 1.05), width=760)
     for i, (name, s) in enumerate(lab.items()):
         ratio = best_cost(s["iterations"]) / s["iterations"][0]["cost"]
