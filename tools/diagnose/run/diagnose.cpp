@@ -164,6 +164,7 @@ class Run {
     library_.nuisances = make_nuisances(problem_);
     for (const auto& [effect, because] : placement.untestable) out_.verdict.untestable.push_back({effect, because});
     out_.joints = problem_.joints;
+    for (const TreeJoint& joint : model_.tree.joints) out_.slides.push_back(joint.prismatic ? 1 : 0);
     out_.verdict.seed = options_.seed;
     out_.verdict.notes = loaded_.gate.notes;
     for (const recording::Recording& r : loaded_.recordings) out_.verdict.data_hash[r.file] = data_hash(r);

@@ -46,6 +46,7 @@ struct Diagnosis {
   std::optional<ModelFolder> patched;
   LocationMap before, after;
   std::vector<std::string> regimes, joints;
+  std::vector<char> slides;  // by joint, not 0: prismatic
   std::vector<std::vector<ShapeCurve>> curves_before, curves_after;  // by joint of `shown_joints`
   std::vector<int> shown_joints;
   std::vector<RollOut> roll_outs;

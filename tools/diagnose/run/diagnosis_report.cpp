@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/model_folder/joint_units.h"
 #include "tools/report/html.h"
 
 namespace sanso::diagnose {
@@ -42,17 +44,31 @@ const char* meaning(VerdictStatus status) {
   return "";
 }
 
+/// Unit of an error over all joints.
+std::string position_unit(const Diagnosis& d) {
+  const auto sliding = std::count_if(d.slides.begin(), d.slides.end(), [](char s) { return s != 0; });
+  if (sliding == 0) return "rad";
+  return sliding == static_cast<std::ptrdiff_t>(d.slides.size()) ? "m" : "rad (m at sliding joints)";
+}
+
+bool slides_of(const Diagnosis& d, const std::string& joint) {
+  const auto at = std::find(d.joints.begin(), d.joints.end(), joint) - d.joints.begin();
+  return static_cast<std::size_t>(at) < d.slides.size() && d.slides[static_cast<std::size_t>(at)] != 0;
+}
+
 /// The answer in figures: error on held-out data before and after, at the shortest horizon of half a second or more.
-void add_summary(report::HtmlPage& page, const Verdict& v) {
+void add_summary(report::HtmlPage& page, const Diagnosis& d) {
+  const Verdict& v = d.verdict;
   page.paragraph(meaning(v.status));
   for (const char* horizon : {"0.5", "2"}) {
     const auto at = v.heldout.find(horizon);
     if (at == v.heldout.end() || !at->second.contains("all")) continue;
     const FitScore& s = at->second.at("all");
     page.paragraph(fmt::format(
-        "On recordings that were not fitted, {} s ahead, the error falls from {:.3g} to {:.3g} rad (m for sliding "
-        "joints; measurement noise {:.2g}): {:.0f} % of the error beyond noise is explained.",
-        horizon, s.nominal, s.patched, s.noise, 100 * s.explained()));
+        "On recordings that were not fitted, {} s ahead, the error {} from {:.3g} to {:.3g} {} (measurement noise "
+        "{:.2g}): {:.0f} % of the error beyond noise is explained.",
+        horizon, s.patched < s.nominal ? "falls" : "goes", s.nominal, s.patched, position_unit(d), s.noise,
+        100 * s.explained()));
     return;
   }
 }
@@ -151,15 +167,18 @@ void add_finding(report::HtmlPage& page, const Finding& f) {
 void add_curves(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("The shape of what is missing");
   page.paragraph(
-      "Torque that the model lacks, window by window, against what the joint was doing; bands are two standard errors "
+      "Torque (force at a sliding joint) that the model lacks, window by window, against what the joint was doing; "
+      "bands are two standard errors "
       "wide to either side. After the patch "
       "the curve should lie on zero.");
   for (std::size_t k = 0; k < d.shown_joints.size(); ++k) {
+    const auto joint = static_cast<std::size_t>(d.shown_joints[k]);
+    const bool slides = d.slides[joint] != 0;
     for (const ShapeCurve& before : d.curves_before[k]) {
       report::LineChart chart{
-          d.joints[static_cast<std::size_t>(d.shown_joints[k])] + ": missing torque against " + before.name,
-          before.name + " [" + before.x_unit + "]",
-          "missing torque [N m]",
+          d.joints[joint] + ": " + at_joint("missing torque", slides) + " against " + at_joint(before.name, slides),
+          at_joint(before.name + " [" + before.x_unit + "]", slides),
+          at_joint("missing torque [N m]", slides),
           {}};
       const auto add = [&](const ShapeCurve& curve, const std::string& name, bool dashed) {
         report::Series middle{name, {}, {}, dashed, true};
@@ -183,11 +202,15 @@ void add_curves(report::HtmlPage& page, const Diagnosis& d) {
 
 void add_proof(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("Proof on data that were not fitted: " + joined(d.verdict.heldout_recordings, "none"));
-  report::Table table{{"horizon", "channel", "nominal", "patched", "noise", "explained"}, {}};
+  report::Table table{{"horizon", "position of", "nominal", "patched", "noise", "unit", "explained"}, {}};
   for (const auto& [horizon, scores] : d.verdict.heldout) {
     for (const auto& [channel, s] : scores) {
-      table.rows.push_back({horizon + " s", channel, fmt::format("{:.4g}", s.nominal), fmt::format("{:.4g}", s.patched),
-                            fmt::format("{:.2g}", s.noise), fmt::format("{:.0f} %", 100 * s.explained())});
+      const bool all = channel == "all";
+      const std::string joint = all ? "all joints" : channel.substr(channel.find(':') + 1);
+      table.rows.push_back({horizon + " s", joint, fmt::format("{:.4g}", s.nominal), fmt::format("{:.4g}", s.patched),
+                            fmt::format("{:.2g}", s.noise),
+                            all ? position_unit(d) : at_joint("rad", slides_of(d, joint)),
+                            fmt::format("{:.0f} %", 100 * s.explained())});
     }
   }
   page.table(table);
@@ -195,7 +218,7 @@ void add_proof(report::HtmlPage& page, const Diagnosis& d) {
     report::LineChart chart{
         r.joint + " in " + std::filesystem::path(r.recording).stem().string() + ", restarted every 2 s",
         "time [s]",
-        "position [rad or m]",
+        at_joint("position [rad]", slides_of(d, r.joint)),
         {}};
     report::Ribbon noise{r.t, r.measured, r.measured, "#bbbbbb"};
     for (std::size_t k = 0; k < r.t.size(); ++k) noise.low[k] -= 2 * r.noise, noise.high[k] += 2 * r.noise;
@@ -204,7 +227,8 @@ void add_proof(report::HtmlPage& page, const Diagnosis& d) {
     chart.series.push_back({"nominal", r.t, r.nominal, true});
     chart.series.push_back({"patched", r.t, r.patched, true});
     page.figure(svg(chart, {720, 260}),
-                fmt::format("Grey band: two standard deviations of the measurement noise ({:.2g}).", r.noise));
+                fmt::format("Grey band: two standard deviations of the measurement noise ({:.2g} {}).", r.noise,
+                            at_joint("rad", slides_of(d, r.joint))));
   }
 }
 
@@ -257,7 +281,7 @@ std::string diagnosis_report(const Diagnosis& d) {
       "Question: where do simulation and recording part, what physics is missing, and does adding it help on data not "
       "used?");
   page.answer(fmt::format("{}: {}", to_string(v.status), v.answer), v.status == VerdictStatus::absent);
-  add_summary(page, v);
+  add_summary(page, d);
   if (v.status == VerdictStatus::refused) {
     add_refusal(page, v);
     return page.finish();

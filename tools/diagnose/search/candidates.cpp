@@ -4,6 +4,7 @@
 
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/joint_scale.h"
+#include "tools/diagnose/model_folder/joint_units.h"
 #include "tools/diagnose/search/candidate.h"
 #include "tools/diagnose/stats/robust.h"
 
@@ -50,16 +51,6 @@ std::vector<std::vector<std::size_t>> tied_places(const Problem& problem) {
   return out;
 }
 
-/// The library writes units for turning joints; a sliding joint has m for rad, N for N m, kg for kg m^2.
-std::string unit_at(std::string unit, bool prismatic) {
-  constexpr std::pair<std::string_view, std::string_view> sliding[] = {{"kg m^2", "kg"}, {"N m", "N"}, {"rad", "m"}};
-  for (const auto& [turns, slides] : sliding) {
-    const std::size_t at = prismatic ? unit.find(turns) : std::string::npos;
-    if (at != std::string::npos) unit.replace(at, turns.size(), slides);
-  }
-  return unit;
-}
-
 Candidate place(const Effect& effect, const Problem& problem, const std::vector<JointScale>& scales,
                 const std::vector<std::size_t>& joints) {
   const SimParams& nominal = problem.sources.front().nominal;
@@ -74,7 +65,7 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
       !joints.empty() && effect.scope != Scope::link && nominal.tree.joints[joints.front()].prismatic;
   for (const EffectParameter& p : effect.parameters) {
     const EffectParameter here = scaled(p, scale);
-    c.parameters.push_back({std::string(p.name), unit_at(std::string(p.unit), prismatic), here.null, here.low,
+    c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic), here.null, here.low,
                             here.high, here.typical, p.structural});
   }
   c.probes = scaled_probes(effect, scale);
