@@ -262,6 +262,7 @@ class Search {
     out_.final = fitted[i].fit;
     fitted.erase(fitted.begin() + static_cast<std::ptrdiff_t>(i));
     for (Alternative& a : fitted) a.similarity = screening.similarity(a.candidate, entry.candidate);
+    for (Alternative& a : fitted) a.fit.J.resize(0, 0);  // 0.1 GB each on twelve joints, and done with
     entry.alternatives = std::move(fitted);
     out_.accepted.push_back(std::move(entry));
     relinearise();
@@ -365,7 +366,8 @@ class Search {
       }
       std::stable_sort(others.begin(), others.end(),
                        [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
-      entry.alternatives = std::move(others);
+      for (Alternative& a : others) a.fit.J.resize(0, 0);
+    entry.alternatives = std::move(others);
     }
   }
 
@@ -409,6 +411,7 @@ class Search {
       }
       entry.without = out_.accepted.size() == 1 ? out_.nominal : without(i);
       entry.gain = compare(heldout_energy(*out_.around, entry.without), out_.final_heldout);
+      entry.without.J.resize(0, 0);
     }
   }
 

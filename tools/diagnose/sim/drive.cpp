@@ -43,8 +43,10 @@ Drive make_drive(const Recording& recording, const ModelFolder& model) {
     JointData& data = drive.joints[j];
     data.q = column(recording, "q:" + name);
     if (std::count_if(data.q.begin(), data.q.end(), [](double q) { return std::isfinite(q); }) < 3) {
-      throw InputError(recording.file, recording.header_line, "q:" + name, "no positions", "",
-                       "the measured position of every joint of the URDF, at least three samples");
+      throw InputError(
+          recording.file, recording.header_line, "q:" + name, "no positions", "",
+          "the measured position of every movable joint of the URDF, at least three samples; a joint that was not "
+          "recorded can be made type=\"fixed\" in robot.urdf");
     }
     data.command = command_of(recording, name, model.joints[j].actuator);
     data.dq = column(recording, "dq:" + name);
