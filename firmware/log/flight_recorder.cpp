@@ -50,13 +50,15 @@ bool FlightRecorder::poll() {
     next_ = (next_ + 1) % kTicksKept;
     if (count_ < kTicksKept) ++count_;
     const std::uint16_t fault = record.observation.fault;
-    if (fault != 0 && latched_ == 0) until_write_ = kTicksAfterFault;
+    if (fault != 0 && latched_ == 0) {
+      until_write_ = kTicksAfterFault;
+      name_ = "F" + std::to_string(fault) + "-tick" + std::to_string(record.observation.tick) + ".csv";
+    }
     latched_ = fault;
     if (until_write_ >= 0 && until_write_-- == 0) due = true;
   }
   if (!due || directory_.empty()) return false;
-  const LogRecord last = ring_[(next_ + kTicksKept - 1) % kTicksKept];
-  return write(directory_ + "/F" + std::to_string(last.observation.fault) + "-tick" + std::to_string(last.observation.tick) + ".csv");
+  return write(directory_ + "/" + name_);
 }
 
 std::vector<LogRecord> FlightRecorder::records() const {

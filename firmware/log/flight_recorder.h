@@ -38,6 +38,7 @@ class FlightRecorder {
   std::size_t next_ = 0, count_ = 0;
   std::uint16_t latched_ = 0;
   int until_write_ = -1;
+  std::string name_;  // of the record to write: fault and tick that began it, which may be cleared before it is written
   std::string last_file_, error_;
 };
 

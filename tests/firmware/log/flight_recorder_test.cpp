@@ -25,7 +25,7 @@ struct Recorder : testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   /// Ticks `first`..`last`, a fault from `fault_tick` on; how many files were written.
-  int fly(FlightRecorder& recorder, int first, int last, int fault_tick) {
+  int fly(FlightRecorder& recorder, int first, int last, int fault_tick, int cleared_tick = 1'000'000) {
     int written = 0;
     for (int k = first; k <= last; ++k) {
       LogRecord record;
@@ -35,7 +35,7 @@ struct Recorder : testing::Test {
       record.observation.x[model::kXJoint + 3] = 0.001 * k;
       record.observation.u_out[3] = 0.5;
       record.observation.voltage_V = 12.1F;
-      record.observation.fault = k >= fault_tick ? static_cast<std::uint16_t>(Fault::imu_silent) : 0;
+      record.observation.fault = k >= fault_tick && k < cleared_tick ? static_cast<std::uint16_t>(Fault::imu_silent) : 0;
       EXPECT_TRUE(handover->log.push(record));
       written += recorder.poll() ? 1 : 0;
     }
@@ -54,6 +54,12 @@ TEST_F(Recorder, AFaultLeavesOneFileWithTheMinuteBeforeAndHalfASecondAfter) {
   for (const char* channel :
        {"dq:l_ank_roll", "i:l_knee", "volt", "base_p:z", "base_q:w", "base_v:x", "base_w:z", "imu_acc:z"})
     EXPECT_TRUE(read.has(channel)) << channel;
+}
+
+TEST_F(Recorder, TheFileIsNamedAfterTheFaultEvenWhenItWasClearedAtOnce) {
+  FlightRecorder recorder(*handover, folder);
+  EXPECT_EQ(fly(recorder, 0, 200, 100, 110), 1);
+  EXPECT_EQ(fs::path(recorder.last_file()).filename(), "F30-tick100.csv");
 }
 
 TEST_F(Recorder, WithoutAFaultNothingIsWritten) {
