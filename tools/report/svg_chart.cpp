@@ -142,16 +142,29 @@ std::string polyline(const Series& series, const std::string& colour, const Axis
          dots;
 }
 
-std::string legend(const std::vector<Series>& series, const std::vector<std::string>& colours, ChartSize size) {
-  std::string out;
+/// Right-aligned in the title's line; below it, inside the frame, where the title leaves too little room.
+std::string legend(const LineChart& chart, const std::vector<std::string>& colours, ChartSize size) {
+  const auto width_of = [](const Series& s) {
+    return s.name.empty() ? 0.0 : 26.0 + 6.6 * static_cast<double>(s.name.size());
+  };
+  double total = 0.0;
+  for (const Series& s : chart.series) total += width_of(s);
+  constexpr double kTitleLetter = 7.6;  // px
+  const bool beside = kLeft + kTitleLetter * static_cast<double>(chart.title.size()) + total < size.width - kRight;
   double right = size.width - kRight;
-  for (std::size_t i = series.size(); i-- > 0;) {  // from the right edge of the title line leftwards
-    if (series[i].name.empty()) continue;
-    const double width = 26.0 + 6.6 * static_cast<double>(series[i].name.size());
-    right -= width;
-    out += fmt::format("<line x1='{:.1f}' x2='{:.1f}' y1='20' y2='20' stroke='{}' stroke-width='2' {}/>\n", right,
-                       right + 16, colours[i], series[i].dashed ? "stroke-dasharray='4 3'" : "");
-    out += text_at(right + 20, 24, series[i].name, "start", 11);
+  const double middle = beside ? 20 : kTop + 12;
+  std::string out;
+  if (!beside) {
+    out += fmt::format("<rect x='{:.1f}' y='{}' width='{:.1f}' height='18' fill='#ffffff' opacity='0.85'/>\n",
+                       right - total - 4, middle - 9, total + 4);
+  }
+  for (std::size_t i = chart.series.size(); i-- > 0;) {  // from the right edge leftwards
+    const Series& s = chart.series[i];
+    if (s.name.empty()) continue;
+    right -= width_of(s);
+    out += fmt::format("<line x1='{0:.1f}' x2='{1:.1f}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' {4}/>\n", right,
+                       right + 16, middle, colours[i], s.dashed ? "stroke-dasharray='4 3'" : "");
+    out += text_at(right + 20, middle + 4, s.name, "start", 11);
   }
   return out;
 }
@@ -228,7 +241,7 @@ std::string svg(const LineChart& chart, ChartSize size) {
     colours.push_back(s.colour.empty() ? kPalette[i % kPalette.size()] : s.colour);
     out += polyline(s, colours.back(), x, y);
   }
-  out += level_lines(chart.levels, y, size) + legend(chart.series, colours, size);
+  out += level_lines(chart.levels, y, size) + legend(chart, colours, size);
   out += text_at(0.5 * (kLeft + size.width - kRight), size.height - 10, chart.x_label, "middle");
   return out + vertical_label(chart.y_label, size) + "</svg>\n";
 }

@@ -122,7 +122,10 @@ void add_where(report::HtmlPage& page, const Diagnosis& d) {
                           fmt::format("{:.2g}", c.q_value)});
   }
   if (!table.rows.empty()) {
-    page.paragraph("Cells in which the error is larger than elsewhere (false discovery rate 5 %).");
+    page.paragraph(
+        "Cells in which the error is larger than elsewhere. Lift: error energy a row in the cell over that outside it; "
+        "q: "
+        "expected share of false alarms among the cells down to this one (listed up to 5 %).");
     page.table(table);
   }
 }
