@@ -80,6 +80,9 @@ Motion walk_forward() {
   m.recipe.kx = 0.35;
   m.recipe.kappa = 0.90;  // bent knees lift the foot at a lower knee speed
   m.recipe.swing_height_m = 0.032;
+  m.recipe.swing_sharpness = 2.0;  // up first, then forward: otherwise the heel drags and in one trial of ten catches
+  m.recipe.swing_dwell = 0.15;
+  m.recipe.swing_stretch = 1.1;  // keeps the joints well within the servos' speed all the same
   m.recipe.basis_per_second = 20.0;
   m.recipe.zmp_inside_m = 0.008;
   m.success = walking();

@@ -117,8 +117,11 @@ math::Vec3 StepPlan::foot_at(int side, double t) const {
       continue;
     }
     const double u = (t - swing.lift_s) / (swing.land_s - swing.lift_s);
-    p = swing.from + smooth_step(u) * (swing.to - swing.from);
-    height += swing_height_m * 64.0 * std::pow(u * (1 - u), 3);
+    // A leg that gives up its load first takes up the servos' sag, so the sole leaves the ground later than planned. A foot
+    // that is on its way forward by then stubs.
+    const double ahead = std::clamp((u - swing_dwell) / (1 - 2 * swing_dwell), 0.0, 1.0);
+    p = swing.from + smooth_step(ahead) * (swing.to - swing.from);
+    height += swing_height_m * std::pow(4 * u * (1 - u), swing_sharpness);
   }
   return {p.x(), p.y(), height};
 }
@@ -191,6 +194,8 @@ StepPlan plan_steps(const HumanMotion& human, const Recipe& recipe) {
   const Scale scale = scale_for(human, recipe);
   StepPlan plan;
   plan.swing_height_m = recipe.swing_height_m;
+  plan.swing_sharpness = recipe.swing_sharpness;
+  plan.swing_dwell = recipe.swing_dwell;
   for (int side : {kRight, kLeft}) plan.start[side] = {0.0, standing_y(side)};
   std::array<Eigen::Vector2d, 2> at = plan.start;
   double delay = recipe.stand_s + kTransfer_s - scale.time * human_swings.front().lift_s;

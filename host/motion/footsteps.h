@@ -28,6 +28,8 @@ struct StepPlan {
   std::array<Eigen::Vector2d, 2> start;  // right, left
   std::vector<Swing> swings;             // in the order of lifting
   double swing_height_m = 0.0;
+  double swing_sharpness = 3.0;          // of the rise: height ~ (4 u (1 - u))^sharpness
+  double swing_dwell = 0.0;              // share of a swing, at either end, in which the foot only rises or sinks
   double duration_s = 0.0;
 
   /// Foot frame origin at time t: on the ground or on its way. Level, heading +x.

@@ -25,6 +25,8 @@ struct Recipe {
   double kz = 0.3;                // height of the hips, relative to leg length
   double kappa = 0.93;            // leg length when standing, of the straight leg
   double swing_height_m = 0.028;  // gait: highest point of the swing foot
+  double swing_sharpness = 3.0;   // gait: the swing foot's height goes as (4 u (1 - u))^sharpness; smaller rises sooner
+  double swing_dwell = 0.0;       // gait: share of a swing, at either end, in which the foot only rises or sinks
   double double_support_s = 0.15; // gait: at least this long between a landing and the next lift; negative: may overlap
   double swing_stretch = 1.0;     // gait: length of a swing relative to the scaled clip
   bool even_rhythm = false;  // gait: every swing and every step lasts as long as the clip's mean (a man limps a little)
@@ -54,6 +56,8 @@ void visit_recipe(R& r, Field&& field) {
   field("kz", r.kz);
   field("kappa", r.kappa);
   field("swing_height_m", r.swing_height_m);
+  field("swing_sharpness", r.swing_sharpness);
+  field("swing_dwell", r.swing_dwell);
   field("double_support_s", r.double_support_s);
   field("swing_stretch", r.swing_stretch);
   field("even_rhythm", r.even_rhythm);

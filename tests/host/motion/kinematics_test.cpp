@@ -6,6 +6,7 @@
 
 #include "host/motion/balance.h"
 #include "host/motion/body_kinematics.h"
+#include "host/motion/footsteps.h"
 #include "host/motion/leg_ik.h"
 #include "host/motion/retarget.h"
 
@@ -49,6 +50,24 @@ TEST(LegIk, KneesBendForwardOnBothLegs) {
     const auto leg = solve_leg(side, base, math::Mat3::Identity(), foot, math::Mat3::Identity());
     EXPECT_GT(side_sign(side) * leg.q[3], 0.5);
   }
+}
+
+TEST(Footsteps, ASwingFootRisesBeforeItGoesForward) {
+  StepPlan plan;
+  plan.start = {Eigen::Vector2d(0.0, -0.05), Eigen::Vector2d(0.0, 0.05)};
+  plan.swings = {{.side = 1, .lift_s = 1.0, .land_s = 2.0, .from = {0.0, 0.05}, .to = {0.1, 0.06}}};
+  plan.swing_height_m = 0.03;
+  plan.swing_sharpness = 2.0;
+  plan.swing_dwell = 0.15;
+  const double ground = plan.foot_at(1, 0.5).z();
+  EXPECT_EQ(plan.foot_at(1, 1.15).x(), 0.0);
+  EXPECT_NEAR(plan.foot_at(1, 1.15).z() - ground, 0.03 * std::pow(4 * 0.15 * 0.85, 2), 1e-12);
+  EXPECT_GT(plan.foot_at(1, 1.16).x(), 0.0);
+  EXPECT_NEAR(plan.foot_at(1, 1.5).x(), 0.05, 1e-12);
+  EXPECT_NEAR(plan.foot_at(1, 1.5).z() - ground, 0.03, 1e-12);
+  EXPECT_EQ(plan.foot_at(1, 1.86).x(), 0.1) << "straight down at the end, too";
+  EXPECT_EQ(plan.foot_at(1, 2.5).z(), ground);
+  EXPECT_EQ(plan.foot_at(0, 1.5).x(), 0.0) << "the other foot stands";
 }
 
 TEST(ComForZmp, IsTheInverseOfThePendulum) {
