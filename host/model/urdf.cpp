@@ -1,13 +1,11 @@
 #include "host/model/urdf.h"
 
-#include <console_bridge/console.h>
-#include <urdf_parser/urdf_parser.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
+#include "host/model/urdf_text.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::model {
@@ -27,17 +25,6 @@ Placement placement_of(const urdf::Pose& pose) {
   return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(), vector_of(pose.position)};
 }
 Placement behind(const Placement& a, const Placement& b) { return {a.R * b.R, a.p + a.R * b.p}; }
-
-/// Collects what urdfdom complains about instead of printing it.
-class MessageCatcher : public console_bridge::OutputHandler {
- public:
-  MessageCatcher() { console_bridge::useOutputHandler(this); }
-  ~MessageCatcher() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && message.empty()) message = text;
-  }
-  std::string message;
-};
 
 class TreeReader {
  public:
@@ -64,7 +51,7 @@ class TreeReader {
     }
     for (const auto& joint : link.child_joints) {
       const Placement joint_at = behind(at, placement_of(joint->parent_to_joint_origin_transform));
-      const urdf::Link& child = child_of(link, *joint);
+      const urdf::Link& child = child_of(link, *joint, file_);
       if (joint->type == urdf::Joint::FIXED) {
         add_link(child, carrier, joint_at);
       } else {
@@ -102,13 +89,6 @@ class TreeReader {
     return {in.mass, com.p, com.R * I * com.R.transpose()};
   }
 
-  const urdf::Link& child_of(const urdf::Link& link, const urdf::Joint& joint) const {
-    for (const auto& child : link.child_links) {
-      if (child->name == joint.child_link_name) return *child;
-    }
-    fail(joint.name, "joint without a child link", joint.child_link_name, "a link of that name");
-  }
-
   std::string file_;
   UrdfRobot robot_;
 };
@@ -116,11 +96,7 @@ class TreeReader {
 }  // namespace
 
 UrdfRobot parse_urdf(const std::string& text, const std::string& name, Base base) {
-  MessageCatcher catcher;
-  const auto model = urdf::parseURDF(text);
-  if (!model)
-    throw InputError(name, 0, "", "not a URDF", catcher.message, "a <robot> whose links and joints form one tree");
-  return TreeReader(name, base).read(*model);
+  return TreeReader(name, base).read(*parse_urdf_text(text, name));
 }
 
 UrdfRobot read_urdf(const std::string& path, Base base) {

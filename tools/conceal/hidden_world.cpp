@@ -1,15 +1,11 @@
 #include "tools/conceal/hidden_world.h"
 
-#include <mujoco/mujoco.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
-#include <mutex>
 
-#include "tools/plant/world_error.h"
+#include "tools/plant/mujoco_model.h"
 
 namespace sanso::conceal {
 namespace {
@@ -18,29 +14,6 @@ constexpr double kStep_s = 0.0002;
 constexpr int kServoEvery = 5;     // steps: the servo's loop runs at 1 kHz
 constexpr double kSettle_s = 2.0;  // on the first command, before the recording begins
 constexpr double kCurrentQuantum = 2.69e-3, kPwmSteps = 885, kVoltQuantum = 0.1;
-
-struct ModelDeleter {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-};
-struct DataDeleter {
-  void operator()(mjData* d) const { mj_deleteData(d); }
-};
-using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
-using DataPtr = std::unique_ptr<mjData, DataDeleter>;
-
-ModelPtr compile(const std::string& mjcf) {
-  static std::mutex parser;  // MuJoCo's XML reader keeps global state
-  const std::lock_guard lock(parser);
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "hidden.xml", static_cast<int>(mjcf.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "hidden.xml")], mjcf.data(), mjcf.size());
-  char error[500] = "";
-  ModelPtr model(mj_loadXML("hidden.xml", files.get(), error, sizeof error));
-  mj_deleteVFS(files.get());
-  if (!model) throw plant::WorldError(std::string("MuJoCo refuses the hidden world: ") + error);
-  return model;
-}
 
 /// The command as each servo gets it: delayed, held, sometimes lost.
 class CommandLine {
@@ -78,8 +51,8 @@ class Body {
     std::vector<double> armature;
     // a motor behind play or compliance is a mass of its own; the last gear stays with the link
     for (const JointTruth& j : world.joints) armature.push_back(two_masses(j) ? 1e-4 : j.armature);
-    model_ = compile(to_mjcf(world.robot, armature, kStep_s, experiment.gravity));
-    data_ = DataPtr(mj_makeData(model_.get()));
+    model_ = plant::compile_mjcf(to_mjcf(world.robot, armature, kStep_s, experiment.gravity), "the hidden world");
+    data_ = plant::DataPtr(mj_makeData(model_.get()));
     for (const LinkSpec& link : world.robot.links) {
       const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, link.joint.c_str());
       qpos_.push_back(model_->jnt_qposadr[joint]);
@@ -121,8 +94,8 @@ class Body {
 
   const WorldTruth& world_;
   const Experiment& experiment_;
-  ModelPtr model_;
-  DataPtr data_;
+  plant::ModelPtr model_;
+  plant::DataPtr data_;
   std::vector<int> qpos_, dof_, body_, payload_body_;
   bool late_on_ = false;
 };

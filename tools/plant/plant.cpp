@@ -1,42 +1,17 @@
 #include "tools/plant/plant.h"
 
 #include <fmt/format.h>
-#include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cstring>
-#include <mutex>
 
 #include "tools/plant/body_data.h"
 #include "tools/plant/mjcf.h"
+#include "tools/plant/mujoco_model.h"
 #include "tools/plant/random.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::plant {
 namespace {
-
-struct ModelDeleter {
-  void operator()(mjModel* m) const { mj_deleteModel(m); }
-};
-struct DataDeleter {
-  void operator()(mjData* d) const { mj_deleteData(d); }
-};
-using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
-using DataPtr = std::unique_ptr<mjData, DataDeleter>;
-
-ModelPtr compile(const std::string& mjcf) {
-  static std::mutex parser;  // MuJoCo's XML reader keeps global state
-  const std::lock_guard lock(parser);
-  const auto files = std::make_unique<mjVFS>();
-  mj_defaultVFS(files.get());
-  mj_makeEmptyFileVFS(files.get(), "op3.xml", static_cast<int>(mjcf.size()));
-  std::memcpy(files->filedata[mj_findFileVFS(files.get(), "op3.xml")], mjcf.data(), mjcf.size());
-  char error[500] = "";
-  ModelPtr model(mj_loadXML("op3.xml", files.get(), error, sizeof error));
-  mj_deleteVFS(files.get());
-  if (!model) throw WorldError(std::string("MuJoCo refuses the emulated robot: ") + error);
-  return model;
-}
 
 GearTrainParameters gear_parameters_of(const ServoParameters& s, Random& random) {
   const auto spread = [&] { return std::max(0.2, 1.0 + s.spread * random.normal()); };
@@ -63,7 +38,7 @@ constexpr double kSupplyFilter_s = 0.002;  // smoothing by the servos' capacitor
 
 struct Plant::Impl {
   explicit Impl(const World& world_in)
-      : world(world_in), model(compile(make_mjcf(world))), data(mj_makeData(model.get())) {
+      : world(world_in), model(compile_mjcf(make_mjcf(world), "the emulated robot")), data(mj_makeData(model.get())) {
     Random random(world.servo.spread_seed);
     for (const JointData& joint : op3_body().joints) {
       const int id = mj_name2id(model.get(), mjOBJ_JOINT, joint.name.c_str());

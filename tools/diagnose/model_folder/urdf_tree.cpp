@@ -1,10 +1,7 @@
 // URDF text to RobotTree. The XML is read by urdfdom; what the simulator cannot do is refused by name.
-#include <console_bridge/console.h>
-#include <urdf_parser/urdf_parser.h>
-
 #include <cmath>
-#include <mutex>
 
+#include "host/model/urdf_text.h"
 #include "tools/diagnose/model_folder/robot_tree.h"
 #include "tools/recording/input_error.h"
 
@@ -12,17 +9,6 @@ namespace sanso::diagnose {
 namespace {
 
 using recording::InputError;
-
-/// Collects urdfdom's error messages instead of printing them.
-class MessageCatcher : public console_bridge::OutputHandler {
- public:
-  MessageCatcher() { console_bridge::useOutputHandler(this); }
-  ~MessageCatcher() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && message.empty()) message = text;
-  }
-  std::string message;
-};
 
 Mat3 rotation(const urdf::Rotation& q) {
   const double w = q.w, x = q.x, y = q.y, z = q.z;
@@ -36,7 +22,7 @@ class TreeBuilder {
  public:
   TreeBuilder(const urdf::ModelInterface& model, std::string file) : file_(std::move(file)) {
     tree_.name = model.getName();
-    add_link(*model.getRoot(), -1, kIdentity3, {0, 0, 0}, 0);
+    add_link(*model.getRoot(), -1, kIdentity3, {0, 0, 0});
     if (tree_.joints.empty()) fail("", "no movable joint", "", "at least one revolute, continuous or prismatic joint");
   }
   RobotTree take() { return std::move(tree_); }
@@ -48,23 +34,21 @@ class TreeBuilder {
   }
 
   /// Adds a link that sits at (R, p) in the frame of joint `joint`, then everything behind it.
-  void add_link(const urdf::Link& link, int joint, const Mat3& R, const Vec3& p, int depth) {
-    if (depth > 1000) fail(link.name, "tree too deep", "", "at most 1000 links in a row");
+  void add_link(const urdf::Link& link, int joint, const Mat3& R, const Vec3& p) {
     tree_.links[link.name] = {joint, R, p};
     if (link.inertial && joint >= 0) {
       add_body(tree_.joints[static_cast<std::size_t>(joint)].body, moved(inertia(link), R, p));
     }
-    for (const auto& child : link.child_joints) add_joint(*child, link, joint, R, p, depth);
+    for (const auto& child : link.child_joints) add_joint(*child, link, joint, R, p);
   }
 
-  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R, const Vec3& p,
-                 int depth) {
+  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R, const Vec3& p) {
     const auto& origin = joint.parent_to_joint_origin_transform;
     const Mat3 R_parent_joint = product(R, rotation(origin.rotation));
     const Vec3 p_parent_joint = p + rotated(R, vector(origin.position));
-    const urdf::Link& child = *child_of(link, joint);
+    const urdf::Link& child = model::child_of(link, joint, file_);
     if (joint.type == urdf::Joint::FIXED) {
-      add_link(child, parent, R_parent_joint, p_parent_joint, depth + 1);
+      add_link(child, parent, R_parent_joint, p_parent_joint);
       return;
     }
     const bool prismatic = joint.type == urdf::Joint::PRISMATIC;
@@ -86,14 +70,7 @@ class TreeBuilder {
       t.speed = joint.limits->velocity;
     }
     tree_.joints.push_back(t);
-    add_link(child, tree_.size() - 1, kIdentity3, {0, 0, 0}, depth + 1);
-  }
-
-  const urdf::Link* child_of(const urdf::Link& link, const urdf::Joint& joint) const {
-    for (const auto& child : link.child_links) {
-      if (child->name == joint.child_link_name) return child.get();
-    }
-    fail(joint.name, "joint without a child link", joint.child_link_name, "a link of that name");
+    add_link(child, tree_.size() - 1, kIdentity3, {0, 0, 0});
   }
 
   Vec3 unit_axis(const urdf::Joint& joint) const {
@@ -121,19 +98,7 @@ class TreeBuilder {
 }  // namespace
 
 RobotTree tree_from_urdf(const std::string& urdf, const std::string& file) {
-  static std::mutex mutex;  // urdfdom's message handler is one for the whole process
-  const std::lock_guard lock(mutex);
-  MessageCatcher catcher;
-  urdf::ModelInterfaceSharedPtr model;
-  try {
-    model = urdf::parseURDF(urdf);
-  } catch (const std::exception& e) {
-    throw InputError(file, 0, "", "not a URDF", e.what(), "<robot> with links and joints");
-  }
-  if (!model || !model->getRoot()) {
-    throw InputError(file, 0, "", "not a URDF", catcher.message.substr(0, 200), "<robot> with links and joints");
-  }
-  return TreeBuilder(*model, file).take();
+  return TreeBuilder(*model::parse_urdf_text(urdf, file), file).take();
 }
 
 }  // namespace sanso::diagnose

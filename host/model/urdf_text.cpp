@@ -1,0 +1,56 @@
+#include "host/model/urdf_text.h"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <mutex>
+
+#include "tools/recording/input_error.h"
+
+namespace sanso::model {
+namespace {
+
+using recording::InputError;
+
+/// Collects what urdfdom complains about instead of printing it.
+class MessageCatcher : public console_bridge::OutputHandler {
+ public:
+  MessageCatcher() { console_bridge::useOutputHandler(this); }
+  ~MessageCatcher() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && message.empty()) message = text;
+  }
+  std::string message;
+};
+
+}  // namespace
+
+urdf::ModelInterfaceSharedPtr parse_urdf_text(const std::string& text, const std::string& file) {
+  static std::mutex handler;
+  const std::lock_guard lock(handler);
+  MessageCatcher catcher;
+  const auto refuse = [&](const std::string& found) {
+    throw InputError(file, 0, "", "not a URDF", found.substr(0, 200), "a <robot> whose links and joints form one tree");
+  };
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& e) {
+    refuse(e.what());
+  }
+  if (!model || !model->getRoot()) refuse(catcher.message);
+  if (model->links_.size() > kMaxUrdfLinks) {
+    throw InputError(file, 0, "", "too many links", std::to_string(model->links_.size()),
+                     "at most " + std::to_string(kMaxUrdfLinks));
+  }
+  return model;
+}
+
+const urdf::Link& child_of(const urdf::Link& link, const urdf::Joint& joint, const std::string& file) {
+  for (const auto& child : link.child_links) {
+    if (child->name == joint.child_link_name) return *child;
+  }
+  throw InputError(file, 0, joint.name, "joint without a child link", joint.child_link_name, "a link of that name");
+}
+
+}  // namespace sanso::model
