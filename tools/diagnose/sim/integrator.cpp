@@ -29,15 +29,15 @@ void invert_block(JointMatrix& L, JointMatrix& inverse, int b, int e) {
     for (int i = j; i < e; ++i) {
       double sum = L[at(i, j)];
       for (int k = b; k < j; ++k) sum -= L[at(i, k)] * L[at(j, k)];
-      L[at(i, j)] = i == j ? std::sqrt(std::max(sum, kInertiaFloor)) : sum / L[at(j, j)];
+      // the diagonal holds reciprocals: one division a joint
+      L[at(i, j)] = i == j ? 1.0 / std::sqrt(std::max(sum, kInertiaFloor)) : sum * L[at(j, j)];
     }
   }
   for (int j = b; j < e; ++j) {  // inverse of L, then L^-T L^-1
-    L[at(j, j)] = 1.0 / L[at(j, j)];
     for (int i = j + 1; i < e; ++i) {
       double sum = 0.0;
       for (int k = j; k < i; ++k) sum -= L[at(i, k)] * L[at(k, j)];
-      L[at(i, j)] = sum / L[at(i, i)];
+      L[at(i, j)] = sum * L[at(i, i)];
     }
   }
   for (int i = b; i < e; ++i) {
