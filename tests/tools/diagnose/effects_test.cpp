@@ -172,6 +172,16 @@ TEST(EffectsOfAModel, AreCheckedAndComeBack) {
   }
 }
 
+TEST(EffectsOfAModel, ALinksMassDoesNotScaleThePayloadOnIt) {
+  ModelFolder model = parse_model("format = 1\n[[effect]]\nid = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n",
+                                  test::kArmUrdf, "m");
+  model.payloads.push_back({1, {2.0, {0, 0, -0.1}, {}}});
+  const SimParams params = params_with_effects(model);
+  EXPECT_EQ(params.tree.joints[1].body.mass, 0.75);
+  ASSERT_EQ(params.late_payloads.size(), 1u);
+  EXPECT_EQ(params.late_payloads[0].body.mass, 2.0);
+}
+
 /// The page with the text between <!-- begin NAME --> and <!-- end NAME --> replaced.
 std::string with_section(const std::string& page, const std::string& name, const std::string& text) {
   const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";

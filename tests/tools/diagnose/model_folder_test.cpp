@@ -121,8 +121,11 @@ TEST(ModelFolder, SidecarSettingsWinOverTheModel) {
   EXPECT_EQ(changed.joints[0].viscous, 0.1);
   EXPECT_EQ(changed.joints[1].viscous, 0.5);
   EXPECT_EQ(changed.gravity[0], 1.0);
-  EXPECT_EQ(changed.tree.joints[0].body.mass, 8.0);
-  EXPECT_NEAR(changed.tree.joints[0].body.com[2], (4 * -0.175 + 4 * -0.1) / 8, 1e-15);
+  EXPECT_EQ(changed.tree.joints[0].body.mass, 4.0) << "the link's own mass is not the payload's";
+  ASSERT_EQ(changed.payloads.size(), 1u);
+  EXPECT_EQ(changed.payloads[0].joint, 0);
+  EXPECT_EQ(changed.payloads[0].body.mass, 4.0);
+  EXPECT_NEAR(changed.payloads[0].body.com[2], -0.1, 1e-15);
   EXPECT_EQ(m.joints[0].viscous, 0.0) << "the model itself stays";
   recording::Recording unknown;
   recording::parse_sidecar("[joint.c]\nviscous = 0.5\n", "r.toml", unknown);

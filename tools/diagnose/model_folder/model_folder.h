@@ -24,6 +24,12 @@ struct EffectEntry {
   int line = 0;
 };
 
+/// A weight that was put on for one recording; apart from its link, whose own mass may be what is in question.
+struct AttachedBody {
+  int joint = 0;
+  BodyInertia body;  // in the joint's frame
+};
+
 struct ModelFolder {
   std::string folder;                    // as the user named it; used in messages
   std::string urdf_file = "robot.urdf";  // beside model.toml
@@ -37,6 +43,7 @@ struct ModelFolder {
   double ground_friction = 0.8;
   std::vector<EffectEntry> effects;
   RobotTree tree;
+  std::vector<AttachedBody> payloads;  // of the recording, see with_overrides
 };
 
 /// Throws recording::InputError: file, line, key, what was expected.

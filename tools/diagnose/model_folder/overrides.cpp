@@ -34,15 +34,14 @@ void apply(const Override& o, const std::string& file, ModelFolder& model) {
   }
 }
 
-void attach(const recording::Payload& payload, const std::string& file, RobotTree& tree) {
-  const auto place = tree.links.find(payload.link);
-  if (place == tree.links.end()) {
+void attach(const recording::Payload& payload, const std::string& file, ModelFolder& model) {
+  const auto place = model.tree.links.find(payload.link);
+  if (place == model.tree.links.end()) {
     throw InputError(file, 0, "payload.link", "unknown link", payload.link, "a link of the model's URDF");
   }
   if (place->second.joint < 0) return;  // on the fixed base it changes nothing
   const BodyInertia point{payload.mass, payload.com, {}};
-  add_body(tree.joints[static_cast<std::size_t>(place->second.joint)].body,
-           moved(point, place->second.R_joint_link, place->second.p_joint_link));
+  model.payloads.push_back({place->second.joint, moved(point, place->second.R_joint_link, place->second.p_joint_link)});
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ ModelFolder with_overrides(const ModelFolder& model, const recording::Recording&
   for (const Override& o : recording.overrides) {
     if (o.table.starts_with("joint.")) apply(o, sidecar, changed);
   }
-  for (const recording::Payload& payload : recording.payloads) attach(payload, sidecar, changed.tree);
+  for (const recording::Payload& payload : recording.payloads) attach(payload, sidecar, changed);
   return changed;
 }
 

@@ -80,18 +80,26 @@ std::vector<double> orders_near(const Candidate& effect, std::size_t index, doub
   return out;
 }
 
-/// The order whose amplitudes, after one Gauss-Newton step, leave the least.
-Model best_order(const Surroundings& around, Model model, std::size_t index) {
-  const int candidate = model.effects.back().candidate;
-  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
-  FitResult best = fit(around, model, 1);
-  for (const double order : orders_near(effect, index, model.effects.back().theta[index])) {
+/// The one of `orders`, or the model's own, whose amplitudes leave the least after `iterations` Gauss-Newton steps.
+Model best_order(const Surroundings& around, const Model& model, std::size_t index, const std::vector<double>& orders,
+                 int iterations) {
+  FitResult best = fit(around, model, iterations);
+  for (const double order : orders) {
     Model trial = model;
     trial.effects.back().theta[index] = order;
-    const FitResult fitted = fit(around, trial, 1);
+    const FitResult fitted = fit(around, trial, iterations);
     if (fitted.objective < best.objective) best = fitted;
   }
   return best.model;
+}
+
+/// One step for all orders around the probed one; then the best of them against its neighbours, fitted further.
+Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
+  const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index]);
+  const Model coarse = best_order(around, model, index, near, 1);
+  const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
+  return best_order(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
 }
 
 }  // namespace
@@ -102,7 +110,7 @@ Model best_start(const Surroundings& around, const Model& base, int candidate, c
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     const bool order = effect.parameters[i].structural && effect.parameters[i].name == "order";
-    if (order) model = best_order(around, std::move(model), i);
+    if (order) model = with_best_order(around, model, i);
   }
   return model;
 }

@@ -105,7 +105,7 @@ struct SimParams {
   int size() const { return tree.size(); }
 };
 
-/// The nominal model. Its [[effect]] entries are not applied here (effects/from_model.h does that).
+/// The nominal model with its payloads. Its [[effect]] entries are not applied here (effects/from_model.h does that).
 SimParams make_params(const ModelFolder& model);
 
 }  // namespace sanso::diagnose
