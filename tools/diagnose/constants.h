@@ -31,7 +31,8 @@ inline double kZeroTolerance = 0.0015;    // rad: one count of a 12-bit encoder
 inline double kLagTolerance = 0.0005;     // s: instants inside a bus cycle are not known better
 inline double kArmatureTolerance = 0.1;   // relative, rotor inertia
 
-inline double kTolerancePrecision = 3.0; // of a nuisance in units of its tolerance: 1 / variance of a uniform spread over [-1, 1]
+inline double kTolerancePrecision =
+    3.0;  // of a nuisance in units of its tolerance: 1 / variance of a uniform spread over [-1, 1]
 inline double kToleranceReach = 1.0;  // of the above: further off, something is missing that wants a name
 
 // --- decisions
@@ -45,7 +46,7 @@ inline double kPracticalSize =
     0.3;  // noise levels RMS over one joint's rows: the faintest severity of method 4; what changes less
           // (integration step, rounding of goals and duty) is no mismatch that matters
 inline double kMinimumShare = 0.01;  // of the first model's error: smaller effects are not worth a name
-inline double kNamedShare = 0.8;     // of the excess error a complete explanation removes; below: also "unnamed"
+inline double kNamedShare = 0.95;    // of the excess error energy that a complete explanation removes: RMS to a quarter
 inline double kAdequate = 1.42;      // noise levels: above, what is left has more energy than the noise itself
 inline int kRivals = 8;              // cluster representatives fitted fully at every step (method 3.7a)
 inline int kMaximumEffects = 6;      // more names than this is a different robot, not a missing effect

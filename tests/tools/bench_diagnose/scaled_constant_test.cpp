@@ -36,7 +36,7 @@ TEST(ScaledConstant, KnowsEveryConstantOfTheHeader) {
   std::ifstream header("tools/diagnose/constants.h");
   ASSERT_TRUE(header) << "tests run from the top of the repository";
   const std::vector<std::string> known = constant_names();
-  const std::regex definition("^inline (?:double|int) (k[A-Za-z]+) = .*");
+  const std::regex definition("^inline (?:double|int) (k[A-Za-z]+) =.*");
   std::smatch match;
   std::size_t found = 0;
   for (std::string line; std::getline(header, line);) {
