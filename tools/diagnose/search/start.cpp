@@ -80,13 +80,14 @@ std::vector<double> orders_near(const Candidate& effect, std::size_t index, doub
   return out;
 }
 
-/// The one of `orders`, or the model's own, whose amplitudes leave the least after `iterations` Gauss-Newton steps.
-Model best_order(const Surroundings& around, const Model& model, std::size_t index, const std::vector<double>& orders,
+/// The one of `values` of this parameter, or the model's own, whose other parameters leave the least after `iterations`
+/// Gauss-Newton steps.
+Model best_value(const Surroundings& around, const Model& model, std::size_t index, const std::vector<double>& values,
                  int iterations) {
   FitResult best = fit(around, model, iterations);
-  for (const double order : orders) {
+  for (const double value : values) {
     Model trial = model;
-    trial.effects.back().theta[index] = order;
+    trial.effects.back().theta[index] = value;
     const FitResult fitted = fit(around, trial, iterations);
     if (fitted.objective < best.objective) best = fitted;
   }
@@ -97,9 +98,41 @@ Model best_order(const Surroundings& around, const Model& model, std::size_t ind
 Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
   const Candidate& effect = around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
   const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index]);
-  const Model coarse = best_order(around, model, index, near, 1);
+  const Model coarse = best_value(around, model, index, near, 1);
   const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
-  return best_order(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
+  return best_value(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
+}
+
+/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint. Empty
+/// range: no such parameter. No derivative leads there from afar, so a grid is tried and then refined.
+std::pair<double, double> range_of_place(const Surroundings& around, const Candidate& effect, std::size_t index) {
+  const std::string& name = effect.parameters[index].name;
+  if (name == "from") {
+    double longest = 0.0;
+    for (const Source& s : around.problem->sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
+    return {0.0, longest};
+  }
+  if (name != "position") return {0.0, 0.0};
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const std::vector<double>& probe : effect.probes) {
+    low = std::min(low, probe[index]);
+    high = std::max(high, probe[index]);
+  }
+  return {low, high};
+}
+
+Model with_best_place(const Surroundings& around, Model model, std::size_t index, double low, double high) {
+  constexpr int kPlaces = 14;  // a place off by half a step still explains most; the refinement finds the rest
+  double step = (high - low) / (kPlaces + 1);
+  std::vector<double> places;
+  for (int i = 1; i <= kPlaces; ++i) places.push_back(low + i * step);
+  model = best_value(around, model, index, places, 2);
+  for (int round = 0; round < 4; ++round) {
+    step *= 0.5;
+    const double place = model.effects.back().theta[index];
+    model = best_value(around, model, index, {std::max(low, place - step), std::min(high, place + step)}, 2);
+  }
+  return model;
 }
 
 }  // namespace
@@ -111,6 +144,8 @@ Model best_start(const Surroundings& around, const Model& base, int candidate, c
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     const bool order = effect.parameters[i].structural && effect.parameters[i].name == "order";
     if (order) model = with_best_order(around, model, i);
+    const auto [low, high] = range_of_place(around, effect, i);
+    if (high > low) model = with_best_place(around, std::move(model), i, low, high);
   }
   return model;
 }
