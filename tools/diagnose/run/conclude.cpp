@@ -112,6 +112,8 @@ namespace {
 /// RMS of the final model's position errors in noise levels (or trust floors), starts taken out.
 double position_error_level(const Problem& problem, const Selection& selection) {
   const Eigen::VectorXd r = selection.around->starts.project(selection.final.r);
+  // as in the fits: a shot that runs away, stuck at its start in one world only, does not decide alone
+  const Eigen::VectorXd weights = selection.around->weights(selection.around->starts.energy_by_shot(selection.final.r));
   double square = 0.0, rows = 0.0;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Observed& channel = problem.channels[c];
@@ -119,8 +121,9 @@ double position_error_level(const Problem& problem, const Selection& selection) 
     for (const Shot& shot : problem.shots) {
       const auto piece =
           r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows));
-      square += piece.squaredNorm() * channel.sigma * channel.sigma / (channel.floor * channel.floor);
-      rows += static_cast<double>(shot.rows);
+      const double weight = weights[&shot - problem.shots.data()];
+      square += weight * piece.squaredNorm() * channel.sigma * channel.sigma / (channel.floor * channel.floor);
+      rows += weight * static_cast<double>(shot.rows);
     }
   }
   return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
