@@ -15,11 +15,11 @@ namespace {
 
 /// [nuisances | signatures | error], single precision: thousands of signatures of a robot with many joints fill
 /// gigabytes. A signature is the change of the prediction error for a full probe.
-Eigen::MatrixXf columns_of(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
-                           const std::vector<ProbeScore>& probes) {
-  const Eigen::Index nuisances = around.A.cols(), count = static_cast<Eigen::Index>(probes.size());
+Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& known, const Model& model,
+                           const Eigen::VectorXd& r, const std::vector<ProbeScore>& probes) {
+  const Eigen::Index nuisances = known.cols(), count = static_cast<Eigen::Index>(probes.size());
   Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
-  columns.leftCols(nuisances) = around.A.cast<float>();
+  columns.leftCols(nuisances) = known.cast<float>();
   columns.rightCols(1) = r.cast<float>();
   parallel_for(static_cast<int>(probes.size()), [&](int i) {
     const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
@@ -39,7 +39,8 @@ struct BoxedNuisances {
   Eigen::VectorXd d;
   std::vector<Eigen::Index> free;
 };
-BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library, const Model& model) {
+BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library, const Model& model,
+                               Eigen::Index known) {
   const auto n = static_cast<Eigen::Index>(library.nuisances.size());
   const Eigen::Index last = gram.cols() - 1;
   BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
@@ -61,6 +62,8 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
     const double at = x[i] + out.d[i];
     if (std::abs(at) < constants::kToleranceReach - kEdge) out.free.push_back(i);
   }
+  out.d.conservativeResizeLike(Eigen::VectorXd::Zero(known));
+  for (Eigen::Index i = n; i < known; ++i) out.free.push_back(i);  // parameters of accepted effects
   return out;
 }
 
@@ -98,16 +101,16 @@ Eigen::VectorXd by_shot(const Problem& problem, const Eigen::VectorXd& weights, 
 
 /// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit):
 /// the error level of a model large enough, as in ordinary regression.
-std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXf& columns,
-                                             const Eigen::VectorXd& weights) {
-  const Eigen::Index a = around.A.cols(), k = columns.cols() - a - 1;
+std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& known,
+                                             const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) {
+  const Eigen::Index a = known.cols(), k = columns.cols() - a - 1;
   std::vector<double> energy(static_cast<std::size_t>(k)), score(energy.size());
   parallel_for(static_cast<int>(k), [&](int c) {
     energy[static_cast<std::size_t>(c)] = around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
   });
   const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
-  Eigen::MatrixXd taken = around.A;  // nuisances and the signatures taken out so far
-  Eigen::VectorXd left;              // M times what they leave
+  Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
+  Eigen::VectorXd left;           // M times what they leave
   std::vector<Eigen::Index> chosen;
   constexpr int kPursuit = 5;
   for (int round = 0; round <= kPursuit; ++round) {
@@ -187,7 +190,11 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
 }  // namespace
 
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
-                 const std::vector<int>& which, Random random, const Screening* earlier) {
+                 const std::vector<int>& which, Random random, const Screening* earlier,
+                 const Eigen::MatrixXd& accepted) {
+  Eigen::MatrixXd known(r.size(), around.A.cols() + accepted.cols());
+  known.leftCols(around.A.cols()) = around.A;
+  if (accepted.cols() > 0) known.rightCols(accepted.cols()) = accepted;
   Screening out;
   std::vector<char> signed_probe;
   for (int candidate : which) {
@@ -200,17 +207,18 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
     }
   }
   const auto count = static_cast<Eigen::Index>(out.probes.size());
-  Eigen::MatrixXf columns = columns_of(around, model, r, out.probes);
+  Eigen::MatrixXf columns = columns_of(around, known, model, r, out.probes);
   // a shot that runs away (a joint that sticks at its start in one world and not in the other) does not decide alone
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
-  rescale(*around.problem, saturated_overdispersion(around, columns, weights), columns, out.channel_sigma);
+  rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns, out.channel_sigma);
   const Eigen::MatrixXd gram = around.starts.gram(columns, weights);
-  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model), around.A.cols(), count);
+  const Eliminated e =
+      eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()), known.cols(), count);
   out.correlation.resize(count, count);
   // a signature below rounding says nothing
   const auto says_something = [&](Eigen::Index i) {
     constexpr double kRounding = 1e-10;  // of its energy before the nuisances took their share
-    const Eigen::Index at = around.A.cols() + i;
+    const Eigen::Index at = known.cols() + i;
     return e.G(i, i) > std::max(1e-12, kRounding * gram(at, at));
   };
   for (Eigen::Index i = 0; i < count; ++i) {

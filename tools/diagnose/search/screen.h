@@ -44,7 +44,9 @@ struct Screening {
 
 /// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening
 /// only two probes of every candidate are tried again: its strongest one and its most different one.
+/// `accepted`: derivatives by the parameters of the model's own effects, projected out like the nuisances; empty: none.
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
-                 const std::vector<int>& which, Random random, const Screening* earlier = nullptr);
+                 const std::vector<int>& which, Random random, const Screening* earlier = nullptr,
+                 const Eigen::MatrixXd& accepted = {});
 
 }  // namespace sanso::diagnose

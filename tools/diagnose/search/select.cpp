@@ -224,9 +224,10 @@ class Search {
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
       if (!out_.final.model.has(static_cast<int>(i))) open.push_back(static_cast<int>(i));
     }
-    Screening screening = step == 0 ? out_.first
-                                    : screen(*out_.around, out_.final.model, out_.final.r, open,
-                                             Random(options_.seed, 10 + step), &out_.first);
+    Screening screening =
+        step == 0 ? out_.first
+                  : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
+                           &out_.first, out_.final.J.leftCols(out_.final.parameters));
     if (step > 0) calibrate(screening);
     const std::vector<int> which = rivals(screening);
     if (which.empty()) {
@@ -367,7 +368,7 @@ class Search {
       std::stable_sort(others.begin(), others.end(),
                        [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
       for (Alternative& a : others) a.fit.J.resize(0, 0);
-    entry.alternatives = std::move(others);
+      entry.alternatives = std::move(others);
     }
   }
 
