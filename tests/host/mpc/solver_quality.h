@@ -11,26 +11,45 @@
 namespace sanso::mpc {
 
 struct Quality {
-  double start = 0;      // cost of u_up = 0
-  double ours = 0;       // our policy, closed loop under the tight model
-  double slow = 0;       // the slow reference's optimum, same model
+  double start = 0;  // cost of u_up = 0
+  double ours = 0;   // our policy, closed loop under the tight model
+  double own = 0;    // what our solver believes it costs, in its own model
+  double slow = 0;   // the slow reference's optimum, same model
   int iterations = 0, slow_iterations = 0;
 };
 
-/// `seed` draws motion, moment and disturbance; `convergence` is our solver's.
-inline Quality compare_on_problem(unsigned seed, double convergence = SolverSettings{}.convergence) {
+/// How hard our solver works: as in the product, or with what makes it slow and exact.
+struct Effort {
+  Op3PhasesSettings linearization;
+  model::ContactSettings contact = host::AugmentedModel{}.analytical.contact;
+  double convergence = SolverSettings{}.convergence;
+};
+inline Effort tight_effort() {
+  Effort e;
+  e.linearization.difference_step = 1e-6;
+  e.linearization.linearize_sweeps = 10;
+  e.linearization.linearize_newton_steps = 4;
+  e.contact.sweeps = 200;
+  e.contact.newton_steps = 4;
+  e.convergence = 1e-6;
+  return e;
+}
+
+/// `seed` draws motion, moment and disturbance.
+inline Quality compare_on_problem(unsigned seed, const Effort& effort = {}) {
   static const char* const kMotions[] = {"stand", "squat", "walk_forward"};
   std::mt19937 random(seed);
   const auto reference = problems::reference_of(kMotions[seed % 3]);
   const int tick = static_cast<int>(std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
   host::AugmentedModel model;
+  model.analytical.contact = effort.contact;
   SpinPool pool(1, false);
-  Op3Phases phases({}, model, pool, lane_kernels());
+  Op3Phases phases(effort.linearization, model, pool, lane_kernels());
   const auto context = problems::make_context(reference, tick, 12, CostWeights{});
   phases.context() = *context;
   const model::State x0 = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
   SolverSettings settings;
-  settings.convergence = convergence;
+  settings.convergence = effort.convergence;
   settings.max_iterations = 30;
   Solver solver(settings, phases);
   std::copy_n(x0.data(), kNx, solver.trajectory().x[0]);
@@ -38,7 +57,8 @@ inline Quality compare_on_problem(unsigned seed, double convergence = SolverSett
   solver.solve(0.0, 0, result);
 
   Quality q;
-  const reference::Model tight(model, *context, 0.06, 200);
+  const host::AugmentedModel nominal;
+  const reference::Model tight(nominal, *context, 0.06, 200);
   std::vector<model::State> x(12);
   std::vector<model::Input> u(11);
   std::vector<model::Gain> K(11);
@@ -53,6 +73,7 @@ inline Quality compare_on_problem(unsigned seed, double convergence = SolverSett
   q.ours = reference::closed_loop_cost(tight, x0, x, u, K, settings.input_limit_rad);
   const reference::Solution slow = reference::solve(tight, 11, x0, settings.input_limit_rad, 30);
   q.slow = slow.cost;
+  q.own = result.cost_after;
   q.iterations = result.iterations;
   q.slow_iterations = slow.iterations;
   return q;
