@@ -70,7 +70,7 @@ struct EmulatedRobot::Impl {
       : world(world_in), body(world), imu(world.imu, seed * 3 + 1), pose(world.pose, seed * 3 + 2) {
     std::vector<BusDevice*> devices;
     for (int id = 1; id <= kNumServos; ++id) {
-      servos.push_back(std::make_unique<Servo>(static_cast<std::uint8_t>(id), world.servo));
+      servos.push_back(std::make_unique<Servo>(static_cast<std::uint8_t>(id), world.servo, baud));
       devices.push_back(servos.back().get());
     }
     devices.push_back(&board);

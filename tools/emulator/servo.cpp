@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "shared/servo_bus/units.h"
@@ -40,12 +42,17 @@ constexpr std::array kOnlyValue{OnlyValue{&xm::kDriveMode, 0},
 
 }  // namespace
 
-Servo::Servo(std::uint8_t id, const plant::ServoParameters& parameters) : id_(id), parameters_(parameters) {
+Servo::Servo(std::uint8_t id, const plant::ServoParameters& parameters, std::int64_t baud)
+    : id_(id), parameters_(parameters), line_baud_(baud) {
+  const auto rate = std::find(xm::kBaudRates.begin(), xm::kBaudRates.end(), baud);
+  if (rate == xm::kBaudRates.end()) throw std::invalid_argument("no servo talks at " + std::to_string(baud) + " baud");
   registers_.set(xm::kId, id);
   registers_.set(xm::kFirmwareVersion, xm::kFirmwareWithFastRead);
-  registers_.set(xm::kBaudRate, 4);         // as the maker sets up an OP3: 2 Mbit/s,
-  registers_.set(xm::kReturnDelayTime, 1);  // 2 us
+  registers_.set(xm::kBaudRate, rate - xm::kBaudRates.begin());
+  registers_.set(xm::kReturnDelayTime, 1);  // 2 us, as the maker sets up an OP3
 }
+
+std::int64_t Servo::own_baud() const { return xm::kBaudRates[static_cast<std::size_t>(registers_.get(xm::kBaudRate))]; }
 
 void Servo::boot(Nanoseconds now, Nanoseconds duration) {
   const std::int64_t id = registers_.get(xm::kId);
@@ -247,7 +254,8 @@ StatusError Servo::refusal_of(const servo_bus::Register& r, const RegisterFile& 
   if (is(xm::kTorqueEnable) && value != 0 && shut_down) return StatusError::result_fail;
   if (is(xm::kGoalPosition)) {
     if (before.get(xm::kBusWatchdog) < 0) return StatusError::data_range;
-    const bool inside = value >= registers_.get(xm::kMinPositionLimit) && value <= registers_.get(xm::kMaxPositionLimit);
+    const bool inside =
+        value >= registers_.get(xm::kMinPositionLimit) && value <= registers_.get(xm::kMaxPositionLimit);
     if (!inside) return StatusError::data_limit;
   }
   if (is(xm::kGoalPwm) && std::abs(value) > registers_.get(xm::kPwmLimit)) return StatusError::data_limit;

@@ -29,7 +29,8 @@ struct ServoDrive {
 
 class Servo final : public BusDevice {
  public:
-  Servo(std::uint8_t id, const plant::ServoParameters& parameters);
+  /// Set up for a line of `baud` bits a second, one of the rates of xm430::kBaudRates. Errors: invalid_argument.
+  Servo(std::uint8_t id, const plant::ServoParameters& parameters, std::int64_t baud = 2'000'000);
 
   /// One period of the servo's own loop.
   ServoDrive update(Nanoseconds now, double period_s, const ServoSense& sense);
@@ -48,7 +49,8 @@ class Servo final : public BusDevice {
   std::uint8_t id() const override { return id_; }
   std::uint16_t model() const override { return servo_bus::xm430::kModel; }
   std::uint8_t firmware() const override { return servo_bus::xm430::kFirmwareWithFastRead; }
-  bool listening() const override { return powered_ && connected_ && !booting_; }
+  /// With another rate in Baud Rate than the line's, all it hears is noise.
+  bool listening() const override { return powered_ && connected_ && !booting_ && own_baud() == line_baud_; }
   Nanoseconds return_delay() const override;
   int status_return_level() const override;
   bool alert() const override;
@@ -66,6 +68,7 @@ class Servo final : public BusDevice {
     double velocity_rad_s = 0;
     double current_A = 0;
   };
+  std::int64_t own_baud() const;
   void boot(Nanoseconds now, Nanoseconds duration);
   void publish(Nanoseconds now, const ServoSense& sense, std::int32_t position_raw);
   void watch(double period_s, const ServoSense& sense);
@@ -78,6 +81,7 @@ class Servo final : public BusDevice {
 
   std::uint8_t id_;
   plant::ServoParameters parameters_;
+  std::int64_t line_baud_;
   RegisterFile registers_;
   bool powered_ = false, connected_ = true, booting_ = false;
   Nanoseconds boot_done_ = 0;

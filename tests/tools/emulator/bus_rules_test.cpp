@@ -54,6 +54,24 @@ TEST_F(BusRules, ReturnDelayComesBeforeTheAnswer) {
   EXPECT_NEAR(before, 14 * 5 + 2 + 30, 1.0);       // 14 bytes at 2 Mbit/s, delay 1, latency of the servo
 }
 
+TEST_F(BusRules, AServoSetToAnotherBaudRateAnswersTheWriteAndIsSilentFromThen) {
+  master.write(7, xm::kTorqueEnable, 0);
+  EXPECT_EQ(master.read(7, xm::kBaudRate), 4);
+  EXPECT_EQ(master.write(7, xm::kBaudRate, 3), StatusError::none);
+  EXPECT_FALSE(ping(7));
+  master.write(7, xm::kBaudRate, 4);
+  EXPECT_FALSE(master.answered) << "it cannot be called back at the old rate";
+  EXPECT_TRUE(ping(8)) << "the others are not concerned";
+}
+
+TEST(BaudRate, ServosAreSetUpForTheLinesRate) {
+  EmulatedRobot robot{plant::load_world("nominal"), 1, 1'000'000};
+  Master master{robot};
+  master.stand_by();
+  EXPECT_EQ(master.read(7, xm::kBaudRate), 3);
+  EXPECT_THROW(EmulatedRobot(plant::load_world("nominal"), 1, 12345), std::invalid_argument);
+}
+
 TEST_F(BusRules, BulkWriteReachesEachWithItsOwnRegisters) {
   const servo_bus::BulkRange ranges[] = {{7, xm::kPositionPGain.address, 2}, {8, xm::kLed.address, 1}};
   const std::uint8_t data[] = {0x2C, 0x01, 1};
