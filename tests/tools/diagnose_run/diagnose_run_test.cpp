@@ -2,6 +2,7 @@
 // diagnose).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -108,6 +109,36 @@ TEST_F(DiagnoseRun, NamesDryFriction) {
 }
 
 /// Ten rows a second are too few for shots of half a second: they get longer shots, never an empty comparison.
+TEST_F(DiagnoseRun, ALibraryOfOneEffectIsSearchedToItsEnd) {
+  const EffectEntry friction{"coulomb_friction", {"a"}, {{"coulomb", 0.3}}, 0};
+  for (int i = 0; i < 3; ++i) add(record({friction}, i));
+  for (const Effect& other : library()) {
+    if (other.id != friction.id) options_.without.emplace_back(other.id);
+  }
+  EXPECT_EQ(run_diagnose(options_), 1);
+  EXPECT_EQ(verdict().at("status"), "CONFIRMED") << verdict().at("answer");
+  EXPECT_EQ(verdict().at("findings").at(0).at("effect"), "coulomb_friction");
+}
+
+/// Load-dependent friction predicts these motions four times better, but the duty that it promises did not happen.
+TEST_F(DiagnoseRun, WhatAResidualContradictsDescribesAndIsNotNamed) {
+  const char* data = std::getenv("SANSO_DATA");
+  const std::filesystem::path folder =
+      std::filesystem::path(data != nullptr ? data : "../shared/data") / "real/bam_xl330";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no external data: " << folder << " (set SANSO_DATA)";
+  options_.model = "tools/diagnose/examples/bam_xl330";
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    if (file.path().extension() == ".csv") options_.recordings.push_back(file.path().string());
+  }
+  std::sort(options_.recordings.begin(), options_.recordings.end());
+  EXPECT_EQ(run_diagnose(options_), 1);
+  const nlohmann::json v = verdict();
+  EXPECT_EQ(v.at("status"), "PRESENT_UNNAMED") << v.at("answer");
+  for (const auto& f : v.at("findings")) EXPECT_NE(f.at("effect"), "load_friction") << v.at("answer");
+  EXPECT_NE(v.at("answer").get<std::string>().find("Described, not explained, by load_friction"), std::string::npos)
+      << v.at("answer");
+}
+
 TEST_F(DiagnoseRun, SlowRecordingsAreCompared) {
   for (int i = 0; i < 2; ++i) {
     const recording::Recording fast = record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i);

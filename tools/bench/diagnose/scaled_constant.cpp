@@ -47,6 +47,7 @@ const std::vector<Scalable> kScalable{
     {"kPracticalSize", &c::kPracticalSize},
     {"kMinimumShare", &c::kMinimumShare},
     {"kNamedShare", &c::kNamedShare},
+    {"kStandInShare", &c::kStandInShare},
     {"kAdequate", &c::kAdequate},
     {"kRivals", &c::kRivals},
     {"kMaximumEffects", &c::kMaximumEffects},

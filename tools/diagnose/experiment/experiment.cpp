@@ -108,9 +108,13 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Libr
                                               const std::vector<Finding>& findings) {
   std::vector<Model> rivals;
   NextExperiment best;
+  std::vector<const Accepted*> named;  // the effects that became findings, in the same order
+  for (const Accepted& entry : selection.accepted) {
+    if (entry.contradicted.empty()) named.push_back(&entry);
+  }
   for (std::size_t i = 0; i < findings.size(); ++i) {
     if (findings[i].one_of.size() < 2) continue;
-    for (const Alternative& a : selection.accepted[i].alternatives) {
+    for (const Alternative& a : named[i]->alternatives) {
       const std::string& name = library.candidates[static_cast<std::size_t>(a.candidate)].effect;
       if (std::find(findings[i].one_of.begin(), findings[i].one_of.end(), name) != findings[i].one_of.end() && rivals.size() < 3) rivals.push_back(a.fit.model);
     }

@@ -53,6 +53,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     const Accepted& entry = selection.accepted[i];
+    if (!entry.contradicted.empty()) continue;
     const Candidate& c = candidate(library, entry.candidate);
     Finding f;
     f.effect = c.effect;
@@ -173,7 +174,21 @@ std::string sentence(const Finding& f) {
 
 }  // namespace
 
-void decide(Verdict& verdict, const Problem& problem, const Selection& selection,
+namespace {
+
+/// Effects that stay in the model as a description though a residual speaks against them; empty: none.
+std::string stand_ins(const Library& library, const Selection& selection) {
+  std::string text;
+  for (const Accepted& entry : selection.accepted) {
+    if (entry.contradicted.empty()) continue;
+    text += (text.empty() ? "" : "; ") + candidate(library, entry.candidate).title() + " (" + entry.contradicted + ")";
+  }
+  return text;
+}
+
+}  // namespace
+
+void decide(Verdict& verdict, const Problem& problem, const Library& library, const Selection& selection,
             const std::vector<Predictability>& left, const std::string& location) {
   const double share = remaining_share(problem, selection);
   const Predictability* unnamed = most_predictable(left);
@@ -191,14 +206,15 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
     u.regime = location;
     verdict.unexplained = u;
   }
-  if (unnamed == nullptr && much_left && inadequate) {
+  const std::string described = stand_ins(library, selection);
+  if (unnamed == nullptr && ((much_left && inadequate) || !described.empty())) {
     Unexplained u;
     u.energy_share = share;
     u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
     u.regime = location;
     verdict.unexplained = u;
   }
-  if (much_left && (unnamed != nullptr || inadequate)) {
+  if (!described.empty() || (much_left && (unnamed != nullptr || inadequate))) {
     verdict.status = VerdictStatus::present_unnamed;
   } else if (verdict.findings.empty()) {
     verdict.status = VerdictStatus::absent;
@@ -215,6 +231,7 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
   if (verdict.findings.empty()) {
     verdict.answer = "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where +
                      " (" + location + ").";
+    if (!described.empty()) verdict.answer += " Described, not explained, by " + described + ".";
     return;
   }
   verdict.answer = "Missing: ";
@@ -223,6 +240,7 @@ void decide(Verdict& verdict, const Problem& problem, const Selection& selection
   verdict.answer += verdict.status == VerdictStatus::present_unnamed
                         ? fmt::format("; {:.0f} % of the error beyond noise stays without a name.", 100 * share)
                         : ".";
+  if (!described.empty()) verdict.answer += " Described, not explained, by " + described + ".";
 }
 
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection) {

@@ -10,16 +10,15 @@
 
 namespace sanso::diagnose {
 
-/// One finding for every accepted effect.
-std::vector<Finding> findings_of(const Library& library, const Selection& selection,
-                                 const Regimes& regimes);
+/// One finding for every accepted effect that no residual contradicts.
+std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes);
 
 /// Share of the nominal model's held-out error beyond noise that the final model still has, in [0, 1].
 double remaining_share(const Problem& problem, const Selection& selection);
 
 /// Statuses and the answer in one sentence. `left`: predictability of every joint after the last accepted effect.
-void decide(Verdict& verdict, const Problem& problem, const Selection& selection, const std::vector<Predictability>& left,
-            const std::string& location);
+void decide(Verdict& verdict, const Problem& problem, const Library& library, const Selection& selection,
+            const std::vector<Predictability>& left, const std::string& location);
 
 /// Effects whose typical size these data could not show, and the smallest size that they would have shown.
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection);

@@ -223,7 +223,7 @@ class Run {
       predictable[static_cast<std::size_t>(j)] =
           predictability(left, j, Random(options_.seed, 100 + static_cast<std::uint64_t>(j)));
     });
-    decide(v, problem_, selection_, predictable, location_sentence(v.findings.empty() ? out_.before : out_.after));
+    decide(v, problem_, library_, selection_, predictable, location_sentence(v.findings.empty() ? out_.before : out_.after));
     out_.shown_joints = joints_to_show(v, problem_, out_.before);
     const std::vector<TorqueSample> at_first =
         missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model);

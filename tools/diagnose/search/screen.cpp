@@ -164,6 +164,10 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
 
 void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const Random& random) {
   const auto k = static_cast<Eigen::Index>(out.probes.size());
+  if (k == 0) {  // every candidate is in the model already
+    out.critical = INFINITY;
+    return;
+  }
   const Eigen::MatrixXd root = square_root(out.correlation);
   Random generator = random;
   Eigen::MatrixXd normals(k, constants::kNullDraws);

@@ -372,7 +372,8 @@ class Search {
     }
   }
 
-  /// With everything else refitted, an effect whose own residual contradicts it is no explanation.
+  /// With everything else refitted, an effect whose own residual contradicts it is no explanation. One without which
+  /// predictions would be far worse stays as a description of the data.
   void drop_refuted() {
     for (std::size_t i = 0; i < out_.accepted.size();) {
       const FitResult reduced = without(i);
@@ -381,10 +382,18 @@ class Search {
         ++i;
         continue;
       }
+      const Eigen::VectorXd energy = heldout_energy(*out_.around, reduced);
+      if (compare(energy, out_.final_heldout).total > constants::kStandInShare * energy.sum()) {
+        say("contradicted, kept as a description: " + candidate(out_.accepted[i].candidate).title() + ", " + refuted);
+        out_.accepted[i].contradicted = refuted;
+        ++i;
+        continue;
+      }
       say("refuted: " + candidate(out_.accepted[i].candidate).title() + ", " + refuted);
       out_.accepted.erase(out_.accepted.begin() + static_cast<std::ptrdiff_t>(i));
       out_.final = reduced;
       relinearise();
+      for (Accepted& entry : out_.accepted) entry.contradicted.clear();
       i = 0;
     }
   }

@@ -28,6 +28,7 @@ struct Accepted {
   HeldoutGain gain;           // with it against without it, everything else refitted
   std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
+  std::string contradicted;   // the residual that speaks against it; then it describes the data and is no finding
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
   FitResult without;                      // the final model without it, refitted
 };
