@@ -24,8 +24,16 @@ struct EpisodeStore : testing::Test {
 };
 
 Episode example() {
-  Episode e{.trial = 7, .seed = 42, .end = TrialEnd::tilt, .fault = 3, .cost = 0.1 + 0.2, .cost_terms = {0.1, 0.2}, .ticks = {},
-            .reference = {}, .plans = {}, .truth = {{.foot_load_N = {1.5f, 2.5f}}}};
+  Episode e{.trial = 7,
+            .seed = 42,
+            .end = TrialEnd::tilt,
+            .fault = 3,
+            .cost = 0.1 + 0.2,
+            .cost_terms = {0.1, 0.2},
+            .ticks = {},
+            .reference = {},
+            .plans = {},
+            .truth = {{.foot_load_N = {1.5f, 2.5f}}}};
   wire::Observation o;
   o.trial_tick = 12;
   o.x[3] = 1.0 / 3.0;
@@ -77,7 +85,8 @@ TEST_F(EpisodeStore, EveryTruncationAndEveryFlippedByteIsRefused) {
 
 TEST_F(EpisodeStore, AFullDiskSaysSoAndLeavesNothingHalf) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  fs::create_symlink("/dev/full", folder / "t.episode.new");  // the temporary file's name: every write to it finds no space
+  fs::create_symlink("/dev/full",
+                     folder / "t.episode.new");  // the temporary file's name: every write to it finds no space
   try {
     save_episode(folder / "t.episode", example());
     FAIL() << "expected an error";
