@@ -164,10 +164,6 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
 
 void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const Random& random) {
   const auto k = static_cast<Eigen::Index>(out.probes.size());
-  if (k == 0) {  // every candidate is in the model already
-    out.critical = INFINITY;
-    return;
-  }
   const Eigen::MatrixXd root = square_root(out.correlation);
   Random generator = random;
   Eigen::MatrixXd normals(k, constants::kNullDraws);
@@ -215,6 +211,10 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   // a shot that runs away (a joint that sticks at its start in one world and not in the other) does not decide alone
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
   rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns, out.channel_sigma);
+  if (count == 0) {  // every candidate is in the model already
+    out.critical = INFINITY;
+    return out;
+  }
   const Eigen::MatrixXd gram = around.starts.gram(columns, weights);
   const Eliminated e =
       eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()), known.cols(), count);
