@@ -1,6 +1,8 @@
-// Every figure that a diagnosis depends on, with its reason. None was tuned on cases; docs/results/diagnose.md shows
-// what half and double of each does to the scores. Not constexpr for that one reason: `sanso bench diagnose --constant
-// NAME=FACTOR` scales one before anything runs; nothing else writes to them.
+// Every figure that a diagnosis depends on, with its reason. What half and double of one does to the scores is measured
+// for kPracticalSize only (docs/results/diagnose.md). The gates under "decisions" were added while looking at sealed
+// development cases, and kStandInShare while looking at one real recording: scores on other data judge them. Not
+// constexpr for one reason: `sanso bench diagnose --constant NAME=FACTOR` scales one before anything runs; nothing else
+// writes to them.
 #pragma once
 
 namespace sanso::diagnose::constants {
@@ -47,13 +49,13 @@ inline double kPracticalSize =
           // (integration step, rounding of goals and duty) is no mismatch that matters
 inline double kMinimumShare = 0.01;  // of the first model's error: smaller effects are not worth a name
 inline double kNamedShare = 0.95;    // of the excess error energy that a complete explanation removes: RMS to a quarter
-inline double kStandInShare = 0.5;   // of the error energy: a contradicted effect that removes more stays in the model as
-                                     // a description, without being named: better predicted than left out
-inline double kAdequate = 1.42;      // noise levels: above, what is left has more energy than the noise itself
-inline int kRivals = 8;              // cluster representatives fitted fully at every step (method 3.7a)
-inline int kMaximumEffects = 6;      // more names than this is a different robot, not a missing effect
-inline int kFolds = 4;               // held-out groups when recordings or conditions do not give them
-inline int kBootstrap = 199;         // resamples of a confidence interval
+inline double kStandInShare = 0.5;   // of the error energy: a contradicted effect that removes more stays in the model
+                                    // as a description, without being named: better predicted than left out
+inline double kAdequate = 1.42;  // noise levels: above, what is left has more energy than the noise itself
+inline int kRivals = 8;          // cluster representatives fitted fully at every step (method 3.7a)
+inline int kMaximumEffects = 6;  // more names than this is a different robot, not a missing effect
+inline int kFolds = 4;           // held-out groups when recordings or conditions do not give them
+inline int kBootstrap = 199;     // resamples of a confidence interval
 
 inline double kShotOutlier = 3.0;  // times the median shot's RMS error: from there a shot's weight falls
 

@@ -134,8 +134,6 @@ void print_baselines(const std::vector<Outcome>& all) {
   for (const char* method : {"largest score", "fit everything", "sparse regression", "friction ladder"}) {
     row(method, [method](const Outcome& o) { return o.baselines.contains(method) ? o.baselines.at(method) : Names{}; });
   }
-  // a network that predicts the residual gives no name: right where there is nothing to name
-  row("residual network", [](const Outcome&) { return Names{}; });
 }
 
 /// A name that the library itself lists as a twin of a true effect.
