@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -53,6 +54,14 @@ std::vector<model::State> at_middle_knots(const std::vector<model::State>& refer
   return out;
 }
 
+/// The first plan is still under way while the first knots pass, but in the hold before a trial the robot stands by
+/// these knots alone. They take over the first plan's first knot, as a policy is held beyond its ends; otherwise they
+/// never learn.
+void continue_into_hold(std::vector<UpperSample>& samples) {
+  const auto first = std::find_if(samples.begin(), samples.end(), [](const UpperSample& s) { return s.weight > 0.0; });
+  if (first != samples.end()) std::fill(samples.begin(), first, *first);
+}
+
 }  // namespace
 
 policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives) {
@@ -86,6 +95,7 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
     out[knot].weight = o.upper_weight;
     policy::sample_upper(*executed, o.trial_tick, out[knot].knot);
   }
+  continue_into_hold(out);
   return out;
 }
 

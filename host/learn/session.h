@@ -70,7 +70,7 @@ class Session {
   int finished_before_ = 0;
 };
 
-/// Every middle-layer knot's view of what the upper layer did in an episode.
+/// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first plan see its first knot.
 std::vector<UpperSample> upper_samples(const Episode& episode);
 
 /// The same motion beginning at the origin of the trial, which the controller puts under the robot when the trial starts.
