@@ -9,9 +9,9 @@ inline constexpr int kMaxHorizon = 24;
 struct MpcSettings {
   int horizon = 12;                 // states in the horizon, N (paper: 12, with 60 ms 0.66 s of prediction)
   double dt_s = 0.06;               // s, one model step, one knot of the policy; a multiple of the 10 ms tick
-  int max_iterations = 10;          // iLQG iterations at most
-  double convergence = 1e-3;        // stop when an iteration lowers the cost by less than this fraction
-  double difference_step = 1e-4;    // tangent units, forward difference; chosen in docs/results/mpc.md
+  int max_iterations = 12;          // iLQG iterations at most
+  double convergence = 2e-4;        // stop when an iteration lowers the cost by less than this fraction
+  double difference_step = 1e-6;    // tangent units, forward difference; chosen in docs/results/mpc.md
   double regularization = 1e-6;     // first value added to the diagonal of Quu, times the largest entry of Wu
   double gain_norm_limit = 13.0;    // Frobenius norm of K_up above which K_up is scaled down to it
   double input_limit_rad = 0.5;     // rad, |u_up| per joint

@@ -36,7 +36,6 @@ void Op3Phases::set_model(const host::AugmentedModel& model) {
   model_ = model;
   perturbed_model_ = model.analytical;
   perturbed_model_.contact.sweeps = settings_.linearize_sweeps;
-  perturbed_model_.contact.newton_steps = settings_.linearize_newton_steps;
   work_->residual.present = false;
   if (model_.residual) fold(*model_.residual, work_->residual);
 }
@@ -135,8 +134,8 @@ void Op3Phases::prepare_along_x(const Trajectory& nominal) {
   }
 }
 
-/// Every evaluation starts the contact solver from the nominal solution with the same amount of work, the nominal point
-/// too: otherwise the difference would contain what the sweeps left over.
+/// Every evaluation starts the contact solver from the nominal solution and ends at its tolerance, far below the
+/// difference: what is left over would be divided by it.
 void Op3Phases::evaluate_group(int item) {
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
   model::ContactLanes contact;

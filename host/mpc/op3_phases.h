@@ -14,10 +14,9 @@ namespace sanso::mpc {
 struct Op3PhasesSettings {
   int horizon = 12;
   double dt_s = 0.06;
-  double difference_step = 1e-4;
-  // Contact work of the perturbed evaluations, which start from the nominal solution; the roll-outs use the model's own.
+  double difference_step = 1e-6;
+  // Sweeps of a contact round in the perturbed evaluations, which start from the nominal solution; roll-outs use the model's.
   int linearize_sweeps = 2;
-  int linearize_newton_steps = 1;
   bool share_mass_matrix = true;  // columns of joint rates and inputs from the nominal step (false: for comparison)
 };
 

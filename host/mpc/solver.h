@@ -14,8 +14,8 @@
 namespace sanso::mpc {
 
 struct SolverSettings {
-  int max_iterations = 10;
-  double convergence = 1e-3;
+  int max_iterations = 12;
+  double convergence = 2e-4;
   double regularization = 1e-6;
   double input_limit_rad = 0.5;
 };

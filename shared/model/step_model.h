@@ -28,10 +28,11 @@ struct ModelParameters {
 /// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
 ModelParameters nominal_parameters();
 
-/// Fixed-work contact solver.
+/// Contact solver: rounds of Gauss-Seidel sweeps and one Newton step, until every lane is solved. Bounded work.
 struct ContactSettings {
-  int sweeps = 24;              // Gauss-Seidel sweeps over all corners, before the Newton steps
-  int newton_steps = 2;         // each followed by one more sweep (kernel/contact_newton.h)
+  int sweeps = 8;               // of a round: they find which rows touch, stick and slide
+  int rounds = 12;              // at most; nearly all states need one or two (kernel/contact_newton.h)
+  double tolerance = 1e-11;     // N s: solved when the impulses are that near to their own projection
   double regularization = 0.03; // softness relative to the diagonal: makes forces unique; a standing OP3 sinks 0.8 mm
   double recovery = 0.3;        // share of a penetration that one step removes
 };

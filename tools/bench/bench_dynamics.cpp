@@ -85,7 +85,7 @@ nlohmann::json measure(const char* isa, const model::StepModel& m, const model::
 }
 
 void print_table(const nlohmann::json& r) {
-  std::printf("one 60 ms step, 8 contact points, %d sweeps: %ld additions and multiplications, %ld divisions and roots, %ld selections\n",
+  std::printf("one 60 ms step, 8 contact points, %d sweeps a round: %ld additions and multiplications, %ld divisions and roots, %ld selections\n",
               r["sweeps"].get<int>(), r["arithmetic"].get<long>(), r["divisions"].get<long>(), r["selections"].get<long>());
   std::printf("%-10s %14s %10s %10s %10s %8s\n", "unit", "ns per lane", "median", "GFLOP/s", "peak", "share");
   std::printf("%-10s %14.0f %10.0f\n", "scalar", r["scalar_ns"].get<double>(), r["scalar_ns_median"].get<double>());

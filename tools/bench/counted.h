@@ -30,6 +30,7 @@ struct Counted {
   friend Counted max_of(Counted a, Counted b) { return ++counts.selection, a.v < b.v ? b : a; }
   friend Counted min_of(Counted a, Counted b) { return ++counts.selection, b.v < a.v ? b : a; }
   friend Counted abs_of(Counted a) { return std::fabs(a.v); }
+  friend double largest(Counted a) { return a.v; }
   friend Counted sqrt_of(Counted a) { return ++counts.division, Counted(std::sqrt(a.v)); }
   friend Counted swap_if_odd(Counted n, Counted even, Counted odd) {
     return ++counts.selection, static_cast<long long>(n.v) & 1 ? odd : even;

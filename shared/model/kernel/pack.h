@@ -79,6 +79,15 @@ inline Pack<W> sqrt_of(Pack<W> a) {
   return r;
 }
 
+/// The largest lane of a number that is not negative. Lanes that left the finite numbers count as 0: they are lost already.
+inline double largest(double a) { return a > 0.0 ? a : 0.0; }
+template <int W>
+inline double largest(Pack<W> a) {
+  double most = 0.0;
+  for (int i = 0; i < W; ++i) most = a.v[i] > most ? a.v[i] : most;
+  return most;
+}
+
 /// Quadrant helpers of sincos: `n` is a whole number. Odd n swaps sine and cosine; bit 1 of n turns a sign.
 inline bool is_odd(double n) { return static_cast<long long>(n) & 1; }
 inline double swap_if_odd(double n, double even, double odd) { return is_odd(n) ? odd : even; }

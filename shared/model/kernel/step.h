@@ -255,21 +255,21 @@ inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& s
   }
 }
 
-/// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, Newton steps solve for them. Fixed
-/// numbers of both: the same work in every state.
+/// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, a Newton step solves for them; again
+/// until every lane is solved. A lane that was solved before the others stays where it is but for rounding.
 template <class T>
 inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
   start_contact(model, h, w, scratch);
-#pragma GCC unroll 1
-  for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) sweep_feet(model, w, scratch);
-  if (model.contact.newton_steps == 0) return;
   T negative_inertia[kTwists][kTwists];
   sole_inertia(w.A, w.A_cross, negative_inertia);
+  const double solved = model.contact.tolerance * model.contact.tolerance;
 #pragma GCC unroll 1
-  for (int i = 0; i < model.contact.newton_steps; ++i) {
-    newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A, w.A_cross,
-                negative_inertia, w.foot, scratch.lambda);
-    sweep_feet(model, w, scratch);
+  for (int round = 0; round < model.contact.rounds; ++round) {
+#pragma GCC unroll 1
+    for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) sweep_feet(model, w, scratch);
+    const T defect = newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A,
+                                 w.A_cross, negative_inertia, w.foot, scratch.lambda);
+    if (largest(defect) <= solved) return;
   }
 }
 
@@ -356,7 +356,7 @@ inline void single_step(const StepModel& model, const Ground& ground, const T* x
 }
 
 /// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps. Shapes: x (37), u (12).
-/// Needs a unit quaternion in x. Fixed work, no allocation. Fails never; far outside its domain it stays finite or not,
+/// Needs a unit quaternion in x. Bounded work, no allocation. Fails never; far outside its domain it stays finite or not,
 /// the caller checks.
 template <class T>
 inline void analytical_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, int substeps,

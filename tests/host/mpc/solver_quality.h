@@ -23,15 +23,14 @@ struct Effort {
   Op3PhasesSettings linearization;
   model::ContactSettings contact = host::AugmentedModel{}.analytical.contact;
   double convergence = SolverSettings{}.convergence;
+  int max_iterations = SolverSettings{}.max_iterations;
 };
 inline Effort tight_effort() {
   Effort e;
-  e.linearization.difference_step = 1e-6;
   e.linearization.linearize_sweeps = 10;
-  e.linearization.linearize_newton_steps = 4;
   e.contact.sweeps = 200;
-  e.contact.newton_steps = 4;
   e.convergence = 1e-6;
+  e.max_iterations = 30;
   return e;
 }
 
@@ -50,7 +49,7 @@ inline Quality compare_on_problem(unsigned seed, const Effort& effort = {}) {
   const model::State x0 = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
   SolverSettings settings;
   settings.convergence = effort.convergence;
-  settings.max_iterations = 30;
+  settings.max_iterations = effort.max_iterations;
   Solver solver(settings, phases);
   std::copy_n(x0.data(), kNx, solver.trajectory().x[0]);
   SolveResult result;

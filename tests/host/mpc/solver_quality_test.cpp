@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -15,11 +16,15 @@ unsigned number(const char* variable, unsigned otherwise) {
   return asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : otherwise;
 }
 
+long within(const std::vector<double>& excess, double limit) {
+  return std::count_if(excess.begin(), excess.end(), [&](double e) { return e < limit; });
+}
+
 /// Excess of our cost over the reference's, sorted. SANSO_QUALITY_PROBLEMS=500 is the full comparison of
 /// docs/results/mpc.md (half an hour of one core); SANSO_QUALITY_FIRST=101 begins with another seed, so that several
 /// processes can share the work.
 std::vector<double> excess_on_problems(const Effort& effort) {
-  const unsigned first = number("SANSO_QUALITY_FIRST", 1), count = number("SANSO_QUALITY_PROBLEMS", 6);
+  const unsigned first = number("SANSO_QUALITY_FIRST", 1), count = number("SANSO_QUALITY_PROBLEMS", 12);
   std::vector<double> excess;
   for (unsigned seed = first; seed < first + count; ++seed) {
     const Quality q = compare_on_problem(seed, effort);
@@ -31,15 +36,18 @@ std::vector<double> excess_on_problems(const Effort& effort) {
     EXPECT_LT(q.ours, q.start);
   }
   std::sort(excess.begin(), excess.end());
-  const auto within = std::count_if(excess.begin(), excess.end(), [](double e) { return e < 0.01; });
-  std::printf("within 1 %%: %ld of %u; median %.3f %%, worst %.2f %%\n", static_cast<long>(within), count,
+  std::printf("within 1 %%: %ld of %u; median %.3f %%, worst %.2f %%\n", within(excess, 0.01), count,
               100 * excess[excess.size() / 2], 100 * excess.back());
   return excess;
 }
 
-TEST(SolverQuality, TheProductsFixedWorkComesNearTheSlowReference) {
+// 94 % of problems are within 1 % of the reference (docs/results/mpc.md); of a drawn sample at least that share less
+// three standard deviations.
+TEST(SolverQuality, TheProductReachesTheSlowReference) {
   const std::vector<double> excess = excess_on_problems({});
-  EXPECT_LT(excess[excess.size() / 2], 0.03);
+  const double n = static_cast<double>(excess.size()), share = 0.94;
+  EXPECT_GE(static_cast<double>(within(excess, 0.01)), share * n - 3 * std::sqrt(n * share * (1 - share)));
+  EXPECT_LT(excess[excess.size() / 2], 0.003);
 }
 
 // The same algorithm with the reference's contact work, difference and stopping fraction: what is left is the
