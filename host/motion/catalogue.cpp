@@ -70,6 +70,12 @@ Motion one_leg() {
   return m;
 }
 
+/// The foot goes up first, then forward: otherwise the heel drags and in one trial of ten catches.
+void rise_first(Recipe& recipe) {
+  recipe.swing_sharpness = 2.0;
+  recipe.swing_dwell = 0.15;
+}
+
 std::vector<Clause> walking() {
   return upright({at_least("steps", 5), at_least("distance_share", 0.6), at_least("lowest_step_clearance_m", 0.005),
                   at_most("cross_drift_m", 0.15), at_most("yaw_deg", 20)});
@@ -80,8 +86,7 @@ Motion walk_forward() {
   m.recipe.kx = 0.35;
   m.recipe.kappa = 0.90;  // bent knees lift the foot at a lower knee speed
   m.recipe.swing_height_m = 0.032;
-  m.recipe.swing_sharpness = 2.0;  // up first, then forward: otherwise the heel drags and in one trial of ten catches
-  m.recipe.swing_dwell = 0.15;
+  rise_first(m.recipe);
   m.recipe.swing_stretch = 1.1;  // keeps the joints well within the servos' speed all the same
   m.recipe.basis_per_second = 20.0;
   m.recipe.zmp_inside_m = 0.008;
@@ -94,6 +99,8 @@ Motion walk_backward() {
   m.recipe.kx = 0.35;
   m.recipe.kappa = 0.90;  // bent knees lift the foot at a lower knee speed
   m.recipe.swing_height_m = 0.032;
+  rise_first(m.recipe);
+  m.recipe.swing_stretch = 1.1;
   m.recipe.basis_per_second = 20.0;
   m.recipe.zmp_inside_m = 0.008;
   m.success = walking();
@@ -112,6 +119,8 @@ Motion sidestep() {
   m.recipe.kappa = 0.86;  // low enough to reach sideways with the other leg
   m.recipe.zmp_inside_m = 0.012;
   m.recipe.swing_height_m = 0.036;
+  rise_first(m.recipe);
+  m.recipe.swing_stretch = 1.1;
   m.success = upright({at_least("steps", 6), at_least("distance_share", 0.6), at_most("cross_drift_m", 0.08),
                        at_most("yaw_deg", 20)});
   return m;
@@ -135,6 +144,7 @@ Motion jog() {
   m.recipe.double_support_s = -1.0;  // swings may overlap: flight
   m.recipe.swing_stretch = 1.15;
   m.recipe.swing_height_m = 0.032;
+  rise_first(m.recipe);  // a foot that leaves the ground late is double support
   m.recipe.basis_per_second = 30.0;
   m.success =
       upright({at_least("steps", 10), at_most("double_support_share", 0.05), at_least("distance_share", 0.5),
