@@ -16,7 +16,7 @@ import tempfile
 
 NOT_RUN = re.compile(r"<!--\s*not run:\s*(.+?)\s*-->")
 EXIT = re.compile(r"<!--\s*exit:\s*(\d+)\s*-->")
-TIME_LIMIT_S = 300
+TIME_LIMIT_S = 600
 
 
 def blocks(text):

@@ -82,7 +82,7 @@ void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t s
   learn::write_atomically(config, fmt::format("world = \"{}\"\nseed = {}\ndirectory = \"{}\"\n", world, seed % 1'000'000, robot_directory_));
   emulator_ = std::make_unique<ChildProcess>(find_program("sanso-emulator"), std::vector<std::string>{"--config", config.string()},
                                              folder_ / "emulator.log");
-  for (int i = 0; i < 100 && emulator_->running(); ++i) {
+  for (int i = 0; i < 600 && emulator_->running(); ++i) {  // half a minute: a crowded machine starts programs slowly
     if (fs::exists(fs::path(robot_directory_) / "control")) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }

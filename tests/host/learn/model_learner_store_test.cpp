@@ -1,9 +1,8 @@
 // The learner's bookkeeping, with little work: what it keeps, stores and leaves out.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "tests/host/learn/learner_world.h"
+#include "tests/support/temp_folder.h"
 
 namespace sanso::learn {
 namespace {
@@ -23,12 +22,12 @@ TEST(ModelLearner, StoredAndReadBackIsTheSameModel) {
   ModelLearner learner({}, weights(), quick(), kSeed);
   learner.learn(episodes(8));
   learner.set_residual_trust({.share = 0.5});
-  const auto path = std::filesystem::temp_directory_path() / "sanso_model_learner_test.bin";
+  const test::TempFolder folder;
+  const auto path = folder.path() / "model.bin";
   learner.save(path);
   ModelLearner other({}, weights(), quick(), kSeed);
   other.load(path);
   other.set_residual_trust(learner.residual_trust());
-  std::filesystem::remove(path);
   const Episode probe = episode_of_world(50);
   EXPECT_EQ(other.losses(probe).augmented, learner.losses(probe).augmented) << "bit for bit";
   EXPECT_EQ(other.sigma(), learner.sigma());

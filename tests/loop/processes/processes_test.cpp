@@ -1,4 +1,8 @@
 // Three processes on the real clock: pty, sockets, UDP. Events are checked, never how long something took.
+//
+// A machine that does not give these processes their time makes the controller see late replies, and it rightly takes
+// them for faults. So a scenario that went wrong runs again when, and only when, witnesses of the clock saw the machine
+// hold programs up; it is skipped with their figures when that happens every time.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -6,12 +10,16 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "host/learn/session.h"
 #include "host/link/udp_channel.h"
 #include "host/motion/motion.h"
+#include "tests/loop/support/clock_witness.h"
+#include "tests/support/temp_folder.h"
 #include "tools/sanso/emulated_processes.h"
 
 namespace sanso::loop {
@@ -20,30 +28,23 @@ namespace {
 namespace fs = std::filesystem;
 using wire::SupervisorState;
 
-struct Processes : testing::Test {
-  fs::path folder;
-  std::unique_ptr<cli::EmulatedProcesses> processes;
+/// Emulator and controller as processes, and the motion of these tests.
+struct Robot {
+  cli::EmulatedProcesses processes;
   motion::Motion squat = motion::MotionLibrary().load("squat");
   std::vector<model::State> reference;
 
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "sanso_processes_XXXXXX").string();
-    folder = mkdtemp(name.data());
-    processes = std::make_unique<cli::EmulatedProcesses>("lab", 1, folder);
+  explicit Robot(const fs::path& folder) : processes("lab", 1, folder) {
     squat.primitives = learn::from_origin(squat.primitives);
     reference = learn::reference_of(squat.primitives);
   }
-  void TearDown() override {
-    processes.reset();
-    fs::remove_all(folder);
-  }
   double true_height() const {
-    return nlohmann::json::parse(processes->tell(R"({"command": "truth"})")).at("p_world_base").at(2);
+    return nlohmann::json::parse(processes.tell(R"({"command": "truth"})")).at("p_world_base").at(2);
   }
-  /// The trunk is well below its standing height: the squat is under way. False after a minute.
-  bool wait_until_on_the_way_down() const {
+  /// The trunk is well below its standing height: the squat is under way. False after a minute, or when `over`.
+  bool wait_until_on_the_way_down(const std::function<bool()>& over) const {
     bool stood = false;  // it is put on its feet first
-    for (int i = 0; i < 1200; ++i) {
+    for (int i = 0; i < 1200 && !over(); ++i) {
       const double z = true_height();
       stood = stood || z > 0.26;
       if (stood && z < 0.23) return true;
@@ -53,89 +54,166 @@ struct Processes : testing::Test {
   }
 };
 
-/// A host: link, planner and one squat.
+/// A host's end of the link.
 struct Host {
   link::UdpChannel channel;
   link::MonotonicClock clock{channel};
   link::RobotLink robot;
-  Host(const cli::EmulatedProcesses& p) : channel(p.address()), robot(channel, clock, p.key()) {}
+  explicit Host(const cli::EmulatedProcesses& p) : channel(p.address()), robot(channel, clock, p.key()) {}
 
+  /// The controller may still be starting.
+  bool open() {
+    const Nanoseconds give_up = clock.now() + 60 * kSecond;
+    while (robot.open() != Status::ok)
+      if (clock.now() > give_up) return false;
+    return true;
+  }
   bool wait_for(SupervisorState state, double seconds) {
     const Nanoseconds give_up = clock.now() + from_seconds(seconds);
     for (robot.poll(); robot.latest().state != state && clock.now() < give_up; robot.poll())
       robot.wait_observation(clock.now() + 50 * kMillisecond);
     return robot.latest().state == state;
   }
+  std::string state() const {
+    return "state " + std::to_string(static_cast<int>(robot.latest().state)) + ", fault " +
+           std::to_string(robot.latest().fault);
+  }
 };
 
-learn::Episode squat_once(Host& host, const motion::Motion& motion, const std::vector<model::State>& reference,
-                          const cli::EmulatedProcesses& processes) {
+learn::Episode squat_once(Host& host, const Robot& robot) {
   learn::TrialSetup setup;
-  setup.primitives = &motion.primitives;
-  setup.reference = reference;
-  setup.weights = motion.weights;
+  setup.primitives = &robot.squat.primitives;
+  setup.reference = robot.reference;
+  setup.weights = robot.squat.weights;
   setup.layers.middle = false;
-  setup.duration_ticks = motion.primitives.duration_ticks();
+  setup.duration_ticks = robot.squat.primitives.duration_ticks();
   mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
-  if (!host.wait_for(SupervisorState::idle, 20))
-    throw std::runtime_error("not idle: state " + std::to_string(static_cast<int>(host.robot.latest().state)) + ", fault " +
-                             std::to_string(host.robot.latest().fault) + "\n" + processes.firmware_log());
-  processes.put_on_feet(reference.front());
+  if (!host.wait_for(SupervisorState::idle, 20)) throw std::runtime_error("not idle: " + host.state());
+  robot.processes.put_on_feet(robot.reference.front());
   host.clock.wait_until(host.clock.now() + 300 * kMillisecond);
   learn::prepare_trial(host.robot, setup, {});
   return learn::run_trial(host.robot, upper, setup, {});
 }
 
-class HostKilled : public Processes, public testing::WithParamInterface<int> {};
+/// What is wrong with the outcome; empty: nothing.
+using Finding = std::string;
+
+/// What the machine did to the processes that excuses a wrong outcome.
+std::optional<std::string> held_up(const ClockWitness& robot_side, const ClockWitness& host_side) {
+  constexpr Nanoseconds kRobotSide = kTickPeriod / 2;    // from here on a tick counts as late
+  constexpr Nanoseconds kHostSide = 300 * kMillisecond;  // a tenth of the link's patience
+  if (robot_side.worst() <= kRobotSide && host_side.worst() <= kHostSide) return std::nullopt;
+  return "programs of the robot's priority were held up for " + std::to_string(robot_side.worst() / kMillisecond) +
+         " ms, others for " + std::to_string(host_side.worst() / kMillisecond) + " ms";
+}
+
+/// Runs `scenario` on a fresh robot, again after an attempt that the machine spoiled.
+void on_a_robot(const std::function<Finding(Robot&)>& scenario) {
+  constexpr int kAttempts = 4, kPriorityOfTheEmulator = 40;
+  std::string excuse;
+  for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+    const test::TempFolder folder;
+    const ClockWitness robot_side(kPriorityOfTheEmulator), host_side(0);
+    Finding wrong;
+    std::string log;
+    try {
+      Robot robot(folder.path());
+      try {
+        wrong = scenario(robot);
+      } catch (const std::exception& error) {
+        wrong = error.what();
+      }
+      log = robot.processes.firmware_log();
+      ASSERT_NO_THROW(robot.processes.check()) << "no machine is slow enough to excuse a program that ended\n" << wrong;
+    } catch (const std::exception& error) {
+      wrong = error.what();  // did not start
+    }
+    if (wrong.empty()) return;
+    const auto reason = held_up(robot_side, host_side);
+    ASSERT_TRUE(reason.has_value()) << wrong << "\nlog of the controller:\n" << log;
+    excuse = *reason;
+    std::printf("attempt %d: %s, but %s\n", attempt, wrong.c_str(), excuse.c_str());
+  }
+  GTEST_SKIP() << "SKIPPED: this machine gives no program its time: " << excuse;
+}
+
+/// In a child process: a host that squats, then waits for its end.
+[[noreturn]] void be_the_host(const Robot& robot) {
+  try {
+    Host host(robot.processes);
+    if (!host.open()) _exit(1);
+    (void)squat_once(host, robot);
+    while (true) pause();  // however late the killer comes
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "host: %s\n", error.what());
+  }
+  _exit(2);
+}
+
+Finding kill_the_host(Robot& robot, int after_ms) {
+  const pid_t host = fork();
+  if (host == 0) be_the_host(robot);
+  int status = 0;
+  bool ended = false;
+  const bool down =
+      robot.wait_until_on_the_way_down([&] { return ended = ended || waitpid(host, &status, WNOHANG) == host; });
+  if (down) usleep(static_cast<useconds_t>(after_ms) * 1000);
+  if (!ended) {
+    kill(host, SIGKILL);
+    waitpid(host, &status, 0);
+  }
+  if (!down) return ended ? "the host ended by itself, status " + std::to_string(status) : "the squat did not begin";
+  if (!WIFSIGNALED(status)) return "the host ended before it was killed, status " + std::to_string(status);
+
+  Host witness(robot.processes);
+  if (!witness.open()) return "a new host does not find the controller";
+  if (!witness.wait_for(SupervisorState::hold, 6)) return "no hold: " + witness.state();
+  if (witness.robot.latest().fault != 0) return "a fault: " + witness.state();
+  if (robot.true_height() <= 0.2) return "not on its feet: trunk at " + std::to_string(robot.true_height()) + " m";
+  return {};
+}
+
+class HostKilled : public testing::TestWithParam<int> {};
 
 TEST_P(HostKilled, InMidSquatLeavesTheRobotInHoldOnItsFeet) {
-  const pid_t host = fork();
-  if (host == 0) {
-    try {
-      Host h(*processes);
-      if (h.robot.open() != Status::ok) _exit(1);
-      (void)squat_once(h, squat, reference, *processes);
-    } catch (const std::exception& error) {
-      std::fprintf(stderr, "host: %s\n", error.what());
-      _exit(2);
-    }
-    _exit(0);
-  }
-  ASSERT_TRUE(wait_until_on_the_way_down());
-  usleep(static_cast<useconds_t>(GetParam()) * 1000);
-  kill(host, SIGKILL);
-  int status = 0;
-  waitpid(host, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status));
-
-  Host witness(*processes);
-  ASSERT_EQ(witness.robot.open(), Status::ok) << "a new host finds the controller";
-  EXPECT_TRUE(witness.wait_for(SupervisorState::hold, 6)) << "state " << static_cast<int>(witness.robot.latest().state);
-  EXPECT_EQ(witness.robot.latest().fault, 0);
-  EXPECT_GT(true_height(), 0.2);
+  on_a_robot([](Robot& robot) { return kill_the_host(robot, GetParam()); });
 }
 
 INSTANTIATE_TEST_SUITE_P(AfterGoingDownFor, HostKilled, testing::Values(0, 600, 1200, 1800),
                          [](const auto& p) { return std::to_string(p.param) + "ms"; });
 
-TEST_F(Processes, APulledPtyIsFaultBusGone) {
-  Host host(*processes);
-  ASSERT_EQ(host.robot.open(), Status::ok);
+Finding pull_the_pty(Robot& robot) {
+  Host host(robot.processes);
+  if (!host.open()) return "the controller does not answer";
+  std::atomic<bool> trial_over{false}, pulled{false};
   std::thread puller([&] {
-    (void)wait_until_on_the_way_down();
-    (void)processes->tell(R"({"command": "unplug_bus"})");
-  });
-  EXPECT_NO_THROW({
-    const learn::Episode episode = squat_once(host, squat, reference, *processes);
-    if (episode.end != learn::TrialEnd::completed) {
-      EXPECT_EQ(episode.end, learn::TrialEnd::fault);
+    try {
+      if (!robot.wait_until_on_the_way_down([&] { return trial_over.load(); })) return;
+      (void)robot.processes.tell(R"({"command": "unplug_bus"})");
+      pulled = true;
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "puller: %s\n", error.what());
     }
   });
+  Finding wrong;
+  try {
+    const learn::Episode episode = squat_once(host, robot);
+    if (episode.end != learn::TrialEnd::completed && episode.end != learn::TrialEnd::fault)
+      wrong = std::string("the trial ended with ") + learn::to_string(episode.end);
+  } catch (const std::exception& error) {
+    wrong = error.what();
+  }
+  trial_over = true;
   puller.join();
-  EXPECT_TRUE(host.wait_for(SupervisorState::fault, 5));
-  EXPECT_EQ(host.robot.latest().fault, 12);
-  EXPECT_GT(true_height(), 0.12) << "the servos hold their last goal";
+  if (!wrong.empty()) return wrong;
+  if (!pulled) return "the squat did not begin";
+  if (!host.wait_for(SupervisorState::fault, 5)) return "no fault: " + host.state();
+  if (host.robot.latest().fault != 12) return "another fault: " + host.state();
+  if (robot.true_height() <= 0.12) return "the servos did not hold their last goal";
+  return {};
 }
+
+TEST(PulledPty, IsFaultBusGone) { on_a_robot(pull_the_pty); }
 
 }  // namespace
 }  // namespace sanso::loop

@@ -9,6 +9,7 @@
 #include "host/app/interrupt.h"
 #include "host/learn/atomic_file.h"
 #include "tests/loop/support/loop_fixture.h"
+#include "tests/support/temp_folder.h"
 
 namespace sanso::loop {
 namespace {
@@ -16,12 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Resume : testing::Test {
-  fs::path folder;
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "sanso_resume_XXXXXX").string();
-    folder = mkdtemp(name.data());
-  }
-  void TearDown() override { fs::remove_all(folder); }
+  test::TempFolder temporary;
+  fs::path folder = temporary.path();
 };
 
 /// A session of short standing trials in `out`; returns the digests of its trials and of what it learned.
@@ -47,7 +44,11 @@ std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool
 TEST_F(Resume, KilledInTheMiddleEqualsUninterrupted) {
   const pid_t child = fork();
   if (child == 0) {
-    run_session(folder / "killed", 4, false);
+    int asked = 0;
+    run_session(folder / "killed", 4, false, 3, [&] {
+      while (++asked == 4) pause();  // before the last trial: however long the killer takes, it comes in time
+      return false;
+    });
     _exit(0);
   }
   // killed somewhere in the second trial: after the first is stored, before the last

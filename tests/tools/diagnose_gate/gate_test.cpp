@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 
+#include "tests/support/temp_folder.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/gate/gate.h"
 #include "tools/diagnose/gate/noise.h"
@@ -193,7 +194,8 @@ TEST(Gate, LegalOddities_EmptyCellsLostPacketsTorqueOff_Pass) {
 }
 
 TEST(Gate, FilesThatCannotBeRecordings) {
-  const std::string folder = testing::TempDir();
+  const sanso::test::TempFolder temporary;
+  const std::string folder = temporary.path().string();
   EXPECT_EQ(inspect_file(folder + "/not_there.csv").front().defect, defect::kUnreadable);
   const std::string empty = folder + "/empty.csv";
   std::ofstream(empty).close();
@@ -202,7 +204,6 @@ TEST(Gate, FilesThatCannotBeRecordings) {
   std::ofstream(huge).close();
   std::filesystem::resize_file(huge, std::uintmax_t{10} << 30);  // sparse: takes no space
   EXPECT_EQ(inspect_file(huge).front().defect, defect::kTooLarge);
-  std::filesystem::remove(huge);
 }
 
 }  // namespace

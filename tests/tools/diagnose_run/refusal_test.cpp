@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/support/temp_folder.h"
 #include "tests/tools/diagnose/worlds.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/recording/csv_writer.h"
@@ -133,16 +134,11 @@ std::vector<Broken> kinds() {
 class RefusedSet : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::replace(name.begin(), name.end(), '/', '_');
-    folder_ = fs::path(testing::TempDir()) / ("refusal_" + name);
-    fs::remove_all(folder_);
     write_model_folder(two_joints(), (folder_ / "model").string());
     options_.model = (folder_ / "model").string();
     options_.out = (folder_ / "out").string();
     options_.quiet = true;
   }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string add(const recording::Recording& r) {
     options_.recordings.push_back((folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
     recording::write_csv(r, options_.recordings.back());
@@ -159,7 +155,8 @@ class RefusedSet : public testing::Test {
     EXPECT_TRUE(verdict.at("findings").empty());
     return verdict.at("refused").empty() ? nlohmann::json{} : verdict.at("refused").at(0);
   }
-  fs::path folder_;
+  sanso::test::TempFolder temporary_;
+  fs::path folder_ = temporary_.path();
   DiagnoseOptions options_;
 };
 

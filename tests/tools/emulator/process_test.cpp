@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "shared/base/pose_report.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/emulator/master.h"
 #include "tools/emulator/control_client.h"
 #include "tools/emulator/emulator_process.h"
@@ -19,16 +20,9 @@
 namespace sanso::emulator {
 namespace {
 
-std::string fresh_directory(const std::string& name) {
-  const auto path = std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()));
-  std::filesystem::remove_all(path);
-  std::filesystem::create_directories(path);
-  return path.string();
-}
-
 /// An emulator in a thread, and its clients' ends.
 struct Process : testing::Test {
-  Process() : directory(fresh_directory("sanso_process_test")) {
+  Process() {
     EmulatorConfig config;
     config.world = "nominal";
     config.directory = directory;
@@ -39,12 +33,11 @@ struct Process : testing::Test {
     stop = 1;
     thread.join();
     process.reset();
-    std::filesystem::remove_all(directory);
   }
   nlohmann::json tell(const nlohmann::json& command) {
     return nlohmann::json::parse(tell_emulator(directory, command.dump()));
   }
-  static std::vector<std::uint8_t> receive(int fd, int timeout_ms = 3000) {
+  static std::vector<std::uint8_t> receive(int fd, int timeout_ms = 60'000) {
     pollfd wait{fd, POLLIN, 0};
     if (poll(&wait, 1, timeout_ms) != 1) return {};
     std::vector<std::uint8_t> buffer(2048);
@@ -53,7 +46,8 @@ struct Process : testing::Test {
     return buffer;
   }
 
-  std::string directory;
+  test::TempFolder folder;
+  std::string directory = folder.path().string();
   volatile std::sig_atomic_t stop = 0;
   std::unique_ptr<EmulatorProcess> process;
   std::thread thread;
@@ -123,7 +117,8 @@ TEST_F(Process, ControlCommands) {
 }
 
 TEST(EmulatorConfig, ReadsFaultsAndRefusesWhatItDoesNotKnow) {
-  const std::string directory = fresh_directory("sanso_config_test");
+  const test::TempFolder folder;
+  const std::string directory = folder.path().string();
   const auto load = [&](const std::string& text) {
     const std::string path = directory + "/robot.toml";
     std::ofstream(path) << text;
@@ -139,7 +134,6 @@ TEST(EmulatorConfig, ReadsFaultsAndRefusesWhatItDoesNotKnow) {
   EXPECT_THROW(load("baud = 12345\n"), plant::WorldError);
   EXPECT_THROW(load("[[fault]]\nid = 1\n"), plant::WorldError);
   EXPECT_THROW(tell_emulator(directory, "{}"), plant::WorldError);
-  std::filesystem::remove_all(directory);
 }
 
 }  // namespace
