@@ -22,7 +22,7 @@ struct BatchStep {
   bool warm_start = false;  // begin the contact solver from `contact`; otherwise from zero
 };
 
-/// x_next[g] = f_A(x[g], u[g]) for `groups` groups of eight lanes; fixed work, no allocation, safe from several threads on
+/// x_next[g] = f_A(x[g], u[g]) for `groups` groups of eight lanes; bounded work, no allocation, safe from several threads on
 /// disjoint groups. `contact` (may be null when not warm_start) receives the impulses of the last substep.
 /// Arrays are aligned to 64 bytes; x_next may alias x.
 void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
