@@ -6,6 +6,7 @@ namespace sanso::app {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
+int alive = 0;
 
 void note_interrupt(int) {
   static constexpr char kText[] = "\nfinishing this trial; Ctrl-C again stops at once (a robot then ends in a hold by itself)\n";
@@ -16,6 +17,7 @@ void note_interrupt(int) {
 }  // namespace
 
 Interrupt::Interrupt() {
+  if (alive++ > 0) return;
   interrupted = 0;
   struct sigaction action{};
   action.sa_handler = note_interrupt;
@@ -26,6 +28,7 @@ Interrupt::Interrupt() {
 }
 
 Interrupt::~Interrupt() {
+  if (--alive > 0) return;
   ::sigaction(SIGINT, &before_int_, nullptr);
   ::sigaction(SIGTERM, &before_term_, nullptr);
 }

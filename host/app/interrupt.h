@@ -5,7 +5,8 @@
 
 namespace sanso::app {
 
-/// Takes SIGINT and SIGTERM while it lives; what was installed before comes back afterwards. One at a time.
+/// Takes SIGINT and SIGTERM while it lives; what was installed before comes back afterwards. One inside another is part of
+/// the outer one: a sweep's covers those of its sessions. One thread makes them.
 class Interrupt {
  public:
   Interrupt();

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "host/app/interrupt.h"
 #include "host/app/learn_command.h"
 #include "host/learn/model_learner.h"
 #include "host/learn/seeds.h"
@@ -111,6 +112,7 @@ std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learn
                     {"height_m", drawn.height_m},
                     {"time_s", drawn.time_s},
                     {"survived", survives(learned, options, upper, layers, drawn, number)}});
+    if (app::Interrupt::requested()) ranks.take_no_more();
   }
   return rows;
 }
@@ -133,12 +135,19 @@ DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double fr
 }
 
 int run_pushes(Ranks& ranks, const PushOptions& options) {
+  const app::Interrupt interrupt;
   const std::unique_ptr<Learned> learned = load_learned(options);
   const std::vector<Json> mine = run_mine(ranks, options, *learned);
   std::vector<Json> rows;
   for (const std::string& part : ranks.gather(Json(mine).dump()))
     for (const Json& row : Json::parse(part)) rows.push_back(row);
+  const bool stopped = ranks.any(app::Interrupt::requested());
   if (ranks.rank() != 0) return 0;
+  const std::size_t asked = static_cast<std::size_t>(options.count) * options.without.size();
+  if (stopped && rows.size() < asked) {
+    fmt::print(stderr, "sanso-sweep: stopped after {} of {} pushes; nothing is written\n", rows.size(), asked);
+    return 2;
+  }
   std::sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) {
     return std::pair(a.at("without").get<std::string>(), a.at("push").get<int>()) <
            std::pair(b.at("without").get<std::string>(), b.at("push").get<int>());

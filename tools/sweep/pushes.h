@@ -31,7 +31,8 @@ struct DrawnPush {
 };
 DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double from_s, double to_s);
 
-/// Writes pushes.json at rank 0: every push with the layers' survival. Returns the exit code.
+/// Writes pushes.json at rank 0: every push with the layers' survival. Exit code: 0 done; 2 SIGINT or SIGTERM came, no
+/// push began after that and nothing is written.
 int run_pushes(Ranks& ranks, const PushOptions& options);
 
 }  // namespace sanso::sweep
