@@ -8,8 +8,8 @@ namespace sanso::firmware {
 namespace {
 
 namespace xm430 = servo_bus::xm430;
-constexpr int kTries = 5;        // a lost reply must not stop the start-up
-constexpr int kFindTries = 200;  // nor a servo that takes its time to boot: 2 s
+constexpr int kTries = 5;        // a register that answers with something else
+constexpr int kFindTries = 200;  // silence, 2 s: lost replies and a servo that takes its time to boot must not stop the start-up
 
 struct Wanted {
   const servo_bus::Register& reg;
@@ -100,8 +100,9 @@ BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
 BusSetup::Progress BusSetup::set_registers(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const auto wanted = wanted_registers(settings_);
-  if (ensure(bus, id, wanted[register_]) != Status::ok)
-    return ++tries_ < kTries ? Progress::running : failed(Fault::servo_register, id);
+  const Status status = ensure(bus, id, wanted[register_]);
+  if (status == Status::timeout) return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
+  if (status != Status::ok) return ++tries_ < kTries ? Progress::running : failed(Fault::servo_register, id);
   tries_ = 0;
   if (++register_ < wanted.size()) return Progress::running;
   register_ = 0;
