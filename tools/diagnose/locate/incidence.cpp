@@ -6,12 +6,15 @@
 #include <map>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/locate/effort_law.h"
 
 namespace sanso::diagnose {
 namespace {
 
 struct Sums {
   std::vector<double> dr, dd;  // by shot: promised . measured, promised . promised
+  bool effort = false;
+  double rows = 0.0;
 };
 
 const char* words(Signal signal) {
@@ -43,13 +46,31 @@ IncidenceRow row_of(const std::string& name, const Sums& sums) {
   return row;
 }
 
+/// Torque, current and duty: replaces the simulated changes by those of the servo's law where the joints really were.
+void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without, const Model& with,
+                                          Eigen::VectorXd& measured, Eigen::VectorXd& promised) {
+  const Problem& problem = *around.problem;
+  const Eigen::VectorXd error = effort_error(problem, *around.library, without);
+  const Eigen::VectorXd change = error - effort_error(problem, *around.library, with);
+  for (const Shot& shot : problem.shots) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      if (!is_effort(problem.channels[c].signal)) continue;
+      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+      const auto rows = static_cast<Eigen::Index>(shot.rows);
+      measured.segment(from, rows) = error.segment(from, rows);
+      promised.segment(from, rows) = change.segment(from, rows);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes, const FitResult& without,
                                     const FitResult& with) {
   const Problem& problem = *around.problem;
-  const Eigen::VectorXd measured = around.starts.project(without.r);
-  const Eigen::VectorXd promised = around.starts.project(without.r - with.r);
+  Eigen::VectorXd measured = around.starts.project(without.r);
+  Eigen::VectorXd promised = around.starts.project(without.r - with.r);
+  judge_efforts_at_the_measured_motion(around, without.model, with.model, measured, promised);
   std::map<std::string, Sums> table;
   double total = 0.0;
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {
@@ -62,11 +83,13 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
         sums.dd.resize(problem.shots.size(), 0.0);
         sums.dr[s] += dr;
         sums.dd[s] += dd;
+        sums.rows += 1.0;
+        sums.effort = is_effort(channel.signal);
       };
       for (std::size_t k = 0; k < shot.rows; ++k) {
         const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
         const double dr = promised[i] * measured[i], dd = promised[i] * promised[i];
-        total += dd;
+        if (!is_effort(channel.signal)) total += dd;
         add(words(channel.signal), dr, dd);
         if (channel.signal != Signal::q) continue;
         const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
@@ -79,7 +102,9 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
   std::vector<IncidenceRow> out;
   for (const auto& [name, sums] : table) {
     const IncidenceRow row = row_of(name, sums);
-    const bool told = row.predicted > 5.0 && row.predicted * row.predicted > 0.02 * total;
+    // the servo's law is trusted to its channel's floor only: less than that a row on average is no promise
+    const double least = sums.effort ? sums.rows : 0.02 * total;
+    const bool told = row.predicted > 5.0 && row.predicted * row.predicted > least;
     if (told) out.push_back(row);
   }
   return out;
