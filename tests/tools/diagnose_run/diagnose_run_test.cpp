@@ -25,8 +25,9 @@ constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
 constexpr const char* kServo =
     "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = 0.0015339808";
 
-/// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not know.
-recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
+/// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not know; `duty`:
+/// recorded.
+recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty = false) {
   ModelFolder world = test::pendulum(kServo);
   world.effects = effects;
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [&](int, double t) {
@@ -42,6 +43,10 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index) 
     q.push_back(kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum));
   r.set("u:a", drive.joints[0].command);
   r.set("q:a", q);
+  if (!duty) return r;
+  std::vector<double> pwm;
+  for (const double x : p.of(p.pwm, 0)) pwm.push_back(std::round(885 * x) / 885);
+  r.set("pwm:a", pwm);
   return r;
 }
 
@@ -98,6 +103,18 @@ TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolde
   EXPECT_FALSE(read_model_folder((folder_ / "out" / "model").string()).effects.empty());
 }
 
+/// The library's delays end at 60 ms: a longer one is present, but what stops at the bound is not confirmed.
+TEST_F(DiagnoseRun, WhatEndsAtABoundIsPresentAndNotConfirmed) {
+  for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.09}}, 0}}, i));
+  options_.effects = {"command_delay"};
+  EXPECT_EQ(run_diagnose(options_), 1);
+  EXPECT_EQ(verdict().at("status"), "PRESENT_UNNAMED") << verdict().at("answer");
+  for (const auto& f : verdict().at("findings")) {
+    EXPECT_NE(f.at("status"), "CONFIRMED");
+    EXPECT_NE(f.at("reserve").get<std::string>().find("bound"), std::string::npos) << verdict().at("answer");
+  }
+}
+
 TEST_F(DiagnoseRun, NamesDryFriction) {
   for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.25}}, 0}}, i));
   EXPECT_EQ(run_diagnose(options_), 1);
@@ -119,23 +136,24 @@ TEST_F(DiagnoseRun, ALibraryOfOneEffectIsSearchedToItsEnd) {
   EXPECT_EQ(verdict().at("findings").at(0).at("effect"), "coulomb_friction");
 }
 
-/// Load-dependent friction predicts these motions four times better, but the duty that it promises did not happen.
-TEST_F(DiagnoseRun, WhatAResidualContradictsDescribesAndIsNotNamed) {
-  const char* data = std::getenv("SANSO_DATA");
-  const std::filesystem::path folder =
-      std::filesystem::path(data != nullptr ? data : "../shared/data") / "real/bam_xl330";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no external data: " << folder << " (set SANSO_DATA)";
-  options_.model = "tools/diagnose/examples/bam_xl330";
-  for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    if (file.path().extension() == ".csv") options_.recordings.push_back(file.path().string());
-  }
-  std::sort(options_.recordings.begin(), options_.recordings.end());
+/// A softer servo would explain much of what dry friction does to the position; the recorded duty says that it is not
+/// so.
+TEST_F(DiagnoseRun, WhatTheDutyContradictsIsNotNamed) {
+  for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
+  options_.effects = {"servo_p_gain"};
   EXPECT_EQ(run_diagnose(options_), 1);
-  const nlohmann::json v = verdict();
-  EXPECT_EQ(v.at("status"), "PRESENT_UNNAMED") << v.at("answer");
-  for (const auto& f : v.at("findings")) EXPECT_NE(f.at("effect"), "load_friction") << v.at("answer");
-  EXPECT_NE(v.at("answer").get<std::string>().find("Described, not explained, by load_friction"), std::string::npos)
-      << v.at("answer");
+  EXPECT_EQ(verdict().at("status"), "PRESENT_UNNAMED") << verdict().at("answer");
+  EXPECT_TRUE(verdict().at("findings").empty()) << verdict().at("answer");
+}
+
+/// The same recordings with the right name in the library: its drift of the simulated duty speaks against nobody.
+TEST_F(DiagnoseRun, TheDutyOfADriftingSimulationContradictsNobody) {
+  for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
+  options_.effects = {"servo_p_gain", "coulomb_friction"};
+  EXPECT_EQ(run_diagnose(options_), 1);
+  EXPECT_EQ(verdict().at("status"), "CONFIRMED") << verdict().at("answer");
+  ASSERT_FALSE(verdict().at("findings").empty());
+  EXPECT_EQ(verdict().at("findings").at(0).at("effect"), "coulomb_friction");
 }
 
 TEST_F(DiagnoseRun, SlowRecordingsAreCompared) {

@@ -116,6 +116,30 @@ TEST(BlockBootstrap, ErrorOfCorrelatedSeriesIsLargerThanIid) {
   EXPECT_GT(block.standard_error, 2.5 * iid.standard_error);  // theory: sqrt(19) = 4.4
 }
 
+/// Gains of zero mean: the bound may lie above zero about as often as its level says, also where neighbours depend.
+TEST(MovingBlockBootstrap, LowerBoundOfCorrelatedGainsIsHonest) {
+  constexpr int kSeries = 300;
+  int above = 0, above_independent = 0;
+  for (int i = 0; i < kSeries; ++i) {
+    const auto x = coloured(120, 0.7, 100 + static_cast<std::uint64_t>(i));
+    above += moving_block_lower_bound(x, 0.023, 299, Random(5)) > 0.0;
+    const auto blind = block_bootstrap_mean(x, 1, 299, Random(5));
+    above_independent += blind.interval95.low > 0.0;
+  }
+  EXPECT_LT(above, 0.07 * kSeries);
+  EXPECT_GT(above_independent, 0.12 * kSeries) << "the same without blocks: the test would not tell them apart";
+}
+
+TEST(MovingBlockBootstrap, BoundOfIndependentGainsIsTwoDeviationsBelowTheSum) {
+  Random random(9);
+  std::vector<double> x(400);
+  for (double& v : x) v = 1.0 + random.normal();
+  const double bound = moving_block_lower_bound(x, 0.023, 2000, Random(5));
+  EXPECT_NEAR(bound, 400 * mean(x) - 2.0 * 20.0, 10.0);
+  EXPECT_EQ(bound, moving_block_lower_bound(x, 0.023, 2000, Random(5)));
+  EXPECT_EQ(moving_block_lower_bound(std::vector<double>{3.0}, 0.023, 10, Random(1)), 3.0);
+}
+
 TEST(WilsonInterval, ContainsTheProportionAndStaysInside) {
   const Interval i = wilson_interval(0, 20);
   EXPECT_EQ(i.low, 0.0);

@@ -34,6 +34,19 @@ TEST(Verdict, HasTheDocumentedKeysAndParses) {
   EXPECT_TRUE(json.contains("untestable"));
 }
 
+TEST(Finding, WhatEndsAtABoundIsNeverConfirmed) {
+  Finding f;
+  f.effect = "command_delay";
+  f.one_of = {"command_delay"};
+  f.parameters["delay"] = {0.02, 0.019, 0.021, "s", false};
+  EXPECT_EQ(status_of(f), VerdictStatus::confirmed);
+  f.parameters["delay"] = {0.06, 0.06, 0.06, "s", true};
+  EXPECT_EQ(status_of(f), VerdictStatus::present_unnamed);
+  EXPECT_NE(stopped_at_bounds(f).find("delay"), std::string::npos);
+  f.one_of.emplace_back("sensor_delay");
+  EXPECT_EQ(status_of(f), VerdictStatus::one_of);
+}
+
 TEST(Verdict, NaNBecomesNull) {
   Verdict v;
   v.locations.push_back({"a", "b", NAN, INFINITY});

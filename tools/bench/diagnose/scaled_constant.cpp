@@ -42,6 +42,8 @@ const std::vector<Scalable> kScalable{
     {"kFamilyWise", &c::kFamilyWise},
     {"kNullDraws", &c::kNullDraws},
     {"kStandardErrors", &c::kStandardErrors},
+    {"kGainLevel", &c::kGainLevel},
+    {"kGainDraws", &c::kGainDraws},
     {"kTestable", &c::kTestable},
     {"kSameSignature", &c::kSameSignature},
     {"kPracticalSize", &c::kPracticalSize},

@@ -24,7 +24,7 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const 
     if (!p.structural) {
       v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
       v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
-      v.at_bound = entry.at_bound[i] != 0 && std::abs(theta[i] - p.null) > 1e-6 * p.typical;
+      v.at_bound = entry.at_bound[i] != 0 && !at_null(p, theta[i]);
     }
     out[p.name] = v;
   }
@@ -62,6 +62,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     f.p_family = entry.p_family;
     f.heldout_gain = entry.gain.total / excess;
     f.heldout_gain_se = entry.gain.standard_error / excess;
+    f.heldout_gain_low = entry.gain.lower / excess;
     f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
     f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
     f.regime = strongest_regime(f.incidence);
@@ -83,7 +84,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
       }
       f.rivals.push_back(std::move(rival));
     }
-    f.status = f.one_of.size() > 1 ? VerdictStatus::one_of : VerdictStatus::confirmed;
+    f.status = status_of(f);
     out.push_back(std::move(f));
   }
   return out;
@@ -109,26 +110,6 @@ double remaining_share(const Problem& problem, const Selection& selection) {
 }
 
 namespace {
-
-/// RMS of the final model's position errors in noise levels (or trust floors), starts taken out.
-double position_error_level(const Problem& problem, const Selection& selection) {
-  const Eigen::VectorXd r = selection.around->starts.project(selection.final.r);
-  // as in the fits: a shot that runs away, stuck at its start in one world only, does not decide alone
-  const Eigen::VectorXd weights = selection.around->weights(selection.around->starts.energy_by_shot(selection.final.r));
-  double square = 0.0, rows = 0.0;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    const Observed& channel = problem.channels[c];
-    if (channel.signal != Signal::q) continue;
-    for (const Shot& shot : problem.shots) {
-      const auto piece =
-          r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows));
-      const double weight = weights[&shot - problem.shots.data()];
-      square += weight * piece.squaredNorm() * channel.sigma * channel.sigma / (channel.floor * channel.floor);
-      rows += weight * static_cast<double>(shot.rows);
-    }
-  }
-  return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
-}
 
 /// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later
 /// gates.
@@ -169,12 +150,9 @@ std::string sentence(const Finding& f) {
     const auto& [name, value] = *f.parameters.begin();
     text += fmt::format(" ({} {:.3g} {})", name, value.value, value.unit);
   }
+  if (const std::string reserve = stopped_at_bounds(f); !reserve.empty()) text += " (not confirmed: " + reserve + ")";
   return text;
 }
-
-}  // namespace
-
-namespace {
 
 /// Effects that stay in the model as a description though a residual speaks against them; empty: none.
 std::string stand_ins(const Library& library, const Selection& selection) {
@@ -192,11 +170,14 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
             const std::vector<Predictability>& left, const std::string& location) {
   const double share = remaining_share(problem, selection);
   const Predictability* unnamed = most_predictable(left);
-  verdict.notes.push_back(fmt::format(
-      "left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %", 100 * share,
-      position_error_level(problem, selection), unnamed != nullptr ? 100 * unnamed->explained : 0.0));
+  verdict.notes.push_back(
+      fmt::format("left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %",
+                  100 * share, position_error_level(*selection.around, selection.final.r, {}),
+                  unnamed != nullptr ? 100 * unnamed->explained : 0.0));
   const bool much_left = verdict.findings.empty() || share > 1.0 - constants::kNamedShare;
-  const bool inadequate = position_error_level(problem, selection) > constants::kAdequate && detected(selection);
+  const bool inadequate =
+      position_error_level(*selection.around, selection.final.r, {}) > constants::kAdequate &&
+      detected(selection);
   if (unnamed != nullptr) {
     Unexplained u;
     u.predictable = unnamed->explained;
@@ -207,14 +188,16 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
     verdict.unexplained = u;
   }
   const std::string described = stand_ins(library, selection);
-  if (unnamed == nullptr && ((much_left && inadequate) || !described.empty())) {
+  const bool stopped = std::any_of(verdict.findings.begin(), verdict.findings.end(),
+                                   [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
+  if (unnamed == nullptr && ((much_left && inadequate) || !described.empty() || stopped)) {
     Unexplained u;
     u.energy_share = share;
     u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
     u.regime = location;
     verdict.unexplained = u;
   }
-  if (!described.empty() || (much_left && (unnamed != nullptr || inadequate))) {
+  if (!described.empty() || stopped || (much_left && (unnamed != nullptr || inadequate))) {
     verdict.status = VerdictStatus::present_unnamed;
   } else if (verdict.findings.empty()) {
     verdict.status = VerdictStatus::absent;

@@ -19,6 +19,9 @@ struct CandidateParameter {
   bool structural = false;  // stays what the probe says; not fitted
 };
 
+/// Within rounding of the null, in units of the range: a limit that is not switched on is at no bound.
+bool at_null(const CandidateParameter& parameter, double value);
+
 struct Candidate {
   std::string effect;              // id of the library
   std::string family;              // "friction", ...

@@ -8,6 +8,7 @@
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/series.h"
+#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 
@@ -239,6 +240,30 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   return out;
 }
 
+double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
+                            const Eigen::VectorXd& expected_scatter) {
+  const Problem& problem = *around.problem;
+  const Eigen::VectorXd projected = around.starts.project(r);
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
+  double square = 0.0, rows = 0.0;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    if (channel.signal != Signal::q) continue;
+    const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
+    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+      const Shot& shot = problem.shots[s];
+      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+      const auto count = static_cast<Eigen::Index>(shot.rows);
+      double energy = projected.segment(from, count).squaredNorm();
+      if (expected_scatter.size() > 0) energy -= expected_scatter.segment(from, count).sum();
+      const double weight = weights[static_cast<Eigen::Index>(s)];
+      square += weight * energy * unit;
+      rows += weight * static_cast<double>(count);
+    }
+  }
+  return rows > 0.0 ? std::sqrt(std::max(0.0, square / rows)) : 0.0;
+}
+
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
   std::vector<double> out;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
@@ -369,6 +394,8 @@ HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after)
   gain.total = d.sum();
   gain.standard_error =
       standard_deviation(values) * std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
+  gain.lower = moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws, Random(kSeed));
   std::sort(values.rbegin(), values.rend());
   double best = 0.0;
   for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i) best += std::max(0.0, values[i]);

@@ -43,6 +43,11 @@ struct FitResult {
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
 
+/// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots weighed as in the fits:
+/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance explains; empty: none.
+double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
+                            const Eigen::VectorXd& expected_scatter);
+
 /// Overdispersion of a projected error by channel: median over shots of mean square x autocorrelation time. Errors that
 /// are correlated or larger than the noise carry less information than their number says.
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
@@ -63,6 +68,7 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
 struct HeldoutGain {
   double total = 0.0;           // energy removed
   double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
+  double lower = 0.0;           // bound of `total` at kGainLevel, moving-block bootstrap over shots
   double concentration = 0.0;   // share of the gain that comes from the three best shots
 };
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
@@ -82,6 +83,10 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
   // fraction of a millisecond takes the next name that can shift a command forward (feed-forward).
   out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
   return out;
+}
+
+bool at_null(const CandidateParameter& p, double value) {
+  return std::abs(value - p.null) <= 1e-6 * std::max(p.typical, p.high - p.low);
 }
 
 bool Model::has(int candidate) const {

@@ -192,9 +192,8 @@ class Search {
     });
   }
   bool at_bound(const Alternative& a) const {
-    return any_parameter(a, [](const CandidateParameter& p, double value, double, bool fixed) {
-      return fixed && std::abs(value - p.null) > 1e-6 * p.typical;
-    });
+    return any_parameter(
+        a, [](const CandidateParameter& p, double value, double, bool fixed) { return fixed && !at_null(p, value); });
   }
   double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
@@ -202,8 +201,7 @@ class Search {
   /// the residual that it should have changed.
   std::string refused_by(const Alternative& a, bool refutable) const {
     const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
-    if (gain.total < constants::kStandardErrors * gain.standard_error)
-      return "held-out gain within two standard errors";
+    if (gain.lower <= 0.0) return "held-out gain not beyond chance";
     if (gain.total < practical()) return "changes predictions by less than what matters";
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(a)) return "interval contains the null";
@@ -244,9 +242,9 @@ class Search {
         if (at_bound(fitted[i]) != bounds_allowed) continue;
         const std::string refused = refused_by(fitted[i], refutable);
         const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
-        say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error ({:.1f} standard errors){}{}", step + 1,
-                        candidate(fitted[i].candidate).title(), 100 * gain.total / whole(),
-                        gain.total / std::max(gain.standard_error, 1e-9), bounds_allowed ? ", ends at a bound" : "",
+        say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}){}{}", step + 1,
+                        candidate(fitted[i].candidate).title(), 100 * gain.total / whole(), 100 * gain.lower / whole(),
+                        bounds_allowed ? ", ends at a bound" : "",
                         refused.empty() ? ", accepted" : ", refused: " + refused));
         if (!refused.empty()) continue;
         accept(std::move(fitted), i, screening);
@@ -291,8 +289,8 @@ class Search {
     for (std::size_t i = 0; i + 1 < out_.accepted.size();) {
       const FitResult reduced = without(i);
       const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
-      const bool needed = gain.total > constants::kStandardErrors * gain.standard_error && gain.total > practical() &&
-                          gain.total > constants::kMinimumShare * whole();
+      const bool needed =
+          gain.lower > 0.0 && gain.total > practical() && gain.total > constants::kMinimumShare * whole();
       if (needed) {
         ++i;
         continue;

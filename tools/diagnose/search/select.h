@@ -1,5 +1,6 @@
-// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above two
-// standard errors, not worse on conditions left out, an interval that excludes the null, off its bounds.
+// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above
+// chance (moving-block bootstrap over shots), not worse on conditions left out, an interval that excludes the null, off
+// its bounds.
 #pragma once
 
 #include <functional>
@@ -28,7 +29,7 @@ struct Accepted {
   HeldoutGain gain;           // with it against without it, everything else refitted
   std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
-  std::string contradicted;   // the residual that speaks against it; then it describes the data and is no finding
+  std::string contradicted;      // the residual that speaks against it; then it describes the data and is no finding
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
   FitResult without;                      // the final model without it, refitted
 };
@@ -39,8 +40,8 @@ struct Selection {
   FitResult final;
   Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
   std::vector<Accepted> accepted;
-  Screening first;               // of the nominal model: the family on which detection rests
-  std::vector<std::string> log;  // one line a step, for the report
+  Screening first;                   // of the nominal model: the family on which detection rests
+  std::vector<std::string> log;      // one line a step, for the report
 };
 
 struct SelectOptions {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/series.h"
 
 namespace sanso::diagnose {
 
@@ -83,6 +84,25 @@ MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block,
   result.standard_error = standard_deviation(means);
   result.interval95 = {quantile(means, 0.025), quantile(means, 0.975)};
   return result;
+}
+
+double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random) {
+  const auto n = static_cast<double>(x.size());
+  const double total = n * mean(x);
+  if (x.size() < 2) return x.empty() ? 0.0 : total;
+  const double wanted = std::max(std::cbrt(n), 3.0 * autocorrelation_time(x));
+  const auto block = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, std::max(1.0, n / 3.0)));
+  const int starts = static_cast<int>(x.size() - block) + 1;
+  std::vector<double> sums(static_cast<std::size_t>(draws), 0.0);
+  for (double& sum : sums) {
+    for (std::size_t taken = 0; taken < x.size();) {
+      const auto from = static_cast<std::size_t>(random.below(starts));
+      for (std::size_t i = 0; i < block && taken < x.size(); ++i, ++taken) sum += x[from + i];
+    }
+  }
+  // blocks that cannot wrap around reach the ends less often: their mean is taken out, the sum's own put in
+  const double widened = std::sqrt(n / (n - static_cast<double>(block)));
+  return total + widened * (quantile(sums, level) - mean(sums));
 }
 
 Interval wilson_interval(int successes, int trials) {

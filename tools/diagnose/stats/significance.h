@@ -36,6 +36,11 @@ struct MeanWithError {
 };
 MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws, Random random);
 
+/// Lower confidence bound (one-sided, `level`) of the sum of `x`, whose neighbours may depend: moving-block bootstrap
+/// (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times (a third of all at most), percentiles widened by
+/// sqrt(n / (n - block)) since fewer blocks spread too little. The sum itself for n < 2.
+double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random);
+
 /// Wilson interval (95 %) of a proportion: `successes` of `trials`.
 Interval wilson_interval(int successes, int trials);
 

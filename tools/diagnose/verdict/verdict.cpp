@@ -17,6 +17,19 @@ const char* to_string(VerdictStatus status) {
   return "REFUSED";
 }
 
+std::string stopped_at_bounds(const Finding& finding) {
+  std::string names;
+  for (const auto& [name, parameter] : finding.parameters) {
+    if (parameter.at_bound) names += (names.empty() ? "" : ", ") + name;
+  }
+  return names.empty() ? "" : names + " ends at a bound of the library";
+}
+
+VerdictStatus status_of(const Finding& finding) {
+  if (finding.one_of.size() > 1) return VerdictStatus::one_of;
+  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed : VerdictStatus::present_unnamed;
+}
+
 double FitScore::explained() const {
   const double before = nominal * nominal - noise * noise, after = nominal * nominal - patched * patched;
   return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
@@ -40,7 +53,7 @@ ordered_json json_of(const Rival& r) {
 
 ordered_json json_of(const Finding& f) {
   ordered_json out{{"effect", f.effect}, {"family", f.family}, {"where", f.where},
-                   {"regime", f.regime}, {"status", to_string(f.status)}};
+                   {"regime", f.regime}, {"status", to_string(f.status)}, {"reserve", stopped_at_bounds(f)}};
   ordered_json parameters = ordered_json::object();
   for (const auto& [name, p] : f.parameters) {
     parameters[name] = {{"value", number(p.value)}, {"unit", p.unit}, {"low", number(p.low)}, {"high", number(p.high)},
@@ -49,7 +62,8 @@ ordered_json json_of(const Finding& f) {
   out["parameters"] = parameters;
   out["evidence"] = {{"p_family", number(f.p_family)},
                      {"heldout_gain", number(f.heldout_gain)},
-                     {"heldout_gain_se", number(f.heldout_gain_se)}};
+                     {"heldout_gain_se", number(f.heldout_gain_se)},
+                     {"heldout_gain_low", number(f.heldout_gain_low)}};
   out["one_of"] = f.one_of;
   out["rivals"] = ordered_json::array();
   for (const Rival& r : f.rivals) out["rivals"].push_back(json_of(r));

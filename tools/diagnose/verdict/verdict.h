@@ -47,10 +47,18 @@ struct Finding {
   double p_family = 1.0;
   double heldout_gain = 0.0;     // share of the prediction error's energy that this effect alone removes, held out
   double heldout_gain_se = 0.0;
+  double heldout_gain_low = 0.0; // bound that chance leaves (moving-block bootstrap)
   std::vector<std::string> one_of;
   std::vector<Rival> rivals;
   std::vector<IncidenceRow> incidence;
 };
+
+/// Parameters that the fit left at a bound of the library, in words; empty: none. What was stopped there is of another
+/// size or another structure.
+std::string stopped_at_bounds(const Finding& finding);
+
+/// ONE_OF where several names are left; CONFIRMED where one is and no bound stopped it; else PRESENT_UNNAMED.
+VerdictStatus status_of(const Finding& finding);
 
 struct LocationCell {
   std::string where, regime;
