@@ -177,13 +177,16 @@ class Run {
     SelectOptions options;
     options.seed = options_.seed;
     options.progress = progress_;
+    options.keep_groups = options_.first_look_by_group;
     const Regimes regimes = find_regimes(problem_);
     options.refuted_by = [&regimes](const Surroundings& around, const FitResult& without, const FitResult& with) {
       return refuted_by(incidence(around, regimes, without, with));
     };
     selection_ = select(problem_, library_, options);
     out_.log = selection_.log;
-    const Screening& first = selection_.first;
+    Screening& first = selection_.first;
+    out_.first_look.by_group = std::move(first.by_group);
+    out_.first_look.nuisances = first.known;
     out_.first_look.critical = first.critical;
     for (const ProbeScore& p : first.probes) {
       const Candidate& c = library_.candidates[static_cast<std::size_t>(p.candidate)];
@@ -223,7 +226,8 @@ class Run {
       predictable[static_cast<std::size_t>(j)] =
           predictability(left, j, Random(options_.seed, 100 + static_cast<std::uint64_t>(j)));
     });
-    decide(v, problem_, library_, selection_, predictable, location_sentence(v.findings.empty() ? out_.before : out_.after));
+    decide(v, problem_, library_, selection_, predictable,
+           location_sentence(v.findings.empty() ? out_.before : out_.after));
     out_.shown_joints = joints_to_show(v, problem_, out_.before);
     const std::vector<TorqueSample> at_first =
         missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model);

@@ -1,6 +1,7 @@
 // `sanso diagnose`: from a model folder and recordings to a verdict, a patched model and everything the report shows.
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <string>
@@ -23,6 +24,7 @@ struct DiagnoseOptions {
   bool json = false;                    // print verdict.json instead of the summary
   bool quiet = false;                   // no progress lines
   unsigned long seed = 1;
+  bool first_look_by_group = false;  // fills FirstLook::by_group, for methods that are compared with this one
 };
 
 /// One roll-out on held-out data for the report: measured, nominal, patched position of a joint.
@@ -38,6 +40,10 @@ struct FirstLook {
   std::vector<double> z;            // matched-filter score of the probe
   std::vector<double> correlation;  // probes x probes, of the projected signatures
   double critical = 0.0;            // |z| that the family's maximum exceeds by chance once in a hundred
+  /// Inner products of [nuisances / tolerance | probes | error] by held-out group, starts eliminated; empty unless
+  /// DiagnoseOptions::first_look_by_group.
+  std::vector<Eigen::MatrixXd> by_group;
+  Eigen::Index nuisances = 0;
 };
 
 /// All that was found out; the verdict is what counts, the rest feeds the report.
@@ -46,7 +52,7 @@ struct Diagnosis {
   std::optional<ModelFolder> patched;
   LocationMap before, after;
   std::vector<std::string> regimes, joints;
-  std::vector<char> slides;  // by joint, not 0: prismatic
+  std::vector<char> slides;                                          // by joint, not 0: prismatic
   std::vector<std::vector<ShapeCurve>> curves_before, curves_after;  // by joint of `shown_joints`
   std::vector<int> shown_joints;
   std::vector<RollOut> roll_outs;

@@ -17,31 +17,48 @@ struct Pass {
   std::vector<char> wanted = {};  // by joint; empty: all
 };
 
-/// Writes the whitened error of the wanted joints into r.
+/// Shots of one recording: [begin, end); shots are sorted by source.
+struct Batch {
+  std::size_t source, begin, end;
+};
+std::vector<Batch> by_source(const Problem& problem) {
+  std::vector<Batch> out;
+  for (std::size_t i = 0; i < problem.shots.size(); ++i) {
+    const auto source = static_cast<std::size_t>(problem.shots[i].source);
+    if (out.empty() || out.back().source != source) out.push_back({source, i, i});
+    out.back().end = i + 1;
+  }
+  return out;
+}
+
+void simulate_batch(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
+                    const Batch& batch, Eigen::VectorXd& r) {
+  std::vector<Window> windows;
+  for (std::size_t i = batch.begin; i < batch.end; ++i) {
+    windows.push_back(problem.shots[i].window);
+    pass.move_start(windows.back());
+  }
+  const Source& source = problem.sources[batch.source];
+  SimParams params = source.nominal;
+  library.apply(model, params);
+  SimOptions options;
+  options.motion = &source.motion;
+  options.max_step_s = pass.step_s;
+  options.wanted = pass.wanted;
+  const std::vector<Prediction> predictions = simulate(params, source.drive, windows, options);
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const Shot& shot = problem.shots[batch.begin + i];
+    whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
+  }
+}
+
+/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its own shots, so the
+/// result does not depend on the number of threads.
 void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
               Eigen::VectorXd& r) {
-  std::size_t next = 0;  // shots are sorted by source
-  for (std::size_t source = 0; source < problem.sources.size(); ++source) {
-    const std::size_t begin = next;
-    std::vector<Window> windows;
-    while (next < problem.shots.size() && problem.shots[next].source == static_cast<int>(source)) {
-      windows.push_back(problem.shots[next].window);
-      pass.move_start(windows.back());
-      ++next;
-    }
-    if (windows.empty()) continue;
-    SimParams params = problem.sources[source].nominal;
-    library.apply(model, params);
-    SimOptions options;
-    options.motion = &problem.sources[source].motion;
-    options.max_step_s = pass.step_s;
-    options.wanted = pass.wanted;
-    const std::vector<Prediction> predictions = simulate(params, problem.sources[source].drive, windows, options);
-    for (std::size_t i = 0; i < predictions.size(); ++i) {
-      const Shot& shot = problem.shots[begin + i];
-      whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
-    }
-  }
+  const std::vector<Batch> batches = by_source(problem);
+  parallel_for(static_cast<int>(batches.size()),
+               [&](int i) { simulate_batch(problem, library, model, pass, batches[static_cast<std::size_t>(i)], r); });
 }
 
 /// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when `joints` is.
@@ -278,6 +295,11 @@ Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns, const Eig
 
 Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) const {
   return sum(gram_of(columns, problem_->groups, group_of, weights));
+}
+
+std::vector<Eigen::MatrixXd> StartElimination::gram_by_group(const Eigen::MatrixXf& columns,
+                                                             const Eigen::VectorXd& weights) const {
+  return gram_of(columns, problem_->groups, group_of, weights);
 }
 
 Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r) const {

@@ -40,6 +40,8 @@ class StartElimination {
   Eigen::MatrixXd gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights = {}) const;
   /// The same for columns kept in single precision (thousands of signatures); products are summed in double precision.
   Eigen::MatrixXd gram(const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) const;
+  /// The same by held-out group; their sum is gram().
+  std::vector<Eigen::MatrixXd> gram_by_group(const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) const;
   /// r' M r by shot.
   Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r) const;
   /// M r: what of an error cannot come from the starts.

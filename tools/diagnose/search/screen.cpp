@@ -191,7 +191,7 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
 
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
                  const std::vector<int>& which, Random random, const Screening* earlier,
-                 const Eigen::MatrixXd& accepted) {
+                 const Eigen::MatrixXd& accepted, bool keep_groups) {
   Eigen::MatrixXd known(r.size(), around.A.cols() + accepted.cols());
   known.leftCols(around.A.cols()) = around.A;
   if (accepted.cols() > 0) known.rightCols(accepted.cols()) = accepted;
@@ -215,7 +215,10 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
     out.critical = INFINITY;
     return out;
   }
-  const Eigen::MatrixXd gram = around.starts.gram(columns, weights);
+  std::vector<Eigen::MatrixXd> groups = around.starts.gram_by_group(columns, weights);
+  Eigen::MatrixXd gram = groups.front();
+  for (std::size_t g = 1; g < groups.size(); ++g) gram += groups[g];
+  if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
   const Eliminated e =
       eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()), known.cols(), count);
   out.correlation.resize(count, count);

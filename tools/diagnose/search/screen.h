@@ -30,6 +30,11 @@ struct Screening {
   std::vector<double>
       channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
 
+  /// For methods that select on held-out groups: inner products of [known | signatures | error] by group, channels
+  /// scaled by channel_sigma; `known` columns (nuisances) come first. Empty unless asked for.
+  std::vector<Eigen::MatrixXd> by_group;
+  Eigen::Index known = 0;
+
   /// Mean square of all scores: 1 under noise alone, more when what is left is no noise.
   double mean_square() const;
   /// Candidates by their best score, strongest first.
@@ -45,8 +50,9 @@ struct Screening {
 /// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening
 /// only two probes of every candidate are tried again: its strongest one and its most different one.
 /// `accepted`: derivatives by the parameters of the model's own effects, projected out like the nuisances; empty: none.
+/// `keep_groups`: fills Screening::by_group.
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
                  const std::vector<int>& which, Random random, const Screening* earlier = nullptr,
-                 const Eigen::MatrixXd& accepted = {});
+                 const Eigen::MatrixXd& accepted = {}, bool keep_groups = false);
 
 }  // namespace sanso::diagnose

@@ -45,7 +45,7 @@ class Search {
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
     const Eigen::VectorXd r = prediction_error(problem_, library_, Model{});
     out_.around->set_shot_scale(out_.around->starts.energy_by_shot(r));
-    out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1));
+    out_.first = screen(*out_.around, Model{}, r, all, Random(options_.seed, 1), nullptr, {}, options_.keep_groups);
     calibrate(out_.first);
     say(fmt::format("screened {} candidates ({} signatures), error level {}, critical score {:.2f}", all.size(),
                     out_.first.probes.size(), error_levels(), out_.first.critical));

@@ -46,6 +46,7 @@ struct Selection {
 
 struct SelectOptions {
   unsigned long seed = 1;
+  bool keep_groups = false;  // Selection::first also by held-out group
   std::function<void(const std::string&)> progress = [](const std::string&) {};
   /// The residual that an effect (in `with`, not in `without`) should have changed and did not; empty: none.
   std::function<std::string(const Surroundings&, const FitResult& without, const FitResult& with)> refuted_by =
