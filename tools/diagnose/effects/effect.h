@@ -42,6 +42,14 @@ enum class Unit {
 /// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it; never scaled.
 inline constexpr double kOff = 1e6;
 
+/// What a parameter says, for the search of where a fit begins: no derivative leads to an order or a place from afar.
+enum class Role {
+  size,      // how much
+  order,     // periods in a turn: tried one by one around the probed ones
+  instant,   // of a recording, from which on: tried on a grid
+  position,  // of the joint: a probe's sign says at which end of its motion; tried on a grid between the ends
+};
+
 struct EffectParameter {
   std::string_view name;
   std::string_view unit;  // SI; for prismatic joints read m for rad, N for N m, kg for kg m^2
@@ -50,6 +58,7 @@ struct EffectParameter {
   double typical = 1.0;  // a step at which it matters: the scale of the fit's coordinate
   Unit scale = Unit::none;
   bool structural = false;  // not fitted by derivatives: stays what the probe says
+  Role role = Role::size;
 };
 
 /// Residuals of the method page (3.3) that an effect changes.
@@ -83,7 +92,8 @@ struct Effect {
   Port port{};
   Scope scope{};
   std::vector<EffectParameter> parameters{};
-  bool smooth = true;                           // derivatives at the null say something; otherwise only probes do
+  bool smooth = true;   // derivatives at the null say something; otherwise only probes do
+  bool random = false;  // chance decides what it does to a recording: judged by scatter, its first parameter the size
   std::vector<std::vector<double>> probes{};    // parameter vectors (library units) whose signature is looked for
   int sign = 0;                                 // +1: only values above the null are possible, -1: only below, 0: both
   unsigned residuals = kR2;                     // Residual bits it must change

@@ -227,7 +227,7 @@ std::vector<Effect> friction_effects() {
           .scope = S,
           .parameters = {{"sine", "N m", 0, -0.4, 0.4, 0.05, Unit::torque},
                          {"cosine", "N m", 0, -0.4, 0.4, 0.05, Unit::torque},
-                         {"order", "1/rad", 1, 1, 12, 1, Unit::per_angle, true}},
+                         {"order", "1/rad", 1, 1, 12, 1, Unit::per_angle, true, Role::order}},
           .smooth = false,
           .probes = {{0.05, 0, 1},
                      {0, 0.05, 1},

@@ -132,7 +132,7 @@ std::vector<Effect> mass_effects() {
                          {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length},
                          {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
                          {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length},
-                         {"from", "s", 0, 0, 1e4, 1, Unit::none, true}},
+                         {"from", "s", 0, 0, 1e4, 1, Unit::none, true, Role::instant}},
           .smooth = false,
           .probes = {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}},
           .sign = 1,

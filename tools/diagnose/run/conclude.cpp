@@ -21,6 +21,8 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const 
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
     VerdictParameter v{theta[i], theta[i], theta[i], p.unit, false};
+    if (c.random && i == 0) v.at_bound = theta[i] >= p.high * (1.0 - 1e-6);
+    if (c.random && i == 0) v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
     if (!p.structural) {
       v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
       v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
@@ -104,6 +106,8 @@ double remaining_share(const Problem& problem, const Selection& selection) {
       const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
       excess_before += unit * before.segment(from, rows).squaredNorm() - static_cast<double>(rows);
       excess_after += unit * after.segment(from, rows).squaredNorm() - static_cast<double>(rows);
+      if (selection.expected_scatter.size() > 0)  // what chance explains is not left
+        excess_after -= unit * selection.expected_scatter.segment(from, rows).sum();
     }
   }
   return excess_before > 0.0 ? std::clamp(excess_after / excess_before, 0.0, 1.0) : 0.0;
@@ -172,11 +176,11 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
   const Predictability* unnamed = most_predictable(left);
   verdict.notes.push_back(
       fmt::format("left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %",
-                  100 * share, position_error_level(*selection.around, selection.final.r, {}),
+                  100 * share, position_error_level(*selection.around, selection.final.r, selection.expected_scatter),
                   unnamed != nullptr ? 100 * unnamed->explained : 0.0));
   const bool much_left = verdict.findings.empty() || share > 1.0 - constants::kNamedShare;
   const bool inadequate =
-      position_error_level(*selection.around, selection.final.r, {}) > constants::kAdequate &&
+      position_error_level(*selection.around, selection.final.r, selection.expected_scatter) > constants::kAdequate &&
       detected(selection);
   if (unnamed != nullptr) {
     Unexplained u;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/search/problem.h"
 #include "tools/diagnose/sim/sim_params.h"
 
@@ -17,6 +18,7 @@ struct CandidateParameter {
   double null = 0.0, low = 0.0, high = 0.0;
   double typical = 1.0;     // a size at which the effect matters in practice; scale of the fit's coordinate
   bool structural = false;  // stays what the probe says; not fitted
+  Role role = Role::size;
 };
 
 /// Within rounding of the null, in units of the range: a limit that is not switched on is at no bound.
@@ -30,6 +32,7 @@ struct Candidate {
   std::vector<CandidateParameter> parameters;
   std::vector<std::vector<double>> probes;  // parameter vectors whose signature is looked for
   bool two_sided = true;                    // both signs of a signature are possible
+  bool random = false;                      // judged by scatter (scatter.h), never by one simulated course of events
   std::vector<std::string> confounders;     // library ids known to look alike
   std::function<void(SimParams&, const std::vector<double>&)> apply;
   std::string title() const;  // "backlash at l_knee"

@@ -18,13 +18,15 @@ std::vector<Drive> drives_of(const Problem& problem) {
   return out;
 }
 
-/// A stop is looked for at the ends of what each joint did, not at the library's example positions.
-void place_stop(Candidate& c, const Problem& problem, std::size_t joint) {
-  std::vector<double> q;
-  for (const Source& s : problem.sources) q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
-  const double margin = 0.03 * (quantile(q, 1.0) - quantile(q, 0.0));
-  const double stiffness = c.probes.empty() ? 20.0 : c.probes.front()[0];
-  c.probes = {{stiffness, quantile(q, 1.0) - margin, 1.0}, {stiffness, quantile(q, 0.0) + margin, -1.0}};
+/// What begins at a position is looked for at the ends of what the joint did, not at the library's example positions.
+void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::position) continue;
+    std::vector<double> q;
+    for (const Source& s : problem.sources) q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
+    const double low = quantile(q, 0.0), high = quantile(q, 1.0), margin = 0.03 * (high - low);
+    for (std::vector<double>& probe : c.probes) probe[i] = probe[i] > 0.0 ? high - margin : low + margin;
+  }
 }
 
 /// "l_knee" and "r_knee" are of one class, "knee".
@@ -60,20 +62,21 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   c.effect = std::string(effect.id);
   c.family = std::string(to_string(effect.family));
   c.two_sided = effect.sign == 0;
+  c.random = effect.random;
   for (const std::string_view id : effect.confounders) c.confounders.emplace_back(id);
   const bool prismatic =
       !joints.empty() && effect.scope != Scope::link && nominal.tree.joints[joints.front()].prismatic;
   for (const EffectParameter& p : effect.parameters) {
     const EffectParameter here = scaled(p, scale);
     c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic), here.null, here.low,
-                            here.high, here.typical, p.structural});
+                            here.high, here.typical, p.structural, p.role});
   }
   c.probes = scaled_probes(effect, scale);
   for (const std::size_t j : joints) {
     c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link : problem.joints[j]);
     c.joints.push_back(static_cast<int>(j));
   }
-  if (c.effect == "joint_stop" && joints.size() == 1) place_stop(c, problem, joints.front());
+  if (joints.size() == 1) place_positions(c, problem, joints.front());
   const auto apply = effect.apply;
   if (joints.empty()) {
     c.apply = [apply](SimParams& p, const std::vector<double>& theta) { apply(p, 0, theta); };
@@ -115,6 +118,7 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
     }
     for (const std::size_t j : able) out.candidates.push_back(place(effect, problem, scales, {j}));
     for (const std::vector<std::size_t>& joints : tied) {
+      if (effect.random) continue;  // every joint scatters for itself
       const bool all = std::all_of(joints.begin(), joints.end(),
                                    [&](std::size_t j) { return std::find(able.begin(), able.end(), j) != able.end(); });
       if (all) out.candidates.push_back(place(effect, problem, scales, joints));

@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -15,6 +16,7 @@ struct Pass {
   double step_s = constants::kSearchStep;
   std::function<void(Window&)> move_start = [](Window&) {};
   std::vector<char> wanted = {};  // by joint; empty: all
+  std::uint64_t seed = 0;         // not 0: chance is drawn
 };
 
 /// Shots of one recording: [begin, end); shots are sorted by source.
@@ -45,9 +47,12 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   options.motion = &source.motion;
   options.max_step_s = pass.step_s;
   options.wanted = pass.wanted;
-  const std::vector<Prediction> predictions = simulate(params, source.drive, windows, options);
+  if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
+  std::vector<Prediction> predictions = simulate(params, source.drive, windows, options);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const Shot& shot = problem.shots[batch.begin + i];
+    if (pass.seed != 0)
+      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + batch.begin + i).bits(), predictions[i]);
     whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
   }
 }
@@ -85,6 +90,15 @@ constexpr std::size_t kCoupledStarts = 4;
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model) {
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
   one_pass(problem, library, model, {}, r);
+  return r;
+}
+
+Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library, const Model& model,
+                                       std::uint64_t seed) {
+  Pass pass;
+  pass.seed = seed;
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  one_pass(problem, library, model, pass, r);
   return r;
 }
 

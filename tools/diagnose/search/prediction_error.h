@@ -12,6 +12,10 @@ namespace sanso::diagnose {
 /// r = (measured - predicted) / sigma of all shots; see Problem for the layout. One pass.
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model);
 
+/// The same with chance drawn (lost commands, instants of readings) instead of averaged; `seed` not 0. One pass.
+Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library, const Model& model,
+                                       std::uint64_t seed);
+
 /// Measures what the search's step adds to the predictions of `model` and stores it in the problem: every later
 /// prediction error is that of the limit of small steps, to first order of the integrator, as long as the model stays
 /// near.

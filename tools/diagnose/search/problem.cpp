@@ -68,11 +68,14 @@ recording::Recording thinned(const recording::Recording& r) {
   return out;
 }
 
-double noise_of(const std::vector<NoiseLevel>& noise, const std::string& channel) {
+NoiseLevel level_of(const std::vector<NoiseLevel>& noise, const std::string& channel) {
   for (const NoiseLevel& n : noise) {
-    if (n.channel == channel) return n.sigma;
+    if (n.channel == channel) return n;
   }
-  return 0.0;
+  return {};
+}
+double noise_of(const std::vector<NoiseLevel>& noise, const std::string& channel) {
+  return level_of(noise, channel).sigma;
 }
 
 void smooth_source(Source& source, const std::vector<double>& sigmas) {
@@ -151,7 +154,9 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
       Observed channel;
       channel.signal = signal;
       channel.joint = static_cast<int>(j);
-      const double sigma = noise_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
+      const NoiseLevel level = level_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
+      const double sigma = level.sigma;
+      channel.quantum = level.quantum;
       const double floor = signal == Signal::q
                                ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
                                : constants::kSecondaryFloor * rms(values);

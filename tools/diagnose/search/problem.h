@@ -24,6 +24,7 @@ struct Observed {
       1.0;  // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if larger
   double floor = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
   double noise = 1.0;  // unit of the signal; measurement noise alone
+  double quantum = 0.0;  // unit of the signal; step of its readings, 0: none found
 };
 
 /// One recording, ready to simulate.

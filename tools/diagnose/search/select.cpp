@@ -7,6 +7,7 @@
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
+#include "tools/diagnose/search/scatter.h"
 #include "tools/diagnose/search/start.h"
 
 namespace sanso::diagnose {
@@ -26,6 +27,7 @@ class Search {
     }
     swap();
     drop_refuted();
+    judge_random();
     finish();
     return std::move(out_);
   }
@@ -77,6 +79,7 @@ class Search {
   std::vector<int> rivals(const Screening& screening) const {
     std::vector<int> significant, leaders, chosen;
     for (int c : screening.ranking()) {
+      if (candidate(c).random) continue;  // judged by scatter, see judge_random
       const ProbeScore& best = *screening.best(c);
       // what a fit can remove is the squared score, as far as the model is linear; below a share of what counts it is
       // not tried
@@ -287,6 +290,10 @@ class Search {
 
   void backward() {
     for (std::size_t i = 0; i + 1 < out_.accepted.size();) {
+      if (candidate(out_.accepted[i].candidate).random) {  // needed for the scatter, whatever its mean gains
+        ++i;
+        continue;
+      }
       const FitResult reduced = without(i);
       const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
       const bool needed =
@@ -308,7 +315,7 @@ class Search {
     std::vector<std::pair<double, int>> order;
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
       const int c = static_cast<int>(i);
-      if (out_.final.model.has(c)) continue;
+      if (out_.final.model.has(c) || candidate(c).random) continue;
       const Candidate &own = candidate(entry.candidate), &other = candidate(c);
       const double similarity = out_.first.similarity(entry.candidate, c);
       const bool same_place = other.joints == own.joints || other.joints.empty() || own.joints.empty();
@@ -394,6 +401,68 @@ class Search {
       for (Accepted& entry : out_.accepted) entry.contradicted.clear();
       i = 0;
     }
+  }
+
+  double left_level(const Eigen::VectorXd& scatter) const {
+    return position_error_level(*out_.around, out_.final.r, scatter);
+  }
+
+  /// Effects that are chance, by the scatter that everything else leaves. Asked only where more than noise is left, and
+  /// named only where no more than noise is left with it: an explanation that is complete, or none.
+  void judge_random() {
+    constexpr std::uint64_t kStream = 1000;
+    if (left_level({}) <= constants::kAdequate) return;
+    const std::vector<ScatterScore> scores =
+        judge_scatter(*out_.around, out_.final, practical(), Random(options_.seed, kStream));
+    if (scores.empty()) return;
+    const ScatterScore& best = scores.front();
+    const bool measured = best.p_family < constants::kFamilyWise && best.energy > practical() && !best.beyond;
+    const double left = measured ? left_level(best.expected) : left_level({});
+    const bool stands = measured && best.low > 0.0 && left <= constants::kAdequate;
+    say(fmt::format("scatter: {}: score {:.1f}, p {:.3g}, size {:.3g} [{:.3g}, {:.3g}], {:.2f} noise levels left{}",
+                    candidate(best.candidate).title(), best.score, best.p_family, best.size, best.low, best.high, left,
+                    stands ? ", accepted" : ""));
+    if (stands) accept_random(best);
+  }
+
+  /// A random effect into the model; accepted effects that stood in for its mean leave it, where predictions lose
+  /// nothing.
+  void accept_random(const ScatterScore& found) {
+    const Candidate& own = candidate(found.candidate);
+    std::vector<double> theta = own.probes.front();
+    theta.front() = found.size;
+    Model model = out_.final.model;
+    model.effects.push_back({found.candidate, theta});
+    out_.final = fit(*out_.around, model, 4);
+    out_.final_heldout = heldout_energy(*out_.around, out_.final);
+    for (std::size_t i = 0; i < out_.accepted.size();) {
+      const FitResult reduced = without(i);
+      const Eigen::VectorXd energy = heldout_energy(*out_.around, reduced);
+      const HeldoutGain gain = compare(energy, out_.final_heldout);
+      if (!stands_in(candidate(out_.accepted[i].candidate), own) || (gain.lower > 0.0 && gain.total > practical())) {
+        ++i;
+        continue;
+      }
+      say("stood in for the mean of " + own.title() + ": " + candidate(out_.accepted[i].candidate).title());
+      out_.accepted.erase(out_.accepted.begin() + static_cast<std::ptrdiff_t>(i));
+      out_.final = reduced;
+      out_.final_heldout = energy;
+    }
+    Accepted entry;
+    entry.candidate = found.candidate;
+    entry.p_family = found.p_family;
+    entry.low = found.low;
+    entry.high = found.high;
+    out_.accepted.push_back(std::move(entry));
+    if (out_.expected_scatter.size() == 0) out_.expected_scatter = Eigen::VectorXd::Zero(found.expected.size());
+    out_.expected_scatter += found.expected;
+    relinearise();
+    backward();
+  }
+
+  static bool stands_in(const Candidate& other, const Candidate& own) {
+    const bool known = std::find(own.confounders.begin(), own.confounders.end(), other.effect) != own.confounders.end();
+    return known && (other.joints == own.joints || other.joints.size() > own.joints.size());
   }
 
   /// How much more than noise is left, in the directions of the candidates that are not named.

@@ -29,6 +29,7 @@ struct Accepted {
   HeldoutGain gain;           // with it against without it, everything else refitted
   std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
+  double low = 0.0, high = 0.0;  // 95 % interval of a random effect's size, from scatter
   std::string contradicted;      // the residual that speaks against it; then it describes the data and is no finding
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
   FitResult without;                      // the final model without it, refitted
@@ -40,6 +41,7 @@ struct Selection {
   FitResult final;
   Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
   std::vector<Accepted> accepted;
+  Eigen::VectorXd expected_scatter;  // squares by entry that accepted random effects explain; empty: none
   Screening first;                   // of the nominal model: the family on which detection rests
   std::vector<std::string> log;      // one line a step, for the report
 };

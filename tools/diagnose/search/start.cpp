@@ -106,13 +106,13 @@ Model with_best_order(const Surroundings& around, const Model& model, std::size_
 /// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint. Empty
 /// range: no such parameter. No derivative leads there from afar, so a grid is tried and then refined.
 std::pair<double, double> range_of_place(const Surroundings& around, const Candidate& effect, std::size_t index) {
-  const std::string& name = effect.parameters[index].name;
-  if (name == "from") {
+  const Role role = effect.parameters[index].role;
+  if (role == Role::instant) {
     double longest = 0.0;
     for (const Source& s : around.problem->sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
     return {0.0, longest};
   }
-  if (name != "position") return {0.0, 0.0};
+  if (role != Role::position) return {0.0, 0.0};
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const std::vector<double>& probe : effect.probes) {
     low = std::min(low, probe[index]);
@@ -142,8 +142,7 @@ Model best_start(const Surroundings& around, const Model& base, int candidate, c
   const std::vector<double>& theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-    const bool order = effect.parameters[i].structural && effect.parameters[i].name == "order";
-    if (order) model = with_best_order(around, model, i);
+    if (effect.parameters[i].role == Role::order) model = with_best_order(around, model, i);
     const auto [low, high] = range_of_place(around, effect, i);
     if (high > low) model = with_best_place(around, std::move(model), i, low, high);
   }

@@ -69,4 +69,7 @@ ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const 
 /// stay.
 void add_sensor_noise(const SimParams& params, std::uint64_t seed, Prediction& prediction);
 
+/// Jitter alone: every reading of a position is taken a little early or late (JointParams::jitter), in place.
+void add_reading_jitter(const SimParams& params, std::uint64_t seed, Prediction& prediction);
+
 }  // namespace sanso::diagnose
