@@ -42,8 +42,8 @@ inline double kToleranceReach = 1.0;  // of the above: further off, something is
 inline double kFamilyWise = 0.01;     // level of every naming decision (method 3.7)
 inline int kNullDraws = 999;          // draws of the family's null law: p resolves to 0.001
 inline double kStandardErrors = 2.0;  // held-out improvement that counts, and the width of "equally good"
-inline double kGainLevel = 0.023;  // of the bootstrap bound above which a held-out gain counts: two deviations
-inline int kGainDraws = 999;       // resamples of that bound: 23 lie below it
+inline double kGainLevel = 0.023;     // of the bootstrap bound above which a held-out gain counts: two deviations
+inline int kGainDraws = 999;          // resamples of that bound: 23 lie below it
 inline double kTestable = 3.0;        // noise levels that a typical effect must make, else "untestable here"
 inline double kSameSignature = 0.9;   // |correlation| above which two effects are one cluster (method 3.6)
 inline double kPracticalSize =
@@ -52,12 +52,12 @@ inline double kPracticalSize =
 inline double kMinimumShare = 0.01;  // of the first model's error: smaller effects are not worth a name
 inline double kNamedShare = 0.95;    // of the excess error energy that a complete explanation removes: RMS to a quarter
 inline double kStandInShare = 0.5;   // of the error energy: a contradicted effect that removes more stays in the model
-                                    // as a description, without being named: better predicted than left out
-inline double kAdequate = 1.42;  // noise levels: above, what is left has more energy than the noise itself
-inline int kRivals = 8;          // cluster representatives fitted fully at every step (method 3.7a)
-inline int kMaximumEffects = 6;  // more names than this is a different robot, not a missing effect
-inline int kFolds = 4;           // held-out groups when recordings or conditions do not give them
-inline int kBootstrap = 199;     // resamples of a confidence interval
+                                     // as a description, without being named: better predicted than left out
+inline double kAdequate = 1.42;      // noise levels: above, what is left has more energy than the noise itself
+inline int kRivals = 8;              // cluster representatives fitted fully at every step (method 3.7a)
+inline int kMaximumEffects = 6;      // more names than this is a different robot, not a missing effect
+inline int kFolds = 4;               // held-out groups when recordings or conditions do not give them
+inline int kBootstrap = 199;         // resamples of a confidence interval
 
 inline double kShotOutlier = 3.0;  // times the median shot's RMS error: from there a shot's weight falls
 

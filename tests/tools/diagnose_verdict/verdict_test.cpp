@@ -26,7 +26,8 @@ TEST(Verdict, HasTheDocumentedKeysAndParses) {
   EXPECT_EQ(json.at("status"), "ONE_OF");
   EXPECT_EQ(json.at("findings").at(0).at("parameters").at("width").at("value"), 0.021);
   EXPECT_EQ(json.at("findings").at(0).at("one_of").size(), 2U);
-  EXPECT_NEAR(json.at("fit").at("heldout").at("0.5s").at("explained").get<double>(), (0.031 * 0.031 - 0.006 * 0.006) / (0.031 * 0.031 - 0.005 * 0.005), 1e-9);
+  EXPECT_NEAR(json.at("fit").at("heldout").at("0.5s").at("explained").get<double>(),
+              (0.031 * 0.031 - 0.006 * 0.006) / (0.031 * 0.031 - 0.005 * 0.005), 1e-9);
   EXPECT_EQ(json.at("locations").at(0).at("regime"), "reversal");
   EXPECT_EQ(json.at("refused").at(0).at("row"), 812);
   EXPECT_TRUE(json.contains("next_experiment"));

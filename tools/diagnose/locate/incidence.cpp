@@ -19,11 +19,16 @@ struct Sums {
 
 const char* words(Signal signal) {
   switch (signal) {
-    case Signal::q: return "position";
-    case Signal::dq: return "velocity";
-    case Signal::tau: return "torque";
-    case Signal::i: return "current";
-    case Signal::pwm: return "duty";
+    case Signal::q:
+      return "position";
+    case Signal::dq:
+      return "velocity";
+    case Signal::tau:
+      return "torque";
+    case Signal::i:
+      return "current";
+    case Signal::pwm:
+      return "duty";
   }
   return "position";
 }
@@ -112,7 +117,8 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
 
 std::string refuted_by(const std::vector<IncidenceRow>& rows) {
   for (const IncidenceRow& row : rows) {
-    if (row.high < 0.5) return fmt::format("{}: {:.0f} % of the promised change happened", row.residual, 100 * row.slope);
+    if (row.high < 0.5)
+      return fmt::format("{}: {:.0f} % of the promised change happened", row.residual, 100 * row.slope);
     if (row.low > 2.0) return fmt::format("{}: {:.1f} times the promised change happened", row.residual, row.slope);
   }
   return "";

@@ -22,8 +22,8 @@ struct Observed {
   int joint = 0;
   double sigma =
       1.0;  // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if larger
-  double floor = 1.0;  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
-  double noise = 1.0;  // unit of the signal; measurement noise alone
+  double floor = 1.0;    // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
+  double noise = 1.0;    // unit of the signal; measurement noise alone
   double quantum = 0.0;  // unit of the signal; step of its readings, 0: none found
 };
 
@@ -73,10 +73,10 @@ std::vector<Source> make_sources(const ModelFolder& model, const std::vector<rec
                                  const std::vector<NoiseLevel>& noise);
 Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise, const ProblemOptions& options);
 
-/// (measured - predicted) / sigma for one shot into `out` (channels x rows); rows without a measurement become 0. `wanted`: by
-/// joint, 0: its channels are left as they are; empty: all are written.
-void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction, const std::vector<char>& wanted,
-                       double* out);
+/// (measured - predicted) / sigma for one shot into `out` (channels x rows); rows without a measurement become 0.
+/// `wanted`: by joint, 0: its channels are left as they are; empty: all are written.
+void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction,
+                       const std::vector<char>& wanted, double* out);
 
 /// Rows of one joint that are compared in all shots together: the unit of "noise levels over a joint's data".
 double rows_of_a_joint(const Problem& problem);

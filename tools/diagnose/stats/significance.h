@@ -17,8 +17,8 @@ double chi_square_tail(double x, double k);
 /// Benjamini-Hochberg: adjusted p-values (q-values), same order as `p`.
 std::vector<double> false_discovery_rate(std::span<const double> p);
 
-/// Family-wise p by step-down max-T (Westfall and Young 1993, algorithm 4.1). `null_draw(b, out)` fills one joint draw of
-/// all statistics under the null. Large statistic = evidence. Result[i] >= 1 / (draws + 1).
+/// Family-wise p by step-down max-T (Westfall and Young 1993, algorithm 4.1). `null_draw(b, out)` fills one joint draw
+/// of all statistics under the null. Large statistic = evidence. Result[i] >= 1 / (draws + 1).
 std::vector<double> step_down_max_t(std::span<const double> statistic, int draws,
                                     const std::function<void(int, std::span<double>)>& null_draw);
 
@@ -37,8 +37,8 @@ struct MeanWithError {
 MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws, Random random);
 
 /// Lower confidence bound (one-sided, `level`) of the sum of `x`, whose neighbours may depend: moving-block bootstrap
-/// (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times (a third of all at most), percentiles widened by
-/// sqrt(n / (n - block)) since fewer blocks spread too little. The sum itself for n < 2.
+/// (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times (a third of all at most), percentiles
+/// widened by sqrt(n / (n - block)) since fewer blocks spread too little. The sum itself for n < 2.
 double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random);
 
 /// Wilson interval (95 %) of a proportion: `successes` of `trials`.

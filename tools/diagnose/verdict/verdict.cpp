@@ -8,11 +8,16 @@ namespace sanso::diagnose {
 
 const char* to_string(VerdictStatus status) {
   switch (status) {
-    case VerdictStatus::confirmed: return "CONFIRMED";
-    case VerdictStatus::one_of: return "ONE_OF";
-    case VerdictStatus::present_unnamed: return "PRESENT_UNNAMED";
-    case VerdictStatus::absent: return "ABSENT";
-    case VerdictStatus::refused: return "REFUSED";
+    case VerdictStatus::confirmed:
+      return "CONFIRMED";
+    case VerdictStatus::one_of:
+      return "ONE_OF";
+    case VerdictStatus::present_unnamed:
+      return "PRESENT_UNNAMED";
+    case VerdictStatus::absent:
+      return "ABSENT";
+    case VerdictStatus::refused:
+      return "REFUSED";
   }
   return "REFUSED";
 }
@@ -52,11 +57,18 @@ ordered_json json_of(const Rival& r) {
 }
 
 ordered_json json_of(const Finding& f) {
-  ordered_json out{{"effect", f.effect}, {"family", f.family}, {"where", f.where},
-                   {"regime", f.regime}, {"status", to_string(f.status)}, {"reserve", stopped_at_bounds(f)}};
+  ordered_json out{{"effect", f.effect},
+                   {"family", f.family},
+                   {"where", f.where},
+                   {"regime", f.regime},
+                   {"status", to_string(f.status)},
+                   {"reserve", stopped_at_bounds(f)}};
   ordered_json parameters = ordered_json::object();
   for (const auto& [name, p] : f.parameters) {
-    parameters[name] = {{"value", number(p.value)}, {"unit", p.unit}, {"low", number(p.low)}, {"high", number(p.high)},
+    parameters[name] = {{"value", number(p.value)},
+                        {"unit", p.unit},
+                        {"low", number(p.low)},
+                        {"high", number(p.high)},
                         {"at_bound", p.at_bound}};
   }
   out["parameters"] = parameters;
@@ -69,14 +81,19 @@ ordered_json json_of(const Finding& f) {
   for (const Rival& r : f.rivals) out["rivals"].push_back(json_of(r));
   out["incidence"] = ordered_json::array();
   for (const IncidenceRow& row : f.incidence) {
-    out["incidence"].push_back({{"residual", row.residual}, {"predicted", number(row.predicted)},
-                                {"slope", number(row.slope)}, {"low", number(row.low)}, {"high", number(row.high)}});
+    out["incidence"].push_back({{"residual", row.residual},
+                                {"predicted", number(row.predicted)},
+                                {"slope", number(row.slope)},
+                                {"low", number(row.low)},
+                                {"high", number(row.high)}});
   }
   return out;
 }
 
 ordered_json json_of(const FitScore& s) {
-  return {{"nominal", number(s.nominal)}, {"patched", number(s.patched)}, {"noise", number(s.noise)},
+  return {{"nominal", number(s.nominal)},
+          {"patched", number(s.patched)},
+          {"noise", number(s.noise)},
           {"explained", number(s.explained())}};
 }
 
@@ -103,33 +120,49 @@ std::string verdict_json(const Verdict& v) {
   for (const Finding& f : v.findings) out["findings"].push_back(json_of(f));
   out["locations"] = ordered_json::array();
   for (const LocationCell& c : v.locations) {
-    out["locations"].push_back({{"where", c.where}, {"regime", c.regime}, {"share", number(c.share)}, {"lift", number(c.lift)},
-                                {"mean", number(c.mean)}, {"q_value", number(c.q_value)}});
+    out["locations"].push_back({{"where", c.where},
+                                {"regime", c.regime},
+                                {"share", number(c.share)},
+                                {"lift", number(c.lift)},
+                                {"mean", number(c.mean)},
+                                {"q_value", number(c.q_value)}});
   }
   out["fit"] = fit_json(v);
   out["refused"] = ordered_json::array();
   for (const Defect& d : v.refused) {
-    out["refused"].push_back({{"file", d.file}, {"channel", d.channel}, {"row", d.row}, {"defect", d.defect}, {"message", d.message}});
+    out["refused"].push_back(
+        {{"file", d.file}, {"channel", d.channel}, {"row", d.row}, {"defect", d.defect}, {"message", d.message}});
   }
   out["untestable"] = ordered_json::array();
   for (const Untestable& u : v.untestable) out["untestable"].push_back({{"effect", u.effect}, {"because", u.because}});
   out["detectable"] = ordered_json::array();
   for (const Detectable& d : v.detectable) {
-    out["detectable"].push_back({{"effect", d.effect}, {"where", d.where}, {"parameter", d.parameter}, {"size", number(d.size)},
+    out["detectable"].push_back({{"effect", d.effect},
+                                 {"where", d.where},
+                                 {"parameter", d.parameter},
+                                 {"size", number(d.size)},
                                  {"unit", d.unit}});
   }
   out["next_experiment"] = nullptr;
   if (v.next_experiment) {
     const NextExperiment& e = *v.next_experiment;
-    out["next_experiment"] = {{"what", e.what}, {"kind", e.kind}, {"separates", e.separates},
+    out["next_experiment"] = {{"what", e.what},
+                              {"kind", e.kind},
+                              {"separates", e.separates},
                               {"nats_per_second", number(e.nats_per_second)},
-                              {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)}, {"motion_file", e.motion_file}};
+                              {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)},
+                              {"motion_file", e.motion_file}};
   }
   out["unexplained"] = nullptr;
   if (v.unexplained) {
     const Unexplained& u = *v.unexplained;
-    out["unexplained"] = {{"predictable", number(u.predictable)}, {"p", number(u.p)}, {"energy_share", number(u.energy_share)},
-                          {"where", u.where}, {"regime", u.regime}, {"formula", u.formula}, {"nearest_effect", u.nearest_effect}};
+    out["unexplained"] = {{"predictable", number(u.predictable)},
+                          {"p", number(u.p)},
+                          {"energy_share", number(u.energy_share)},
+                          {"where", u.where},
+                          {"regime", u.regime},
+                          {"formula", u.formula},
+                          {"nearest_effect", u.nearest_effect}};
   }
   out["notes"] = v.notes;
   out["data_hash"] = v.data_hash;

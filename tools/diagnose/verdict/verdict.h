@@ -20,11 +20,12 @@ struct VerdictParameter {
   bool at_bound = false;  // the fit ended at the library's bound: the interval is one-sided
 };
 
-/// What an explanation says that the data should show, and whether they do: slope of (measured change) on (predicted change).
+/// What an explanation says that the data should show, and whether they do: slope of (measured change) on (predicted
+/// change).
 struct IncidenceRow {
-  std::string residual;        // "position, reversal", "duty, high speed", ...
-  double predicted = 0.0;      // size of the predicted change, in noise levels
-  double slope = 0.0;          // 1: as predicted; 0: did not happen
+  std::string residual;    // "position, reversal", "duty, high speed", ...
+  double predicted = 0.0;  // size of the predicted change, in noise levels
+  double slope = 0.0;      // 1: as predicted; 0: did not happen
   double low = 0.0, high = 0.0;
 };
 
@@ -32,22 +33,22 @@ struct IncidenceRow {
 struct Rival {
   std::string effect;
   std::vector<std::string> where;
-  double heldout_gain = 0.0;     // share of the prediction error's energy removed on held-out data
-  double behind_in_se = 0.0;     // how far behind the best, in standard errors of the paired difference
-  double similarity = 0.0;       // |correlation| of the two effects' signatures in these data
-  std::string said_wrong;        // the residual that it should have changed and did not; empty: none
+  double heldout_gain = 0.0;  // share of the prediction error's energy removed on held-out data
+  double behind_in_se = 0.0;  // how far behind the best, in standard errors of the paired difference
+  double similarity = 0.0;    // |correlation| of the two effects' signatures in these data
+  std::string said_wrong;     // the residual that it should have changed and did not; empty: none
 };
 
 struct Finding {
   std::string effect, family;
   std::vector<std::string> where;
-  std::string regime;            // where in the motion it shows most
+  std::string regime;  // where in the motion it shows most
   VerdictStatus status = VerdictStatus::confirmed;
   std::map<std::string, VerdictParameter> parameters;
   double p_family = 1.0;
-  double heldout_gain = 0.0;     // share of the prediction error's energy that this effect alone removes, held out
+  double heldout_gain = 0.0;  // share of the prediction error's energy that this effect alone removes, held out
   double heldout_gain_se = 0.0;
-  double heldout_gain_low = 0.0; // bound that chance leaves (moving-block bootstrap)
+  double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
   std::vector<std::string> one_of;
   std::vector<Rival> rivals;
   std::vector<IncidenceRow> incidence;
@@ -62,17 +63,17 @@ VerdictStatus status_of(const Finding& finding);
 
 struct LocationCell {
   std::string where, regime;
-  double share = 0.0;            // of the residual energy beyond noise
-  double lift = 0.0;             // energy density inside over outside
-  double mean = 0.0;             // signed mean of the whitened residual
-  double q_value = 1.0;          // false discovery rate at which this cell is called
-  double rows = 0.0;             // samples in the cell
+  double share = 0.0;    // of the residual energy beyond noise
+  double lift = 0.0;     // energy density inside over outside
+  double mean = 0.0;     // signed mean of the whitened residual
+  double q_value = 1.0;  // false discovery rate at which this cell is called
+  double rows = 0.0;     // samples in the cell
 };
 
 /// One joint (or "all") at one horizon, on recordings that were not fitted.
 struct FitScore {
   double nominal = 0.0, patched = 0.0, noise = 0.0;
-  double explained() const;      // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
+  double explained() const;  // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
 };
 
 struct Untestable {
@@ -86,27 +87,27 @@ struct Detectable {
 };
 
 struct NextExperiment {
-  std::string what;              // in words
-  std::string kind;              // "setting" | "motion" | "channel"
+  std::string what;  // in words
+  std::string kind;  // "setting" | "motion" | "channel"
   std::vector<std::string> separates;
   double nats_per_second = 0.0;
   double seconds_to_100_to_1 = 0.0;
-  std::string motion_file;       // CSV with the command, when kind is "motion"
+  std::string motion_file;  // CSV with the command, when kind is "motion"
 };
 
 struct Unexplained {
-  double predictable = 0.0;      // cross-validated share of the remaining missing torque that joint state predicts
+  double predictable = 0.0;  // cross-validated share of the remaining missing torque that joint state predicts
   double p = 1.0;
-  double energy_share = 0.0;     // of the original prediction error beyond noise, still there after the patch
+  double energy_share = 0.0;  // of the original prediction error beyond noise, still there after the patch
   std::string where, regime;
-  std::string formula;           // sparse regression's answer: a description of the shape, not a name
+  std::string formula;  // sparse regression's answer: a description of the shape, not a name
   std::string nearest_effect;
 };
 
 struct Verdict {
   bool mismatch = false;
   VerdictStatus status = VerdictStatus::absent;
-  std::string answer;            // one sentence
+  std::string answer;  // one sentence
   std::vector<Finding> findings;
   std::vector<LocationCell> locations;
   std::map<std::string, std::map<std::string, FitScore>> heldout;  // horizon -> "all" | channel -> score
