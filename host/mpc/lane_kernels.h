@@ -22,10 +22,12 @@ struct LineStage {
   double input_limit_rad;
 };
 
-/// Evaluations of one stage for its differences. Evaluation 0 is the nominal point, 1 the same without u_up; evaluation
-/// e >= 2 steps along column e of [A | B]. Columns 0 and 1 (base x and y) need no evaluation where the ground is the same
-/// everywhere along them; along_x holds one when it is not.
+/// Evaluations of one stage for its differences, forward steps along columns of [A | B]. Columns that change the
+/// configuration come first, beside the nominal point; the others (height, velocities, inputs) may share its mass matrix.
+/// Base x and y (columns 0 and 1) need none where the ground is the same everywhere along them.
+///   group 0: nominal, columns 3 .. 9;  1: columns 10 .. 17;  2: height, nominal, columns 18 .. 23;  3 .. 5: columns 24 .. 47
 inline constexpr int kEvaluationGroups = kColumns / kLineSearchLanes;
+inline constexpr int kConfigurationGroups = 2;
 struct alignas(64) StageEvaluations {
   double x[kEvaluationGroups][kNx][kLineSearchLanes];  // states, replaced by the steps' results
   double u[kEvaluationGroups][kNu][kLineSearchLanes];
@@ -36,8 +38,10 @@ struct StageFinish {
   const double* x;                        // nominal state of the stage
   const double* u_total;                  // nominal input of the step
   const double* u_without_upper;
+  const double* next;                     // the nominal step's result
+  const double* without_upper;            // and without u_up
+  const double* along_x;                  // result of a step from farther along base x; null: the column is (1, 0, ..)
   const double (*layer_slope)[kNdxPadded];  // d (middle + reflex) / dx (nu x ndx)
-  const double* along_x;                  // result of the step along base x, null: exactly (1, 0, ..)
   const ResidualWeights* residual;
   double difference_step;
 };
@@ -55,8 +59,7 @@ struct LaneKernels {
   /// cost += ||x ⊖ x_ref||²_Wx (+ ||u_up||²_Wu when u_upper is given).
   void (*add_cost)(const ProblemContext&, int knot, const LaneArray* x, const LaneArray* u_upper, double* cost);
   /// Nominal point and its perturbations.
-  void (*spread)(const double* x, const double* u_total, const double* u_without_upper, double difference_step,
-                 StageEvaluations&);
+  void (*spread)(const double* x, const double* u_total, double difference_step, StageEvaluations&);
   /// Differences, residual network, slope of the other layers, noise direction.
   void (*finish_stage)(const StageFinish&, StageDerivatives&);
 };

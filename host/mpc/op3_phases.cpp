@@ -1,5 +1,6 @@
 #include "host/mpc/op3_phases.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -14,6 +15,8 @@ using model::State;
 using model::Tangent;
 
 Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const State>(x); }
+
+constexpr int kEvaluationItems = kConfigurationGroups + 1;  // pieces of work of a stage
 
 double zeta(double distance, double sharpness) { return 1.0 / (1.0 + std::exp(sharpness * distance)); }
 
@@ -34,8 +37,6 @@ Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedMod
 
 void Op3Phases::set_model(const host::AugmentedModel& model) {
   model_ = model;
-  perturbed_model_ = model.analytical;
-  perturbed_model_.contact.sweeps = settings_.linearize_sweeps;
   work_->residual.present = false;
   if (model_.residual) fold(*model_.residual, work_->residual);
 }
@@ -45,12 +46,6 @@ bool Op3Phases::ground_varies() const {
   return model_.ground.num_segments > 1 || first.sin_slope != 0 || first.curvature != 0;
 }
 
-// Columns of joint rates and inputs fill the last groups.
-static_assert(model::kDJointRate % kLineSearchLanes == 0);
-int Op3Phases::full_groups() const { return shares() ? model::kDJointRate / kLineSearchLanes : kEvaluationGroups; }
-
-int Op3Phases::along_x_groups() const { return ground_varies() ? (stages() + model::kLanes - 1) / model::kLanes : 0; }
-
 void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) {
   const Trajectory& nominal = *policy.nominal;
   for (int i = 0; i < kNx; ++i)
@@ -58,7 +53,9 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
   std::memset(out.cost, 0, sizeof out.cost);
   std::memset(out.noise_cost, 0, sizeof out.noise_cost);
   model::InputLanes u;
-  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
+  // from the nominal contact; a start (no gains) has none, and each step takes the one before
+  const bool warm = policy.gains != nullptr;
+  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = warm};
   for (int k = 0; k < stages(); ++k) {
     const LineStage line{nominal.x[k],
                          nominal.u[k],
@@ -71,6 +68,10 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
     kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
     kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);
     kernels_.add_cost(work_->context, k, out.x[k], out.u[k], out.cost);
+    if (warm)
+      for (int i = 0; i < model::kNumContactRows; ++i)
+        for (int lane = 0; lane < kLineSearchLanes; ++lane)
+          work_->rolled_contact[k].v[i][lane] = work_->nominal_contact[k][i];
     model::step_batch(model_.analytical, model_.ground, &as_lanes(out.x[k]), &u, step, &as_lanes(out.x[k + 1]),
                       &work_->rolled_contact[k], 1);
     if (residual()) kernels_.add_residual(*residual(), 1.0, out.x[k], u.v, out.x[k + 1]);
@@ -87,8 +88,8 @@ void Op3Phases::lane_taken(int lane) {
 
 void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
   pool_.run(stages(), [&](int stage, int) { prepare_stage(nominal, stage); });
-  if (ground_varies()) prepare_along_x(nominal);
-  pool_.run(stages() * full_groups() + along_x_groups(), [&](int item, int) { evaluate_group(item); });
+  pool_.run(stage_groups() * (ground_varies() ? 3 : 2), [&](int item, int) { evaluate_whole(nominal, item); });
+  pool_.run(stages() * kEvaluationItems, [&](int item, int) { evaluate_group(item); });
   pool_.run(stages() + 1, [&](int knot, int) { finish_knot(nominal, knot, derivatives, costs); });
 }
 
@@ -122,47 +123,52 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
     }
   }
   for (int i = 0; i < kNu; ++i) n.u_total[i] = n.u_without_upper[i] + nominal.u[stage][i];
-  kernels_.spread(x, n.u_total, n.u_without_upper, settings_.difference_step, work_->evaluations[stage]);
+  kernels_.spread(x, n.u_total, settings_.difference_step, work_->evaluations[stage]);
 }
 
-void Op3Phases::prepare_along_x(const Trajectory& nominal) {
-  for (int lane = 0; lane < along_x_groups() * model::kLanes; ++lane) {
-    const int stage = lane < stages() ? lane : 0, group = lane / model::kLanes, l = lane % model::kLanes;
-    for (int i = 0; i < kNx; ++i) work_->along_x[group].v[i][l] = nominal.x[stage][i];
-    work_->along_x[group].v[0][l] += settings_.difference_step;
-    for (int i = 0; i < kNu; ++i) work_->along_x_input[group].v[i][l] = work_->nominal[stage].u_total[i];
-  }
-}
-
-/// Every evaluation starts the contact solver from the nominal solution and ends at its tolerance, far below the
-/// difference: what is left over would be divided by it.
-void Op3Phases::evaluate_group(int item) {
+/// From the nominal contact solution, to the tolerance of the solver: what is left over is divided by the difference.
+void Op3Phases::evaluate_whole(const Trajectory& nominal, int item) {
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
+  const int whole = item / stage_groups(), group = item % stage_groups(), first = group * model::kLanes;
+  const int lanes = std::min(model::kLanes, stages() - first);
+  model::StateLanes& x = work_->whole_x[whole][group];
+  model::InputLanes u;
   model::ContactLanes contact;
-  const int along = item - stages() * full_groups();
-  if (along >= 0) {
-    for (int l = 0; l < model::kLanes; ++l) {
-      const int stage = along * model::kLanes + l < stages() ? along * model::kLanes + l : 0;
-      for (int i = 0; i < model::kNumContactRows; ++i) contact.v[i][l] = work_->nominal_contact[stage][i];
-    }
-    model::StateLanes& x = work_->along_x[along];
-    model::step_batch(perturbed_model_, model_.ground, &x, &work_->along_x_input[along], step, &x, &contact, 1);
-    return;
+  for (int lane = 0; lane < model::kLanes; ++lane) {
+    const int stage = first + (lane < lanes ? lane : 0);  // idle lanes repeat the first
+    const Nominal& n = work_->nominal[stage];
+    for (int i = 0; i < model::kNumContactRows; ++i) contact.v[i][lane] = work_->nominal_contact[stage][i];
+    for (int i = 0; i < kNx; ++i) x.v[i][lane] = nominal.x[stage][i];
+    for (int i = 0; i < kNu; ++i) u.v[i][lane] = whole == kWithoutUpper ? n.u_without_upper[i] : n.u_total[i];
+    if (whole == kAlongX) x.v[0][lane] += settings_.difference_step;
   }
-  const int stage = item / full_groups(), group = item % full_groups();
-  for (int i = 0; i < model::kNumContactRows; ++i)
-    for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
+  if (whole == kNominal && shares()) {
+    model::step_batch_keep(model_.analytical, model_.ground, x, u, step, x, &contact, work_->step + first, lanes);
+  } else {
+    model::step_batch(model_.analytical, model_.ground, &x, &u, step, &x, &contact, 1);
+  }
+}
+
+void Op3Phases::evaluate_group(int item) {
+  const int stage = item / kEvaluationItems, part = item % kEvaluationItems;
   StageEvaluations& e = work_->evaluations[stage];
-  if (shares() && group == 0) {
-    model::step_batch_keep(perturbed_model_, model_.ground, as_lanes(e.x[0]), as_input(e.u[0]), step, as_lanes(e.x[0]),
-                           &contact, work_->step[stage]);
-    model::StateLanes* rest = &as_lanes(e.x[full_groups()]);
-    model::step_neighbours(perturbed_model_, work_->step[stage], rest, &as_input(e.u[full_groups()]), settings_.dt_s, rest,
-                           kEvaluationGroups - full_groups());
-    return;
+  const bool last = part + 1 == kEvaluationItems;  // carries all groups that share the mass matrix
+  const int groups = last ? kEvaluationGroups - kConfigurationGroups : 1;
+  model::StateLanes* x = &as_lanes(e.x[part]);
+  const model::InputLanes* u = &as_input(e.u[part]);
+  if (!shares()) {
+    const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
+    for (int g = 0; g < groups; ++g) {
+      model::ContactLanes contact;
+      for (int i = 0; i < model::kNumContactRows; ++i)
+        for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
+      model::step_batch(model_.analytical, model_.ground, x + g, u + g, step, x + g, &contact, 1);
+    }
+  } else if (last) {
+    model::step_neighbours(model_.analytical, work_->step[stage], x, u, settings_.dt_s, x, groups);
+  } else {
+    model::step_held(model_.analytical, model_.ground, work_->step[stage], x, u, settings_.dt_s, x, groups);
   }
-  model::step_batch(perturbed_model_, model_.ground, &as_lanes(e.x[group]), &as_input(e.u[group]), step,
-                    &as_lanes(e.x[group]), &contact, 1);
 }
 
 void Op3Phases::finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs) {
@@ -170,12 +176,19 @@ void Op3Phases::finish_knot(const Trajectory& nominal, int knot, StageDerivative
   cost_model(work_->context, knot, nominal.x[knot], last ? nullptr : nominal.u[knot], costs[knot]);
   if (last) return;
   const Nominal& n = work_->nominal[knot];
-  double along_x[kNx];
-  if (ground_varies())
-    for (int i = 0; i < kNx; ++i) along_x[i] = work_->along_x[knot / model::kLanes].v[i][knot % model::kLanes];
-  const StageFinish finish{&work_->evaluations[knot], nominal.x[knot],    n.u_total,
-                           n.u_without_upper,         n.layer_slope,      ground_varies() ? along_x : nullptr,
-                           residual(),                settings_.difference_step};
+  double whole[kWholeSteps][kNx];
+  for (int step = 0; step < kWholeSteps; ++step)
+    for (int i = 0; i < kNx; ++i) whole[step][i] = work_->whole_x[step][knot / model::kLanes].v[i][knot % model::kLanes];
+  const StageFinish finish{.evaluations = &work_->evaluations[knot],
+                           .x = nominal.x[knot],
+                           .u_total = n.u_total,
+                           .u_without_upper = n.u_without_upper,
+                           .next = whole[kNominal],
+                           .without_upper = whole[kWithoutUpper],
+                           .along_x = ground_varies() ? whole[kAlongX] : nullptr,
+                           .layer_slope = n.layer_slope,
+                           .residual = residual(),
+                           .difference_step = settings_.difference_step};
   kernels_.finish_stage(finish, derivatives[knot]);
 }
 

@@ -15,9 +15,7 @@ struct Op3PhasesSettings {
   int horizon = 12;
   double dt_s = 0.06;
   double difference_step = 1e-6;
-  // Sweeps of a contact round in the perturbed evaluations, which start from the nominal solution; roll-outs use the model's.
-  int linearize_sweeps = 2;
-  bool share_mass_matrix = true;  // columns of joint rates and inputs from the nominal step (false: for comparison)
+  bool share_nominal_step = true;  // differences about the nominal step, its contact set held (false: for comparison)
 };
 
 class Op3Phases : public Phases {
@@ -36,6 +34,8 @@ class Op3Phases : public Phases {
   void lane_taken(int lane) override;
 
  private:
+  enum Whole { kNominal, kWithoutUpper, kAlongX, kWholeSteps };
+  static constexpr int kStageGroups = (kMaxStages + model::kLanes - 1) / model::kLanes;
   struct Nominal {  // of one stage
     double u_total[kNuPadded], u_without_upper[kNuPadded];
     double layer_slope[kNu][kNdxPadded];  // d (middle + reflex) / dx
@@ -48,22 +48,20 @@ class Op3Phases : public Phases {
     model::NominalStep step[kMaxStages];
     model::ContactLanes rolled_contact[kMaxStages];   // of the last roll-out
     double nominal_contact[kMaxStages][model::kNumContactRows];
-    model::StateLanes along_x[kMaxStages / model::kLanes + 1];  // lane = stage: steps along base x, on ground that needs them
-    model::InputLanes along_x_input[kMaxStages / model::kLanes + 1];
+    // whole steps of all stages side by side, lane = stage: the nominal point, without u_up, and farther along base x
+    model::StateLanes whole_x[kWholeSteps][kStageGroups];
   };
 
   void prepare_stage(const Trajectory& nominal, int stage);
-  void prepare_along_x(const Trajectory& nominal);
+  void evaluate_whole(const Trajectory& nominal, int item);
   void evaluate_group(int item);
   void finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs);
   bool ground_varies() const;
-  int along_x_groups() const;
-  bool shares() const { return settings_.share_mass_matrix && model_.substeps == 1; }
-  int full_groups() const;  // of a stage: the others share the nominal step
+  int stage_groups() const { return (stages() + model::kLanes - 1) / model::kLanes; }
+  bool shares() const { return settings_.share_nominal_step && model_.substeps == 1; }
 
   Op3PhasesSettings settings_;
   host::AugmentedModel model_;
-  model::StepModel perturbed_model_;  // model_.analytical with the contact work of the linearisation
   SpinPool& pool_;
   const LaneKernels& kernels_;
   std::unique_ptr<Workspace> work_;

@@ -15,6 +15,7 @@ struct alignas(64) ResidualWeights {
   float W1[kFeatureCount][kHiddenUnits];            // [feature][unit]
   float W1_by_unit[kHiddenUnits][kFeaturesPadded];  // the same, transposed: rows of the Jacobian
   float W2[kHiddenUnits][kHiddenUnits];             // [unit below][unit above]
+  float W2_by_unit[kHiddenUnits][kHiddenUnits];     // the same, transposed
   float W3[kHiddenUnits][kOutputsPadded];           // [unit][output]
   float b1[kHiddenUnits], b2[kHiddenUnits], b3[kOutputsPadded];
 };

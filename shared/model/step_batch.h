@@ -28,12 +28,15 @@ struct BatchStep {
 void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
                 const BatchStep& step, StateLanes* x_next, ContactLanes* contact, int groups);
 
-/// One group in one substep (step.substeps is not read); keeps the step of lane 0 for its neighbours.
+/// One group in one substep (step.substeps is not read); keeps the steps of the first `kept` lanes for states nearby.
 void step_batch_keep(const StepModel& model, const Ground& ground, const StateLanes& x, const InputLanes& u,
-                     const BatchStep& step, StateLanes& x_next, ContactLanes* contact, NominalStep& lane0);
+                     const BatchStep& step, StateLanes& x_next, ContactLanes* contact, NominalStep* lanes, int kept);
 
-/// Steps of states that differ from the kept one in joint rates and inputs only: right to first order in the difference,
-/// with the contact set held (kernel/neighbour.h). For derivatives by differences; same alignment rules as step_batch.
+/// Steps of states near the kept one, right to first order in the difference, with the contact set held
+/// (kernel/neighbour.h): for derivatives by differences. Same alignment rules as step_batch.
+void step_held(const StepModel& model, const Ground& ground, const NominalStep& nominal, const StateLanes* x,
+               const InputLanes* u, double h, StateLanes* x_next, int groups);
+/// The same for states that differ in height, velocities and inputs only, at a fraction of the work.
 void step_neighbours(const StepModel& model, const NominalStep& nominal, const StateLanes* x, const InputLanes* u, double h,
                      StateLanes* x_next, int groups);
 

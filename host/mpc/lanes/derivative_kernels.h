@@ -8,48 +8,63 @@ namespace sanso::mpc::SANSO_ISA {
 
 inline constexpr int kLinearBlocks[2] = {model::kDPos, model::kDVel};  // blocks of a tangent in world axes
 
-inline void spread(const double* x, const double* u_total, const double* u_without_upper, double eps,
-                   StageEvaluations& out) {
-  constexpr int kLanesPerGroup = kLineSearchLanes;
+/// Where column c of [A | B] is evaluated (StageEvaluations).
+constexpr int group_of(int c) { return c == 2 ? kConfigurationGroups : c < 18 ? (c - 2) / 8 : c / 8; }
+constexpr int lane_of(int c) { return c == 2 ? 0 : c < 18 ? (c - 2) % 8 : c % 8; }
+static_assert(18 == kTheta + 3 + kNu && group_of(17) == kConfigurationGroups - 1 && group_of(18) == kConfigurationGroups);
+
+inline void spread(const double* x, const double* u_total, double eps, StageEvaluations& out) {
   for (int g = 0; g < kEvaluationGroups; ++g) {
     for (int i = 0; i < kNx; ++i) store(out.x[g][i], Lanes(x[i]));
     for (int i = 0; i < kNu; ++i) store(out.u[g][i], Lanes(u_total[i]));
   }
-  for (int i = 0; i < kNu; ++i) out.u[0][i][1] = u_without_upper[i];
-  for (int e = 2; e < kColumns; ++e) {
-    auto& xs = out.x[e / kLanesPerGroup];
-    const int lane = e % kLanesPerGroup;
-    if (e >= kNdx) {
-      out.u[e / kLanesPerGroup][e - kNdx][lane] += eps;
-    } else if (e >= kTheta && e < kTheta + 3) {
+  for (int c = 2; c < kColumns; ++c) {
+    auto& xs = out.x[group_of(c)];
+    const int lane = lane_of(c);
+    if (c >= kNdx) {
+      out.u[group_of(c)][c - kNdx][lane] += eps;
+    } else if (c >= kTheta && c < kTheta + 3) {
       double d[3] = {0, 0, 0}, quat[4];
-      d[e - kTheta] = eps;
+      d[c - kTheta] = eps;
       kernel::quat_plus(x + model::kXQuat, d, quat);
       for (int i = 0; i < 4; ++i) xs[model::kXQuat + i][lane] = quat[i];
     } else {
-      xs[e < kTheta ? e : e + 1][lane] += eps;
+      xs[c < kTheta ? c : c + 1][lane] += eps;
     }
   }
 }
 
-/// AB <- (f(x perturbed) ⊖ f(x)) / eps, column by column in lanes.
-inline void difference(const StageFinish& f, const double* next, StageDerivatives& out) {
+typedef double UnalignedLanes __attribute__((vector_size(64), aligned(8), may_alias));
+
+/// Eight columns of AB from `first` on: (f(x perturbed) ⊖ f(x)) / eps, with f(x) in lane `nominal` of group `from`.
+inline void difference_group(const StageFinish& f, int group, int from, int nominal_lane, int first, StageDerivatives& out) {
   Lanes nominal[kNx], d[kNdx], xs[kNx];
-  for (int i = 0; i < kNx; ++i) nominal[i] = next[i];
+  for (int i = 0; i < kNx; ++i) nominal[i] = f.evaluations->x[from][i][nominal_lane];
+  load_state(f.evaluations->x[group], xs);
+  for (int i = 0; i < 3; ++i) d[i] = xs[i] - nominal[i];
+  quat_minus_small(xs + 3, nominal + 3, d + 3);
+  for (int i = 6; i < kNdx; ++i) d[i] = xs[i + 1] - nominal[i + 1];
   const double scale = 1.0 / f.difference_step;
-  for (int g = 0; g < kEvaluationGroups; ++g) {
-    load_state(f.evaluations->x[g], xs);
-    for (int i = 0; i < 3; ++i) d[i] = xs[i] - nominal[i];
-    quat_minus_small(xs + 3, nominal + 3, d + 3);
-    for (int i = 6; i < kNdx; ++i) d[i] = xs[i + 1] - nominal[i + 1];
-    for (int i = 0; i < kNdx; ++i) store(&out.AB[i][8 * g], scale * d[i]);
+  for (int i = 0; i < kNdx; ++i) *reinterpret_cast<UnalignedLanes*>(&out.AB[i][first]) = (scale * d[i]).v;
+}
+
+/// The groups overlap by two columns: what is right is written last.
+inline void difference(const StageFinish& f, StageDerivatives& out) {
+  constexpr int shared = kConfigurationGroups;
+  difference_group(f, shared, shared, 1, 16, out);
+  double height[kNdx];
+  for (int i = 0; i < kNdx; ++i) height[i] = out.AB[i][16];
+  for (int g = shared + 1; g < kEvaluationGroups; ++g) difference_group(f, g, shared, 1, 8 * g, out);
+  for (int g = 0; g < shared; ++g) difference_group(f, g, 0, 0, 2 + 8 * g, out);
+  for (int i = 0; i < kNdx; ++i) {
+    out.AB[i][0] = out.AB[i][1] = 0;
+    out.AB[i][2] = height[i];
   }
-  for (int i = 0; i < kNdx; ++i) out.AB[i][0] = out.AB[i][1] = 0;  // lanes of the nominal point and of the noise term
   out.AB[0][0] = out.AB[1][1] = 1;
   if (f.along_x) {
     double column[kNdx];
-    state_minus(f.along_x, next, column);
-    for (int i = 0; i < kNdx; ++i) out.AB[i][0] = scale * column[i];
+    state_minus(f.along_x, f.next, column);
+    for (int i = 0; i < kNdx; ++i) out.AB[i][0] = column[i] / f.difference_step;
   }
 }
 
@@ -160,8 +175,8 @@ inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives&
 
 inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
   double next[kNx], without[kNx], R[3][3];
-  for (int i = 0; i < kNx; ++i) next[i] = f.evaluations->x[0][i][0], without[i] = f.evaluations->x[0][i][1];
-  difference(f, next, out);
+  for (int i = 0; i < kNx; ++i) next[i] = f.next[i], without[i] = f.without_upper[i];
+  difference(f, out);
   if (f.residual) {
     alignas(64) float features[kFeaturesPadded], y[kOutputsPadded], J[kOutputCount][kFeaturesPadded];
     double d[kNdx];

@@ -69,16 +69,16 @@ inline void residual_single(const ResidualWeights& w, const float (&features)[kF
   layer<1, kOutputsPadded>(h2, 0, &w.W3[0][0], kHiddenUnits, w.b3, output);
 }
 
-/// out[i] = factor * in[i] for one row of a Jacobian.
-inline void scale_row(float factor, const float* in, float* out) {
-  for (int c = 0; c < kFeaturesPadded; c += kWidth<float>) store(out + c, factor * load(in + c));
+/// out[i] = factor * in[i] for a row of `count` numbers.
+inline void scale_row(float factor, const float* in, float* out, int count) {
+  for (int c = 0; c < count; c += kWidth<float>) store(out + c, factor * load(in + c));
 }
 
 /// Output and d output / d features (36 x 48, the last two columns zero) at one point.
 inline void residual_jacobian(const ResidualWeights& w, const float (&features)[kFeaturesPadded],
                               float (&output)[kOutputsPadded], float (&J)[kOutputCount][kFeaturesPadded]) {
   alignas(64) float a1[kHiddenUnits], a2[kHiddenUnits], d1[kHiddenUnits], d2[kHiddenUnits];
-  alignas(64) float J1[kHiddenUnits][kFeaturesPadded], J2[kHiddenUnits][kFeaturesPadded];
+  alignas(64) float V3[kHiddenUnits][kOutputsPadded], V2[kOutputCount][kHiddenUnits];
   const auto activate_with_slope = [](float* a, float* d) {
     for (int i = 0; i < kHiddenUnits; i += kWidth<float>) {
       Floats slope;
@@ -91,19 +91,17 @@ inline void residual_jacobian(const ResidualWeights& w, const float (&features)[
   layer<1, kHiddenUnits>(a1, 0, &w.W2[0][0], kHiddenUnits, w.b2, a2);
   activate_with_slope(a2, d2);
   layer<1, kOutputsPadded>(a2, 0, &w.W3[0][0], kHiddenUnits, w.b3, output);
-  // J1 = diag(d1) W1, J2 = diag(d2) W2 J1, J = W3 J2
-  constexpr int kRows = kVectorBytes == 64 ? 8 : 4, kOutputRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
-  for (int i = 0; i < kHiddenUnits; ++i) scale_row(d1[i], w.W1_by_unit[i], J1[i]);
-  for (int i = 0; i < kHiddenUnits; i += kRows) {
-    multiply<kRows, kFeaturesPadded, Start::at_zero>(&w.W2[0][i], 1, kHiddenUnits, &J1[0][0], kFeaturesPadded,
-                                                     kHiddenUnits, J2[i],
-                                                     kFeaturesPadded);
-    for (int r = i; r < i + kRows; ++r) scale_row(d2[r], J2[r], J2[r]);
+  // J = (W3 diag(d2)) W2 diag(d1) W1 from the left: the outputs are fewer than the units
+  for (int i = 0; i < kHiddenUnits; ++i) scale_row(d2[i], w.W3[i], V3[i], kOutputsPadded);
+  constexpr int kRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
+  for (int i = 0; i < kOutputCount; i += kRows) {
+    multiply<kRows, kHiddenUnits, Start::at_zero>(&V3[0][i], 1, kOutputsPadded, &w.W2_by_unit[0][0], kHiddenUnits, kHiddenUnits,
+                                                  V2[i], kHiddenUnits);
+    for (int r = i; r < i + kRows; ++r)
+      for (int c = 0; c < kHiddenUnits; c += kWidth<float>) store(V2[r] + c, load(V2[r] + c) * load(d1 + c));
+    multiply<kRows, kFeaturesPadded, Start::at_zero>(V2[i], kHiddenUnits, 1, &w.W1_by_unit[0][0], kFeaturesPadded,
+                                                     kHiddenUnits, J[i], kFeaturesPadded);
   }
-  for (int i = 0; i < kOutputCount; i += kOutputRows)
-    multiply<kOutputRows, kFeaturesPadded, Start::at_zero>(&w.W3[0][i], 1, kOutputsPadded, &J2[0][0], kFeaturesPadded,
-                                                           kHiddenUnits, J[i],
-                                                           kFeaturesPadded);
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

@@ -26,12 +26,13 @@ struct FootContact {
   T p_base_sole[3];               // m
   T corner[kCornersPerFoot][3];   // m, corners from the sole's centre, contact axes
   T gap[kCornersPerFoot];         // m, distance of the corner along the normal, negative inside
+  T cos_slope;                    // of the ground below
   T X[6][6];                      // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
   T G[6][6];                      // [base][twist]: transposed Jacobian of the base, then reduced by the leg
   T twist[6];                     // m/s, rad/s: velocity of the sole's centre, contact axes
   T impulse[6];                   // N s, N m s: sum over the corners
-  T response[kFootRows][kFootRows]; // [row pushed][row that answers]: velocities per unit impulse, softness on the diagonal
-  T inverse_diagonal[kFootRows];    // of response
+  T diagonal[kFootRows], inverse_diagonal[kFootRows];  // velocity of a row per unit of its impulse, softness included
+  T response[kFootRows][kFootRows]; // [row pushed][row that answers]: velocities per unit impulse; only the sweeps need it
   T residual[kFootRows];            // m/s: velocity of the row + its target + softness x impulse; zero where a row holds
 };
 
@@ -49,6 +50,7 @@ inline void foot_geometry(const Ground& ground, const T* p_world_base, const T (
   const auto& W = R_world_base;
   const T x_sole = p_world_base[0] + dot(W[0], foot.p_base_sole), z_sole = p_world_base[2] + dot(W[2], foot.p_base_sole);
   const GroundPoint<T> below = ground_at(ground, x_sole);
+  foot.cos_slope = below.cos_slope;
   // normal in world axes is (-sin, 0, cos); into base axes
   T* n = foot.axis[2];
   for (int i = 0; i < 3; ++i) n[i] = below.cos_slope * W[2][i] - below.sin_slope * W[0][i];
@@ -127,23 +129,46 @@ inline void corner_velocity(const T* t, const T* r, T* u) {
   u[2] = t[2] + t[3] * r[1] - t[4] * r[0];
 }
 
-/// Responses of all rows of a foot to each other from the foot's 6 x 6 inverse inertia A.
+/// Twist of the sole for a unit impulse along contact axis Axis at a corner r, from the foot's 6 x 6 inverse inertia A.
+template <int Axis, class T>
+inline T corner_push(const T (&A)[6][6], const T* r, int i) {
+  constexpr int I = (Axis + 1) % 3, J = (Axis + 2) % 3;
+  return A[i][Axis] + r[J] * A[i][3 + I] - r[I] * A[i][3 + J];
+}
+
+/// What every row of a foot answers to its own impulse.
+template <int Axis, class T>
+inline T row_diagonal(const T (&A)[6][6], const T* r) {
+  constexpr int I = (Axis + 1) % 3, J = (Axis + 2) % 3;
+  return corner_push<Axis>(A, r, Axis) + corner_push<Axis>(A, r, 3 + I) * r[J] - corner_push<Axis>(A, r, 3 + J) * r[I];
+}
 template <class T>
-inline void row_responses(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
-#pragma GCC unroll 1
+inline void row_diagonals(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
   for (int k = 0; k < kCornersPerFoot; ++k) {
     const T* r = foot.corner[k];
+    T* diagonal = foot.diagonal + 3 * k;
+    diagonal[0] = (1.0 + regularization) * row_diagonal<0>(A, r);
+    diagonal[1] = (1.0 + regularization) * row_diagonal<1>(A, r);
+    diagonal[2] = (1.0 + regularization) * row_diagonal<2>(A, r);
+    for (int a = 0; a < 3; ++a) foot.inverse_diagonal[3 * k + a] = 1.0 / diagonal[a];
+  }
+}
+
+/// Responses of all rows of a foot to each other, after row_diagonals.
+template <class T>
+inline void row_responses(const T (&A)[6][6], FootContact<T>& foot) {
+#pragma GCC unroll 1
+  for (int k = 0; k < kCornersPerFoot; ++k) {
     T twist[3][6];  // of the sole for a unit impulse forward, across, normal at corner k
     for (int i = 0; i < 6; ++i) {
-      twist[0][i] = A[i][0] + r[2] * A[i][4] - r[1] * A[i][5];
-      twist[1][i] = A[i][1] - r[2] * A[i][3] + r[0] * A[i][5];
-      twist[2][i] = A[i][2] + r[1] * A[i][3] - r[0] * A[i][4];
+      twist[0][i] = corner_push<0>(A, foot.corner[k], i);
+      twist[1][i] = corner_push<1>(A, foot.corner[k], i);
+      twist[2][i] = corner_push<2>(A, foot.corner[k], i);
     }
     for (int a = 0; a < 3; ++a) {
       T* row = foot.response[3 * k + a];
       for (int other = 0; other < kCornersPerFoot; ++other) corner_velocity(twist[a], foot.corner[other], row + 3 * other);
-      row[3 * k + a] = (1.0 + regularization) * row[3 * k + a];
-      foot.inverse_diagonal[3 * k + a] = 1.0 / row[3 * k + a];
+      row[3 * k + a] = foot.diagonal[3 * k + a];
     }
   }
 }

@@ -199,7 +199,7 @@ inline T newton_step(double mu_forward, double mu_sideways, double regularizatio
   for (int l = 0; l < kNumFeet; ++l) {
     for (int i = 0; i < kFootRows; ++i) {
       old_residual[l][i] = foot[l].residual[i];
-      foot[l].residual[i] += softness * foot[l].response[i][i] * change[l][i];
+      foot[l].residual[i] += softness * foot[l].diagonal[i] * change[l][i];
       impulse[l][i] += change[l][i];
     }
     add_twist(twist[l], foot[l]);

@@ -26,6 +26,7 @@ struct StepWork {
   FootContact<T> foot[kNumFeet];
   T inverse_d[kNumFeet][6], base_inverse_d[6];
   T base[6][6];          // effective inertia of the base, then its factor
+  T bias_base[6];        // N, N m: force and moment of the whole robot at zero acceleration
   T rhs_leg[kNumFeet][6], rhs_base[6];
   T A[kNumFeet][6][6], A_cross[6][6];  // inverse inertias of the soles; A_cross: right rows, left columns
   T dv_base[6], d_rate[kNumFeet][6];   // velocity changes of the step: base (base axes), joints
@@ -93,8 +94,8 @@ inline void rigid_body(const StepModel& model, StepWork<T>& w) {
     for (int i = 0; i < 6; ++i) I[i] += leg.composite.I[i];
   }
   for (int i = 0; i < 3; ++i) {
-    w.rhs_base[i] = f.force[i];
-    w.rhs_base[3 + i] = f.moment[i];
+    w.bias_base[i] = f.force[i];
+    w.bias_base[3 + i] = f.moment[i];
     for (int j = 0; j < 3; ++j) {
       w.base[i][j] = T(i == j ? model.body[0].subtree_mass : 0.0);
       w.base[3 + i][3 + j] = I[sym(i, j)];
@@ -138,7 +139,7 @@ inline void servo(const StepModel& model, const T* x, const T* u, double h, Step
       w.rhs_leg[l][j] = terms.rhs;
       w.leg[l].M[j][j] += terms.implicit + p.armature;
     }
-  for (int i = 0; i < 6; ++i) w.rhs_base[i] = -h * w.rhs_base[i];
+  for (int i = 0; i < 6; ++i) w.rhs_base[i] = -h * w.bias_base[i];
 }
 
 /// Eliminates the legs, factorizes the base, and forms the inverse inertias of the soles.
@@ -208,7 +209,7 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w, Step
   const ContactSettings& settings = model.contact;
   for (int l = 0; l < kNumFeet; ++l) {
     FootContact<T>& foot = w.foot[l];
-    row_responses(w.A[l], settings.regularization, foot);
+    row_diagonals(w.A[l], settings.regularization, foot);
     for (T& f : foot.impulse) f = T(0.0);
     for (int k = 0; k < kCornersPerFoot; ++k) {
       const T gap = foot.gap[k];
@@ -229,7 +230,7 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w, Step
       for (int i = 0; i < 6; ++i)
         for (int k = 0; k < 6; ++k) foot.twist[i] += w.A[l][i][k] * foot.impulse[k];
       for (int i = 0; i < kFootRows; ++i)
-        foot.residual[i] += softness * foot.response[i][i] * scratch.lambda[l][i / 3][i % 3];
+        foot.residual[i] += softness * foot.diagonal[i] * scratch.lambda[l][i / 3][i % 3];
     }
     couple<false>(w.A_cross, w.foot[0].impulse, w.foot[1].twist);
     couple<true>(w.A_cross, w.foot[1].impulse, w.foot[0].twist);
@@ -256,20 +257,25 @@ inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& s
 }
 
 /// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, a Newton step solves for them; again
-/// until every lane is solved. A lane that was solved before the others stays where it is but for rounding.
+/// until every lane is solved. A lane that was solved before the others stays where it is but for rounding. From a
+/// solution nearby the rows are known: a Newton step comes first, and often it is all.
 template <class T>
 inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
   start_contact(model, h, w, scratch);
   T negative_inertia[kTwists][kTwists];
   sole_inertia(w.A, w.A_cross, negative_inertia);
   const double solved = model.contact.tolerance * model.contact.tolerance;
+  const auto newton = [&] {
+    return largest(newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A,
+                               w.A_cross, negative_inertia, w.foot, scratch.lambda)) <= solved;
+  };
+  if (scratch.warm_start && newton()) return;
+  for (int l = 0; l < kNumFeet; ++l) row_responses(w.A[l], w.foot[l]);
 #pragma GCC unroll 1
   for (int round = 0; round < model.contact.rounds; ++round) {
 #pragma GCC unroll 1
     for (int sweep = 0; sweep < model.contact.sweeps; ++sweep) sweep_feet(model, w, scratch);
-    const T defect = newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A,
-                                 w.A_cross, negative_inertia, w.foot, scratch.lambda);
-    if (largest(defect) <= solved) return;
+    if (newton()) return;
   }
 }
 
@@ -283,7 +289,7 @@ inline void report_contact(const StepModel& model, double h, const StepWork<T>& 
       const T gap = foot.gap[i / 3];
       const T target = i % 3 == 2 ? max_of(gap, model.contact.recovery * gap) * (1.0 / h) : T(0.0);
       scratch.corner_velocity[l][i / 3][i % 3] =
-          foot.residual[i] - target - softness * foot.response[i][i] * scratch.lambda[l][i / 3][i % 3];
+          foot.residual[i] - target - softness * foot.diagonal[i] * scratch.lambda[l][i / 3][i % 3];
     }
 }
 
@@ -333,10 +339,9 @@ inline void integrate(const T* x, double h, const T (&R_world_base)[3][3], const
     }
 }
 
-/// One implicit step of length h [s]; x and x_next may be the same array.
+/// Everything of a step but contact: factors, soles' inverse inertias and their twists without contact.
 template <class T>
-inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, T* x_next,
-                        StepScratch<T>& scratch, StepWork<T>& w) {
+inline void free_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, StepWork<T>& w) {
   read_state(x, w);
   rigid_body(model, w);
 #pragma GCC unroll 1
@@ -349,6 +354,13 @@ inline void single_step(const StepModel& model, const Ground& ground, const T* x
   servo(model, x, u, h, w);
   factorize(w);
   sole_response(w);
+}
+
+/// One implicit step of length h [s]; x and x_next may be the same array.
+template <class T>
+inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, T* x_next,
+                        StepScratch<T>& scratch, StepWork<T>& w) {
+  free_step(model, ground, x, u, h, w);
   solve_contact(model, h, w, scratch);
   report_contact(model, h, w, scratch);
   velocity_change(w, w.dv_base, w.d_rate);

@@ -27,7 +27,6 @@ struct Effort {
 };
 inline Effort tight_effort() {
   Effort e;
-  e.linearization.linearize_sweeps = 10;
   e.contact.sweeps = 200;
   e.convergence = 1e-6;
   e.max_iterations = 30;

@@ -145,5 +145,66 @@ TEST_F(Op3Step, LanesEqualScalar) {
   }
 }
 
+/// The steps for derivatives against whole steps: states a millionth away in random directions.
+TEST_F(Op3Step, StepsNearbyAreRightToFirstOrder) {
+  constexpr double eps = 1e-6;
+  for (const char* isa : {"portable", "avx2", "avx512"}) {
+    if (!select_batch_isa(isa)) continue;
+    SCOPED_TRACE(isa);
+    for (int trial = 0; trial < 40; ++trial) {
+      SCOPED_TRACE(trial);
+      const State x0 = state_near_standing(rng);
+      const Input u0 = random_input(rng, x0);
+      StateLanes x, next, held, neighbours;
+      InputLanes u;
+      ContactLanes contact;
+      NominalStep nominal;
+      State xs[kLanes];
+      Input us[kLanes];
+      // lane 0: the nominal point; even lanes: any direction; odd lanes: height, velocities and inputs only
+      for (int lane = 0; lane < kLanes; ++lane) {
+        Tangent d = lane == 0 ? Tangent::Zero() : random_tangent(rng, eps, eps, eps, eps, eps, eps);
+        if (lane % 2 == 1) d.head<2>().setZero(), d.segment<kNv - 3>(kDTheta).setZero();
+        xs[lane] = plus(x0, d);
+        us[lane] = lane == 0 ? u0 : Input(u0 + eps / 0.15 * (random_input(rng, x0) - joints(x0)));
+        for (int i = 0; i < kNx; ++i) x.v[i][lane] = x0[i];
+        for (int i = 0; i < kNu; ++i) u.v[i][lane] = u0[i];
+      }
+      step_batch_keep(model, ground, x, u, {.h = kStep}, next, &contact, &nominal, 1);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        for (int i = 0; i < kNx; ++i) x.v[i][lane] = xs[lane][i];
+        for (int i = 0; i < kNu; ++i) u.v[i][lane] = us[lane][i];
+      }
+      step_held(model, ground, nominal, &x, &u, kStep, &held, 1);
+      step_neighbours(model, nominal, &x, &u, kStep, &neighbours, 1);
+      const State expected0 = step(model, ground, x0, u0, scratch);
+      const auto change = [](const StateLanes& of, int lane) {
+        State a, b;
+        for (int i = 0; i < kNx; ++i) a[i] = of.v[i][lane], b[i] = of.v[i][0];
+        return minus(a, b);
+      };
+      for (int lane = 1; lane < kLanes; ++lane) {
+        const Tangent expected = minus(step(model, ground, xs[lane], us[lane], scratch), expected0);
+        const double tolerance = 1e-3 * expected.norm() + 1e-8;
+        EXPECT_LT((change(held, lane) - expected).norm(), tolerance) << "any direction, lane " << lane;
+        if (lane % 2 == 0) continue;
+        EXPECT_LT((change(neighbours, lane) - expected).norm(), tolerance) << "same configuration, lane " << lane;
+      }
+    }
+  }
+}
+
+TEST_F(Op3Step, AContactSolutionNearbyChangesNothing) {
+  for (int trial = 0; trial < 100; ++trial) {
+    const State x = state_near_standing(rng);
+    const Input u = random_input(rng, x);
+    const State expected = step(model, ground, x, u, scratch);
+    StepScratch warm;
+    step(model, ground, plus(x, random_tangent(rng, 1e-3, 1e-2, 1e-2, 0.03, 0.05, 0.1)), u, warm);
+    warm.warm_start = true;
+    EXPECT_LT((step(model, ground, x, u, warm) - expected).lpNorm<Eigen::Infinity>(), 1e-7) << "trial " << trial;
+  }
+}
+
 }  // namespace
 }  // namespace sanso::model
