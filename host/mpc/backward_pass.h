@@ -28,6 +28,8 @@ struct BackwardInput {
   double input_limit_rad = 0;
   double sigma = 0;
   double mu = 0;                                  // added to the diagonal of Quu
+  void (*wait_for)(void* context, int stage) = nullptr;  // called before a stage is read, from the last one on; may be null
+  void* wait_context = nullptr;
 };
 
 struct BackwardOutput {

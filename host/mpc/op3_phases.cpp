@@ -16,7 +16,7 @@ using model::Tangent;
 
 Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const State>(x); }
 
-constexpr int kEvaluationItems = kConfigurationGroups + 1;  // pieces of work of a stage
+constexpr int kStageParts = kConfigurationGroups + 1;  // pieces of work of a stage
 
 double zeta(double distance, double sharpness) { return 1.0 / (1.0 + std::exp(sharpness * distance)); }
 
@@ -87,10 +87,31 @@ void Op3Phases::lane_taken(int lane) {
 }
 
 void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+  begin_linearize(nominal, derivatives, costs);
+  finish_linearize();
+}
+
+void Op3Phases::begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
   pool_.run(stages(), [&](int stage, int) { prepare_stage(nominal, stage); });
   pool_.run(stage_groups() * (ground_varies() ? 3 : 2), [&](int item, int) { evaluate_whole(nominal, item); });
-  pool_.run(stages() * kEvaluationItems, [&](int item, int) { evaluate_group(item); });
-  pool_.run(stages() + 1, [&](int knot, int) { finish_knot(nominal, knot, derivatives, costs); });
+  cost_model(work_->context, stages(), nominal.x[stages()], nullptr, costs[stages()]);
+  for (std::atomic<int>& done : parts_done_) done.store(0, std::memory_order_relaxed);
+  parts_ = {this, &nominal, derivatives, costs};
+  pool_.begin(stages() * kStageParts, parts_);
+}
+
+void Op3Phases::StageParts::operator()(int item, int) const {
+  const int stage = phases->stages() - 1 - item / kStageParts;  // the backward pass begins with the last one
+  phases->evaluate_part(stage, item % kStageParts);
+  std::atomic<int>& done = phases->parts_done_[stage];
+  if (done.fetch_add(1, std::memory_order_acq_rel) + 1 < kStageParts) return;
+  phases->finish_stage(*this, stage);
+  done.fetch_add(1, std::memory_order_release);
+}
+
+void Op3Phases::wait_for(int stage) {
+  while (parts_done_[stage].load(std::memory_order_acquire) <= kStageParts)
+    if (!pool_.help()) pool_.finish();
 }
 
 void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
@@ -149,10 +170,9 @@ void Op3Phases::evaluate_whole(const Trajectory& nominal, int item) {
   }
 }
 
-void Op3Phases::evaluate_group(int item) {
-  const int stage = item / kEvaluationItems, part = item % kEvaluationItems;
+void Op3Phases::evaluate_part(int stage, int part) {
   StageEvaluations& e = work_->evaluations[stage];
-  const bool last = part + 1 == kEvaluationItems;  // carries all groups that share the mass matrix
+  const bool last = part + 1 == kStageParts;  // carries all groups that share the mass matrix
   const int groups = last ? kEvaluationGroups - kConfigurationGroups : 1;
   model::StateLanes* x = &as_lanes(e.x[part]);
   const model::InputLanes* u = &as_input(e.u[part]);
@@ -171,16 +191,15 @@ void Op3Phases::evaluate_group(int item) {
   }
 }
 
-void Op3Phases::finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs) {
-  const bool last = knot == stages();
-  cost_model(work_->context, knot, nominal.x[knot], last ? nullptr : nominal.u[knot], costs[knot]);
-  if (last) return;
-  const Nominal& n = work_->nominal[knot];
+void Op3Phases::finish_stage(const StageParts& of, int stage) {
+  const double* x = of.nominal->x[stage];
+  cost_model(work_->context, stage, x, of.nominal->u[stage], of.costs[stage]);
+  const Nominal& n = work_->nominal[stage];
   double whole[kWholeSteps][kNx];
   for (int step = 0; step < kWholeSteps; ++step)
-    for (int i = 0; i < kNx; ++i) whole[step][i] = work_->whole_x[step][knot / model::kLanes].v[i][knot % model::kLanes];
-  const StageFinish finish{.evaluations = &work_->evaluations[knot],
-                           .x = nominal.x[knot],
+    for (int i = 0; i < kNx; ++i) whole[step][i] = work_->whole_x[step][stage / model::kLanes].v[i][stage % model::kLanes];
+  const StageFinish finish{.evaluations = &work_->evaluations[stage],
+                           .x = x,
                            .u_total = n.u_total,
                            .u_without_upper = n.u_without_upper,
                            .next = whole[kNominal],
@@ -189,7 +208,7 @@ void Op3Phases::finish_knot(const Trajectory& nominal, int knot, StageDerivative
                            .layer_slope = n.layer_slope,
                            .residual = residual(),
                            .difference_step = settings_.difference_step};
-  kernels_.finish_stage(finish, derivatives[knot]);
+  kernels_.finish_stage(finish, of.derivatives[stage]);
 }
 
 void cost_model(const ProblemContext& context, int knot, const double* x, const double* u, StageCost& out) {

@@ -2,6 +2,7 @@
 // differences in SIMD lanes (why: docs/decisions), the residual network's part and the other layers' part are exact.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "host/model/augmented_model.h"
@@ -30,12 +31,23 @@ class Op3Phases : public Phases {
 
   int stages() const override { return settings_.horizon - 1; }
   void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) override;
+  void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) override;
+  void wait_for(int stage) override;
+  void finish_linearize() override { pool_.finish(); }
   void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) override;
   void lane_taken(int lane) override;
 
  private:
   enum Whole { kNominal, kWithoutUpper, kAlongX, kWholeSteps };
   static constexpr int kStageGroups = (kMaxStages + model::kLanes - 1) / model::kLanes;
+  /// Piece of work of begin_linearize: a part of a stage's evaluations; who ends the last part finishes the stage.
+  struct StageParts {
+    Op3Phases* phases;
+    const Trajectory* nominal;
+    StageDerivatives* derivatives;
+    StageCost* costs;
+    void operator()(int item, int thread) const;
+  };
   struct Nominal {  // of one stage
     double u_total[kNuPadded], u_without_upper[kNuPadded];
     double layer_slope[kNu][kNdxPadded];  // d (middle + reflex) / dx
@@ -54,8 +66,8 @@ class Op3Phases : public Phases {
 
   void prepare_stage(const Trajectory& nominal, int stage);
   void evaluate_whole(const Trajectory& nominal, int item);
-  void evaluate_group(int item);
-  void finish_knot(const Trajectory& nominal, int knot, StageDerivatives* derivatives, StageCost* costs);
+  void evaluate_part(int stage, int part);
+  void finish_stage(const StageParts& of, int stage);
   bool ground_varies() const;
   int stage_groups() const { return (stages() + model::kLanes - 1) / model::kLanes; }
   bool shares() const { return settings_.share_nominal_step && model_.substeps == 1; }
@@ -65,6 +77,8 @@ class Op3Phases : public Phases {
   SpinPool& pool_;
   const LaneKernels& kernels_;
   std::unique_ptr<Workspace> work_;
+  StageParts parts_{};
+  std::atomic<int> parts_done_[kMaxStages] = {};  // of a stage; one more when it is finished
 };
 
 /// Second-order model of ||x ⊖ x_ref||²_Wx (and of ||u||²_Wu when u is given) on the tangent at x.

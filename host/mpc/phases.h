@@ -32,6 +32,13 @@ class Phases {
   virtual int stages() const = 0;  // steps, horizon - 1
   /// Derivatives of every stage and cost models of every knot at `nominal`.
   virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) = 0;
+  /// The same in parts, so that the backward pass can begin while threads still work: stages are ready from the last one
+  /// on. wait_for() returns when a stage and its cost are, finish_linearize() when all are. The last knot's cost always is.
+  virtual void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+    linearize(nominal, derivatives, costs);
+  }
+  virtual void wait_for(int stage) { (void)stage; }
+  virtual void finish_linearize() {}
   /// All lanes start in nominal.x[0]. Lane i uses step length steps[i]. A lane that leaves the finite numbers gets an infinite cost.
   virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;
   /// The lane of the last roll-out that becomes the nominal trajectory: what it knows may start the next linearisation.

@@ -23,7 +23,7 @@ constexpr const char* to_string(StopReason r) {
   return "unknown";
 }
 
-/// Nanoseconds of wall clock, summed over the iterations.
+/// Nanoseconds of wall clock, summed over the iterations. `backward` contains what of the linearisation runs beside it.
 struct PlanTiming {
   Nanoseconds total = 0, predict = 0, linearize = 0, backward = 0, line_search = 0;
 };

@@ -86,7 +86,7 @@ bool Solver::roll_out_start(SolveResult& result) {
 Solver::Step Solver::improve(double sigma, SolveResult& result) {
   {
     const Stopwatch watch(result.timing.linearize);
-    phases_.linearize(work_->trajectory, work_->derivatives, work_->costs);
+    phases_.begin_linearize(work_->trajectory, work_->derivatives, work_->costs);
   }
   for (int proposal = 0; proposal < kMaxProposals; ++proposal) {
     if (propose(sigma, result)) {
@@ -114,7 +114,11 @@ bool Solver::propose(double sigma, SolveResult& result) {
   in.input_limit_rad = settings_.input_limit_rad;
   in.sigma = sigma;
   in.mu = mu_;
-  return backward_pass_(in, {work_->gains, work_->variance_weight}, work_->value).ok;
+  in.wait_for = [](void* phases, int stage) { static_cast<Phases*>(phases)->wait_for(stage); };
+  in.wait_context = &phases_;
+  const bool ok = backward_pass_(in, {work_->gains, work_->variance_weight}, work_->value).ok;
+  phases_.finish_linearize();
+  return ok;
 }
 
 int Solver::try_step_lengths(double sigma, SolveResult& result) {

@@ -63,16 +63,20 @@ bool SpinPool::work_once(int thread) {
   return true;
 }
 
-void SpinPool::run_items(int items, Call call, void* context) {
+void SpinPool::begin_items(int items, Call call, const void* context) {
   assert(items > 0 && items <= static_cast<int>(kFieldMask));
   call_ = call;
   context_ = context;
+  items_ = items;
   done_.store(0, std::memory_order_relaxed);
   const std::uint64_t phase = (ticket_.load(std::memory_order_relaxed) >> (2 * kFieldBits)) + 1;
   ticket_.store(phase << (2 * kFieldBits) | static_cast<std::uint64_t>(items) << kFieldBits, std::memory_order_release);
+}
+
+void SpinPool::finish() {
   while (work_once(0)) {
   }
-  for (int looks = 0; done_.load(std::memory_order_acquire) < items; ++looks) {
+  for (int looks = 0; done_.load(std::memory_order_acquire) < items_; ++looks) {
     if (looks > kLooksBeforeYield) sched_yield();
     pause();
   }

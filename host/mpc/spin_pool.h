@@ -35,13 +35,23 @@ class SpinPool {
 
   /// Calls task(item, thread) for item 0 .. items - 1, each once, and returns when all are done. No allocation.
   template <class Task>
-  void run(int items, Task&& task) {
-    run_items(items, [](void* context, int item, int thread) { (*static_cast<Task*>(context))(item, thread); }, &task);
+  void run(int items, const Task& task) {
+    begin(items, task);
+    finish();
   }
 
+  /// The same in parts, for a caller with work of its own between: begin() returns at once, help() does one item that
+  /// nobody has claimed (false: there is none), finish() the rest. `task` must live until then.
+  template <class Task>
+  void begin(int items, const Task& task) {
+    begin_items(items, [](const void* context, int item, int thread) { (*static_cast<const Task*>(context))(item, thread); }, &task);
+  }
+  bool help() { return work_once(0); }
+  void finish();
+
  private:
-  using Call = void (*)(void* context, int item, int thread);
-  void run_items(int items, Call call, void* context);
+  using Call = void (*)(const void* context, int item, int thread);
+  void begin_items(int items, Call call, const void* context);
   bool work_once(int thread);
   void helper(int thread, bool pin);
   void wake();
@@ -53,7 +63,8 @@ class SpinPool {
   std::atomic<std::uint32_t> awake_{0};  // odd: a session is open
   std::atomic<bool> stop_{false};
   Call call_ = nullptr;        // valid while the phase has unfinished items
-  void* context_ = nullptr;
+  const void* context_ = nullptr;
+  int items_ = 0;              // of the phase
   std::vector<std::thread> helpers_;
 };
 

@@ -188,6 +188,7 @@ inline BackwardSummary run_backward_pass(const BackwardInput& in, const Backward
   StageScratch s;
   start_value(in.costs[in.stages], value);
   for (int stage = in.stages - 1; stage >= 0; --stage) {
+    if (in.wait_for) in.wait_for(in.wait_context, stage);
     for (int i = 0; i < kNdx; ++i) out.variance_weight[stage][i] = value.Vxx[i][i];
     action_value(in, stage, value, s);
     hold_inputs_at_limits(in.u[stage], in.input_limit_rad, s);

@@ -44,5 +44,21 @@ TEST(SpinPool, WorksWithoutAnOpenSession) {
   EXPECT_EQ(sum.load(), 4950);
 }
 
+TEST(SpinPool, TheCallerMayHelpBetweenBeginAndFinish) {
+  for (const int threads : {1, 3}) {
+    SpinPool pool(threads, false);
+    const SpinPool::Session open(pool);
+    for (int phase = 0; phase < 100; ++phase) {
+      std::atomic<int> sum{0};
+      const auto task = [&](int item, int) { sum += item; };
+      pool.begin(100, task);
+      while (sum < 1000) pool.help();
+      pool.finish();
+      EXPECT_EQ(sum.load(), 4950);
+      EXPECT_FALSE(pool.help());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sanso::mpc
