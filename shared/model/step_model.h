@@ -28,7 +28,7 @@ struct ModelParameters {
 /// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
 ModelParameters nominal_parameters();
 
-/// Contact solver: rounds of Gauss-Seidel sweeps and one Newton step, until every lane is solved. Bounded work.
+/// Contact solver: rounds of sweeps and a Newton step until every lane is solved; near a solution Newton first. Bounded.
 struct ContactSettings {
   int sweeps = 8;               // of a round: they find which rows touch, stick and slide
   int rounds = 12;              // at most; nearly all states need one or two (kernel/contact_newton.h)
