@@ -18,9 +18,7 @@ std::vector<double> on_threads(const Eigen::MatrixXd& candidates, const LossOfCa
 
 Identification identify(const std::vector<PredictionWindow>& all_windows, const ParameterMap& map,
                         const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
-                        std::uint64_t seed, const Eigen::VectorXd& start_z,
-                        const std::function<bool(const CrossEntropyState&)>& after_generation,
-                        const DistributeCandidates& distribute) {
+                        std::uint64_t seed, const IdentifyRun& run) {
   if (all_windows.empty()) {
     throw std::invalid_argument(
         "identification: no window of 0.72 s without a gap in the recordings; record longer trials");
@@ -34,14 +32,15 @@ Identification identify(const std::vector<PredictionWindow>& all_windows, const 
 
   const LossOfCandidate penalised = [&](const Eigen::VectorXd& z) { return loss_of(z) + prior * z.squaredNorm(); };
   const EvaluateCandidates evaluate = [&](const Eigen::MatrixXd& candidates) {
-    return distribute ? distribute(candidates, penalised) : on_threads(candidates, penalised, settings.threads);
+    return run.distribute ? run.distribute(candidates, penalised) : on_threads(candidates, penalised, settings.threads);
   };
   const Eigen::VectorXd mean =
-      start_z.size() == map.size() ? start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));
-  CrossEntropyState state = start_cross_entropy(mean, Eigen::VectorXd::Ones(map.size()), evaluate);
+      run.start_z.size() == map.size() ? run.start_z : Eigen::VectorXd(Eigen::VectorXd::Zero(map.size()));
+  CrossEntropyState state =
+      run.continue_from ? *run.continue_from : start_cross_entropy(mean, Eigen::VectorXd::Ones(map.size()), evaluate);
   while (state.generation < settings.search.generations) {
     advance_cross_entropy(state, settings.search, seed, evaluate);
-    if (after_generation && !after_generation(state)) break;
+    if (run.after_generation && !run.after_generation(state)) break;
   }
   return {map.parameters(state.best), state.best, loss_initial, loss_of(state.best), state.generation};
 }

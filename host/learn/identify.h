@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "host/learn/cross_entropy.h"
 #include "host/learn/parameter_map.h"
@@ -39,12 +40,18 @@ struct Identification {
 using LossOfCandidate = std::function<double(const Eigen::VectorXd&)>;
 using DistributeCandidates = std::function<std::vector<double>(const Eigen::MatrixXd& candidates, const LossOfCandidate& loss)>;
 
-/// Searches from `start_z` (empty: the initial model). `after_generation` sees the state (progress, storing); returning
-/// false stops the search there. Throws std::invalid_argument when there are no windows.
+/// Where a search begins and who takes part in it; by default from the initial model, on threads of this process.
+struct IdentifyRun {
+  Eigen::VectorXd start_z;                         // (n) empty: the initial model
+  std::optional<CrossEntropyState> continue_from;  // of the same search, stopped; goes on with the same numbers
+  /// Sees the state (progress, storing); returning false stops the search there.
+  std::function<bool(const CrossEntropyState&)> after_generation;
+  DistributeCandidates distribute;
+};
+
+/// Throws std::invalid_argument when there are no windows.
 Identification identify(const std::vector<PredictionWindow>& windows, const ParameterMap& map,
                         const model::Ground& ground, const model::Tangent& weights, const IdentifySettings& settings,
-                        std::uint64_t seed, const Eigen::VectorXd& start_z = {},
-                        const std::function<bool(const CrossEntropyState&)>& after_generation = {},
-                        const DistributeCandidates& distribute = {});
+                        std::uint64_t seed, const IdentifyRun& run = {});
 
 }  // namespace sanso::learn

@@ -17,10 +17,6 @@ constexpr std::uint32_t kVersion = 1;
 constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
 constexpr double kStep_s = 0.06;
 
-double tilt_of(const model::State& x) {
-  return std::acos(std::clamp(math::rotation_matrix(model::base_quat(x))(2, 2), -1.0, 1.0));
-}
-
 void visit_network(auto& n, auto&& io) {
   io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2), io(n.b3),
       io(n.output_mean);
@@ -71,12 +67,7 @@ ModelLosses ModelLearner::losses(const std::vector<PredictionWindow>& windows) c
 }
 
 std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episode) const {
-  std::vector<PredictionWindow> windows = windows_of(episode, settings_.window_stride_ticks);
-  std::erase_if(windows, [this](const PredictionWindow& w) {
-    return std::any_of(std::begin(w.x), std::end(w.x),
-                       [this](const model::State& x) { return tilt_of(x) > settings_.tilt_limit_rad; });
-  });
-  return windows;
+  return upright_windows_of(episode, settings_.tilt_limit_rad, settings_.window_stride_ticks);
 }
 
 /// The newest episodes that have something to learn from: not those that fell at once.
@@ -114,7 +105,10 @@ LearningRound ModelLearner::learn(const std::vector<Episode>& all) {
 
 void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
   const std::uint64_t seed = derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::identification);
-  const Identification found = identify(data.train, map_, initial_.ground, weights_, settings_.identify, seed, z_);
+  IdentifyRun from_the_last;
+  from_the_last.start_z = z_;
+  const Identification found =
+      identify(data.train, map_, initial_.ground, weights_, settings_.identify, seed, from_the_last);
   const double before = round.heldout_before.analytical;
   const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters), initial_.ground, weights_);
   round.identification_used = after < before;

@@ -26,7 +26,7 @@ struct ModelLearningSettings {
   int window_stride_ticks = 6;      // identification: one window every 60 ms
   int transition_stride_ticks = 2;  // residual network: one transition every 20 ms
   int newest_episodes = 20;     // learn from so many of the newest episodes: older ones were run with other policies
-  double tilt_limit_rad = 0.5;  // stretches with a base leaning more are a fall in progress: not the robot's model
+  double tilt_limit_rad = kUprightTilt_rad;
 
   ModelLearningSettings() {
     identify.search.population = 48;

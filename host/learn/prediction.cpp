@@ -78,6 +78,19 @@ std::vector<PredictionWindow> windows_of(const Episode& episode, int stride_tick
   return windows;
 }
 
+double tilt_of(const model::State& x) {
+  return std::acos(std::clamp(math::rotation_matrix(model::base_quat(x))(2, 2), -1.0, 1.0));
+}
+
+std::vector<PredictionWindow> upright_windows_of(const Episode& episode, double tilt_limit_rad, int stride_ticks) {
+  std::vector<PredictionWindow> windows = windows_of(episode, stride_ticks);
+  std::erase_if(windows, [tilt_limit_rad](const PredictionWindow& w) {
+    return std::any_of(std::begin(w.x), std::end(w.x),
+                       [tilt_limit_rad](const model::State& x) { return tilt_of(x) > tilt_limit_rad; });
+  });
+  return windows;
+}
+
 std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows, std::size_t count) {
   if (windows.size() <= count) return windows;
   std::vector<PredictionWindow> kept;

@@ -24,6 +24,15 @@ struct PredictionWindow {
 /// All windows of an episode that start every `stride_ticks` ticks. Windows with a gap in the observations are left
 /// out.
 std::vector<PredictionWindow> windows_of(const Episode& episode, int stride_ticks = kTicksPerStep);
+
+/// A base that leans more is a fall in progress: not the robot's model.
+inline constexpr double kUprightTilt_rad = 0.5;
+/// Angle between the base's z axis and the vertical, rad.
+double tilt_of(const model::State& x);
+/// Windows of an episode without the stretches in which the base leans more than `tilt_limit_rad`.
+std::vector<PredictionWindow> upright_windows_of(const Episode& episode, double tilt_limit_rad = kUprightTilt_rad,
+                                                 int stride_ticks = kTicksPerStep);
+
 /// At most `count` of them, spread evenly: keeps the work of identification bounded.
 std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows, std::size_t count);
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr char kFooter[] = R"(Examples:
   mpirun -n 2 sanso-sweep learn --motions stand,squat --worlds lab,hard --seeds 1,2 --iterations 20 --out runs/sweep
-  mpirun -n 2 sanso-sweep identify --session runs/sweep/squat_lab_seed1
+  mpirun -n 2 sanso-sweep identify --episodes runs/sweep/squat_lab_seed1
   mpirun -n 2 sanso-sweep pushes --session runs/sweep/squat_lab_seed1 --motion squat --out runs/pushes
 SIGINT or SIGTERM to one rank ends the sweep after the trials under way; sessions go on with the same command. A stopped
 mpirun kills its ranks a second later, or after S seconds with --mca odls_base_sigkill_timeout S.)";
@@ -43,13 +43,15 @@ CLI::App* add_learn(CLI::App& app, SessionsOptions& o) {
   return c;
 }
 
-CLI::App* add_identify(CLI::App& app, IdentificationOptions& o) {
-  CLI::App* c = app.add_subcommand("identify", "parameters of the model from the episodes of a session");
-  c->add_option("--session", o.session, "folder of a learning session")->required()->check(CLI::ExistingDirectory);
-  c->add_option("--motion", o.motion, "whose weights the loss uses")->capture_default_str();
+CLI::App* add_identify(CLI::App& app, app::IdentifyOptions& o) {
+  CLI::App* c = app.add_subcommand("identify", "parameters of the model from the trials of sessions (sanso identify)");
+  c->add_option("--episodes", o.episodes, "folders of learning sessions")->required()->check(CLI::ExistingPath);
+  c->add_option("--motion", o.motion, "whose weights the loss uses; by default the session's own");
   c->add_option("--seed", o.seed)->capture_default_str();
   c->add_option("--population", o.population)->capture_default_str()->check(CLI::Range(4, 100000));
   c->add_option("--generations", o.generations)->capture_default_str()->check(CLI::PositiveNumber);
+  c->add_option("--out", o.out, "folder that keeps the search's state after every generation");
+  c->add_flag("--resume", o.resume, "go on with the search in --out")->needs("--out");
   return c;
 }
 
@@ -87,7 +89,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(kFooter);
   SessionsOptions sessions;
-  IdentificationOptions identification;
+  app::IdentifyOptions identification;
   PredictionOptions predictions;
   PushOptions pushes;
   pushes.without = {"none", "lower", "middle", "upper"};
@@ -97,7 +99,7 @@ int run(int argc, char** argv) {
   const CLI::App* push = add_pushes(app, pushes);
   try {
     app.parse(argc, argv);
-    for (const fs::path& out : {sessions.out, predictions.out, pushes.out})
+    for (const fs::path& out : {sessions.out, identification.out, predictions.out, pushes.out})
       if (!out.empty()) fs::create_directories(out);
     if (*learn) return run_sessions(ranks, sessions, in_process);
     if (*predict) return run_predictions(predictions);

@@ -90,19 +90,20 @@ TEST_F(TwoRanks, LearnAndIdentifyWhatOneDoes) {
   (void)all.any(false);  // sweep.json is written
   EXPECT_EQ(rows_of(together.out / "sweep.json", "sessions"), rows_of(single.out / "sweep.json", "sessions"));
 
-  IdentificationOptions options;
-  options.session = together.out / "stand_lab_seed1";
-  options.motion = "stand";
+  app::IdentifyOptions options;
+  options.episodes = {together.out / "stand_lab_seed1"};
   options.population = 8;
   options.generations = 2;
-  const learn::Identification shared = identify_over(all, options), own_search = identify_over(alone, options);
+  options.quiet = true;
+  const app::IdentificationData data = app::load_identification_data(options);
+  const learn::Identification shared = identify_over(all, options, data), own_search = identify_over(alone, options, data);
   EXPECT_EQ(shared.generations, 2);
   EXPECT_EQ(shared.loss, own_search.loss);
   EXPECT_EQ(shared.z, own_search.z) << "bit for bit";
   EXPECT_LT(shared.loss, shared.loss_initial);
 
   PushOptions pushes;
-  pushes.session = options.session;
+  pushes.session = options.episodes.front();
   pushes.motion = "stand";
   pushes.without = {"none", "upper"};
   pushes.count = 1;
