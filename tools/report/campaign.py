@@ -211,6 +211,26 @@ def long_session(args):
     write(args.figures / "learning_long.svg", [curves(s, "cost", "cost J", f'{s["motion"]}, {len(cost)} trials'), gains])
 
 
+def sign_test(a, b):
+    """Two-sided p of a against b when both are equally likely."""
+    n, k = a + b, min(a, b)
+    return min(1.0, 2 * sum(math.comb(n, i) for i in range(k + 1)) / 2**n) if n else 1.0
+
+
+def paired_table(campaigns):
+    """The pushes are the same for every choice of layers: how often did only one of two choices survive?"""
+    print("\nonly with all layers / only without the layer (p of a two-sided sign test):\n")
+    print("| without | " + " | ".join(data["motion"] for data in campaigns) + " |\n|---|" + "---|" * len(campaigns))
+    for name in ("lower", "middle", "upper"):
+        cells = []
+        for data in campaigns:
+            whole, less = ({(p["impulse_Ns"], p["direction_rad"]): p["survived"] for p in data["pushes"] if p["without"] == n}
+                           for n in ("none", name))
+            a, b = sum(whole[k] and not less[k] for k in whole), sum(less[k] and not whole[k] for k in whole)
+            cells.append(f"{a} / {b} (p {sign_test(a, b):.2g})")
+        print(f"| {name} | " + " | ".join(cells) + " |")
+
+
 def pushes(args):
     charts = []
     merged = {}
@@ -230,6 +250,7 @@ def pushes(args):
             drawn = [((a + b) / 2, statistics.fmean(v)) for a, b, v in zip(edges, edges[1:], bins) if v]
             chart.line([d[0] for d in drawn], [d[1] for d in drawn], colour, "all layers" if name == "none" else f"without {name}")
         charts.append(chart)
+    paired_table(list(merged.values()))
     write(args.figures / "pushes.svg", charts)
 
 
