@@ -145,13 +145,14 @@ void Trial::plan_from(const wire::Observation& o) {
   upper_.plan(request, *plan_);
   if (plan_->status != Status::ok) return;  // the old policy fades; the next observation gets another chance
   policy::round_to_wire(plan_->policy);     // what is predicted from next time is what the controller executes
+  const double planned_ms = wall_ms() - wall_begin;  // before a virtual clock lets its world run on
   robot_.clock().finish_computation(begin, from_seconds(settings_.modelled_planning_s));
   robot_.send_policy(plan_->policy);
 
   PlanRecord record;
   record.policy = plan_->policy;
   record.observed_tick = o.trial_tick;
-  record.update_ms = wall_ms() - wall_begin;
+  record.update_ms = planned_ms;
   record.cost_before = plan_->cost_before;
   record.cost_after = plan_->cost_after;
   record.gain_norm = plan_->gain_norm;
