@@ -29,6 +29,7 @@ struct Outcome {
   std::map<std::string, Names> baselines;  // what simpler methods name
   bool proved = false;                     // the verdict has a held-out score at 0.5 s
   double explained = 0.0;                  // there, of the error beyond noise
+  double explained_by_truth = 0.0;         // the same by a search that knows the true effects only; 0: not asked
   ResidualNetworkScore network;
   std::string without_status;  // verdict without the true effects in the library
   Names without_named;
@@ -44,6 +45,41 @@ struct Count {
     return fmt::format("{:5.1f} % [{:.1f}, {:.1f}] of {}", 100.0 * hits / trials, 100 * i.low, 100 * i.high, trials);
   }
 };
+
+double explained_half_second(const diagnose::Verdict& verdict, bool& proved) {
+  const auto proof = verdict.heldout.find("0.5");
+  proved = proof != verdict.heldout.end() && proof->second.contains("all");
+  return proved ? proof->second.at("all").explained() : 0.0;
+}
+
+nlohmann::ordered_json json_of(const Outcome& o) {
+  const DiagnoseScore& s = o.score;
+  return {{"seed", o.seed},
+          {"family", s.family},
+          {"ratio", s.ratio},
+          {"truth", s.truth},
+          {"named", s.named},
+          {"status", s.status},
+          {"right", s.right},
+          {"detected", s.detected},
+          {"named_first", s.named_first},
+          {"in_set", s.in_set},
+          {"set_size", s.set_size},
+          {"f1", s.f1},
+          {"where_exact", s.where_exact},
+          {"refused_by_name", s.refused_by_name},
+          {"unnamed", s.unnamed},
+          {"relative_error", s.relative_error},
+          {"covered", s.covered},
+          {"explained", o.explained},
+          {"explained_by_truth", o.explained_by_truth},
+          {"network_explained", o.network.explained},
+          {"network_mismatch", o.network.mismatch},
+          {"baselines", o.baselines},
+          {"without_status", o.without_status},
+          {"without_named", o.without_named},
+          {"seconds", o.seconds}};
+}
 
 Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   const std::filesystem::path folder =
@@ -68,17 +104,24 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
                    {"fit everything", fit_everything(look)},
                    {"sparse regression", sparse_regression(look)},
                    {"friction ladder", friction_ladder(look)}};
-  const auto proof = found.verdict.heldout.find("0.5");
-  out.proved = proof != found.verdict.heldout.end() && proof->second.contains("all");
-  if (out.proved) out.explained = proof->second.at("all").explained();
+  out.explained = explained_half_second(found.verdict, out.proved);
   out.network = residual_network(made.model, made.recordings, seed);
   task.first_look_by_group = false;
-  if (options.leave_out && (out.score.family == "single" || out.score.family == "pair")) {
+  const bool hidden = out.score.family == "single" || out.score.family == "pair";
+  if (hidden && out.score.ratio >= 3.0) {
+    diagnose::DiagnoseOptions told = task;
+    told.effects = out.score.truth;
+    bool proved = false;
+    out.explained_by_truth =
+        explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
+  }
+  if (options.leave_out && hidden) {
     task.without = out.score.truth;
     const diagnose::Verdict without = diagnose::diagnose(task, [](const std::string&) {}).verdict;
     out.without_status = diagnose::to_string(without.status);
     for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
   }
+  std::ofstream((folder / "outcome.json").string()) << json_of(out).dump(2) << "\n";  // a run that is stopped keeps it
   return out;
 }
 
@@ -153,16 +196,22 @@ void print_explained(const std::vector<Outcome>& all) {
       "\nexplained on recordings held out, 0.5 s ahead, median (ratio 3 and more)\n{:<10} {:>5} {:>10} {:>17}   {}\n",
       "", "cases", "diagnose", "residual network", "network says mismatch");
   for (const char* family : {"clean", "single", "pair", "outside", "ambiguous"}) {
-    std::vector<double> diagnosed, network;
+    std::vector<double> diagnosed, network, of_truth;
     Count says;
     for (const Outcome& o : all) {
       const bool counts = o.score.family == family && (o.score.family == "clean" || o.score.ratio >= 3.0);
       if (!counts || !o.proved || !o.network.ran) continue;
       diagnosed.push_back(o.explained), network.push_back(o.network.explained), says.add(o.network.mismatch);
+      if (o.explained_by_truth > 0.0) of_truth.push_back(o.explained / o.explained_by_truth);
     }
     if (diagnosed.empty()) continue;
-    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}\n", family, diagnosed.size(),
-               100 * diagnose::median(diagnosed), 100 * diagnose::median(network), says.text());
+    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}", family, diagnosed.size(), 100 * diagnose::median(diagnosed),
+               100 * diagnose::median(network), says.text());
+    if (!of_truth.empty()) {
+      fmt::print("   of what the true structure explains: median {:.3f} over {} cases", diagnose::median(of_truth),
+                 of_truth.size());
+    }
+    fmt::print("\n");
   }
 }
 
@@ -205,27 +254,7 @@ void print_confusions(const std::vector<Outcome>& all) {
 
 void print_json(const std::vector<Outcome>& all) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
-  for (const Outcome& o : all) {
-    const DiagnoseScore& s = o.score;
-    out.push_back({{"seed", o.seed},
-                   {"family", s.family},
-                   {"ratio", s.ratio},
-                   {"truth", s.truth},
-                   {"named", s.named},
-                   {"status", s.status},
-                   {"right", s.right},
-                   {"detected", s.detected},
-                   {"in_set", s.in_set},
-                   {"set_size", s.set_size},
-                   {"where_exact", s.where_exact},
-                   {"relative_error", s.relative_error},
-                   {"covered", s.covered},
-                   {"explained", o.explained},
-                   {"network_explained", o.network.explained},
-                   {"network_mismatch", o.network.mismatch},
-                   {"baselines", o.baselines},
-                   {"seconds", o.seconds}});
-  }
+  for (const Outcome& o : all) out.push_back(json_of(o));
   fmt::print("{}\n", out.dump(2));
 }
 
