@@ -6,6 +6,7 @@
 
 #include "shared/model/tree.h"
 #include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/sim/actuator.h"
 #include "tools/diagnose/sim/tree_dynamics.h"
 
 namespace sanso::diagnose {
@@ -65,6 +66,29 @@ TEST(Simulator, CoulombFrictionStopsAndHolds) {
   model.gravity = {0.5, 0, 0};
   const auto held = simulate(make_params(model), drive, std::vector{whole(drive, {0}, {0})});
   EXPECT_NEAR(held[0].q.back(), 0.0, 1e-15);
+}
+
+TEST(Simulator, AnIntegralHoldsTheWeightWhereARecordingBegins) {
+  // held for seconds before, the integral carries gravity alone: followed up to any window, the joint stays where it is
+  const ModelFolder model = test::pendulum("actuator = \"dc_servo\"\np_gain = 4.0\ni_gain = 40.0\narmature = 0.01\n");
+  Drive drive = make_test_drive(model, 2.0, 0.01, [](int, double) { return 0.8; });
+  MeasuredMotion motion;
+  motion.q.assign(1, std::vector<double>(drive.rows(), 0.8));
+  motion.dq.assign(1, std::vector<double>(drive.rows(), 0.0));
+  SimOptions options;
+  options.motion = &motion;
+  const auto out = simulate(make_params(model), drive, std::vector{Window{50, drive.rows() - 1, {0.8}, {0.0}}}, options);
+  for (const double q : out[0].q) EXPECT_NEAR(q, 0.8, 2e-4);
+}
+
+TEST(Simulator, StartSpeedIsThatOfTheLinkUnderANonlinearEncoder) {
+  JointParams joint;
+  joint.encoder_error = {0.03, 0.01, 1.0};
+  joint.gear_error = {0.004, 0.002, 4.0};
+  joint.encoder_scale = 0.02;
+  const double q = 0.4, h = 1e-6;
+  EXPECT_NEAR(encoder_slope(joint, q), (encoder_reading(joint, q + h) - encoder_reading(joint, q - h)) / (2 * h), 1e-9);
+  EXPECT_NEAR(encoder_reading(joint, position_for_reading(joint, 0.5)), 0.5, 1e-9);
 }
 
 TEST(Simulator, ServoHoldsALoadWithTheDroopOfItsGain) {

@@ -142,7 +142,34 @@ ServoOutput torque_source(const JointParams& joint, const ServoInput& in, InnerS
   return out;
 }
 
+/// Integral gain over proportional gain, 1/s; 0: none.
+double integral_rate(const JointParams& joint) {
+  const JointSettings& s = joint.nominal;
+  const bool servo = s.actuator == Actuator::dc_servo;
+  if (!servo && s.actuator != Actuator::position_pd) return 0.0;
+  const double own = servo && s.p_gain > 0.0 ? s.i_gain / (s.p_gain * joint.p_scale) : 0.0;
+  return own + joint.integral_rate;
+}
+
 }  // namespace
+
+void settle_integral(const JointParams& joint, double torque, double supply, InnerState& inner) {
+  constexpr double kHeld = 3.0;  // s
+  const double rate = integral_rate(joint);
+  if (!(rate > 0.0)) return;
+  const JointSettings& s = joint.nominal;
+  const bool servo = s.actuator == Actuator::dc_servo;
+  // d torque / d (P gain times angle)
+  const double strength =
+      servo ? s.torque_constant * joint.torque_scale * s.voltage * supply / (s.resistance * joint.resistance_scale)
+            : joint.torque_scale * supply / joint.resistance_scale;
+  const double p = (servo ? s.p_gain : s.kp) * joint.p_scale;
+  if (!(strength * p > 0.0)) return;
+  const double full = servo ? std::min(s.duty_limit, joint.output_limit) : kNone;
+  const double held = std::clamp(torque / strength, -full, full) / p;  // rad of error that would hold it
+  // under P and I a standing error decays with the rate of the integral
+  inner.integral = held * (1.0 - std::exp(-rate * kHeld)) / rate;
+}
 
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner) {
   if (input.command.off || joint.nominal.actuator == Actuator::passive) {
@@ -166,6 +193,10 @@ double ripple_slope(const Ripple& r, double x) {
 double encoder_reading(const JointParams& joint, double x) {
   return (1.0 + joint.encoder_scale) * x + ripple_at(joint.encoder_error, x) - ripple_at(joint.gear_error, x) +
          joint.encoder_offset;
+}
+
+double encoder_slope(const JointParams& joint, double x) {
+  return 1.0 + joint.encoder_scale + ripple_slope(joint.encoder_error, x) - ripple_slope(joint.gear_error, x);
 }
 
 double position_for_reading(const JointParams& joint, double reading) {

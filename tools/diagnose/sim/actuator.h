@@ -47,9 +47,15 @@ struct ServoOutput {
 /// One step of the servo; advances its inner states by input.h. Switched off: no torque, no back-EMF.
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner);
 
+/// The integral of a servo that has held `torque` for a while, as before a recording begins: a few seconds, so that a
+/// slow integral carries only a part of it. `supply` over nominal.
+void settle_integral(const JointParams& joint, double torque, double supply, InnerState& inner);
+
 /// Encoder reading for a position of the side it sits on, and the position for a reading.
 double encoder_reading(const JointParams& joint, double position);
 double position_for_reading(const JointParams& joint, double reading);
+/// d reading / d position.
+double encoder_slope(const JointParams& joint, double position);
 double ripple_at(const Ripple& ripple, double x);
 double ripple_slope(const Ripple& ripple, double x);
 

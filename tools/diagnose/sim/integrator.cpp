@@ -241,6 +241,15 @@ bool Integrator::step(double t, double h, RobotState& state, StepTorques& out) {
   return true;
 }
 
+void Integrator::settle(double t, const std::vector<int>& serves, RobotState& state) {
+  const double supply = 1.0 + params_.supply_level;
+  move_tree(t, 0.0, state);
+  for (const int j : serves) {
+    const auto k = static_cast<std::size_t>(j);
+    settle_integral(params_.joints[k], bias_[k], supply, state.inner[k]);
+  }
+}
+
 void Integrator::follow(double t, double h, const double* dq_end, const std::vector<int>& serves, RobotState& state,
                         StepTorques& out) {
   if (t >= tree_time_ + kTreeRefresh) {

@@ -30,6 +30,8 @@ class Integrator {
 
   /// Starts anew at any instant (payloads that come late are looked up for it).
   void restart(double t);
+  /// Inner states of servos that held this posture before t (their integral).
+  void settle(double t, const std::vector<int>& serves, RobotState& state);
   /// Advances from t by h. False when the motion diverged (state unchanged).
   bool step(double t, double h, RobotState& state, StepTorques& out);
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are computed. The tree's

@@ -31,6 +31,7 @@ class WindowRun {
     }
     prediction_.volt.assign(rows_, 0.0);
     next_.assign(static_cast<std::size_t>(n_), 0);
+    next_effort_ = next_;
     place(window, inner);
 
     double t = drive_.t[window.first] - longest_delay_;
@@ -43,6 +44,7 @@ class WindowRun {
     }
     for (std::size_t k = window.first; k < window.last; ++k) advance(drive_.t[k], drive_.t[k + 1]);
     emit_until(drive_.t[window.last] + 1.0);  // rounding may leave the last sample
+    if (longest_delay_ > 0.0) emit_efforts_until(drive_.t[window.last] + 1.0);
     return std::move(prediction_);
   }
 
@@ -56,7 +58,7 @@ class WindowRun {
       const JointParams& joint = params_.joints[k];
       const double early = longest_delay_ - delay_[k];
       const double side = position_for_reading(joint, window.q[k] - early * window.dq[k]);
-      const double speed = window.dq[k] / (1.0 + joint.encoder_scale);
+      const double speed = window.dq[k] / encoder_slope(joint, side);
       InnerState& in = state_.inner[k];
       state_.q[k] = joint.encoder_at_motor ? side - in.motor_offset : side;
       state_.dq[k] = joint.encoder_at_motor ? speed - in.motor_speed_offset : speed;
@@ -64,6 +66,7 @@ class WindowRun {
     }
     before_ = state_;
     t_before_ = t_now_ = drive_.t[window.first] - longest_delay_;
+    first_step_ = true;
   }
 
   /// state_ into before_, only the joints that exist.
@@ -84,6 +87,7 @@ class WindowRun {
       t_now_ = s + 1 == steps ? until : from + (s + 1) * h;
       if (!diverged_) diverged_ = !integrator_.step(t_before_, h, state_, torques_);
       emit_until(t_now_);
+      if (longest_delay_ > 0.0) emit_efforts_until(0.5 * (t_before_ + t_now_));
     }
   }
 
@@ -129,10 +133,37 @@ class WindowRun {
     const std::size_t at = k * rows_ + row;
     prediction_.q[at] = encoder_reading(joint, position);
     prediction_.dq[at] = velocity * (1.0 + joint.encoder_scale);
-    prediction_.tau[at] = torques_.servo[k].torque;
-    prediction_.i[at] = torques_.servo[k].current;
-    prediction_.pwm[at] = torques_.servo[k].duty;
-    if (j == 0) prediction_.volt[row] = torques_.servo[0].volt;
+    if (delay_[k] == 0.0) emit_efforts(j, row, torques_.servo[k], torques_.servo[k], 1.0);
+  }
+
+  /// Efforts are means over steps: what a delayed sensor reads lies between the middles of two of them. Held over a
+  /// step it would jump as the delay grows, and no derivative by the delay could be had. Without a delay a reading is
+  /// taken at the end of a step, before the command that comes at the same instant.
+  void emit_efforts_until(double middle) {
+    for (const int j : integrator_.joints()) {
+      const auto k = static_cast<std::size_t>(j);
+      if (delay_[k] == 0.0) continue;
+      const ServoOutput& now = torques_.servo[k];
+      const ServoOutput& earlier = first_step_ ? now : efforts_before_[k];
+      for (std::size_t& row = next_effort_[k]; row < rows_; ++row) {
+        const double instant = drive_.t[prediction_.first + row] - delay_[k];
+        if (instant > middle) break;
+        const double s = first_step_ ? 1.0 : (instant - middle_before_) / (middle - middle_before_);
+        emit_efforts(j, row, earlier, now, std::clamp(s, 0.0, 1.0));
+      }
+      efforts_before_[k] = now;
+    }
+    middle_before_ = middle;
+    first_step_ = false;
+  }
+
+  void emit_efforts(int j, std::size_t row, const ServoOutput& before, const ServoOutput& after, double s) {
+    const auto between = [s](double a, double b) { return s < 1.0 ? a + s * (b - a) : b; };
+    const std::size_t at = static_cast<std::size_t>(j) * rows_ + row;
+    prediction_.tau[at] = between(before.torque, after.torque);
+    prediction_.i[at] = between(before.current, after.current);
+    prediction_.pwm[at] = between(before.duty, after.duty);
+    if (j == 0) prediction_.volt[row] = between(before.volt, after.volt);
   }
 
   const SimParams& params_;
@@ -145,10 +176,12 @@ class WindowRun {
 
   std::size_t rows_ = 0;
   Prediction prediction_;
-  std::vector<std::size_t> next_;  // by joint, the next row to write
+  std::vector<std::size_t> next_, next_effort_;  // by joint, the next row to write
   RobotState state_, before_;
   StepTorques torques_;
-  double t_before_ = 0.0, t_now_ = 0.0;
+  std::array<ServoOutput, kMaxJoints> efforts_before_{};  // of the step before
+  bool first_step_ = true;
+  double t_before_ = 0.0, t_now_ = 0.0, middle_before_ = 0.0;
   bool diverged_ = false;
 
  public:
@@ -179,7 +212,7 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
       const JointParams& joint = params.joints[j];
       const InnerState& in = state.inner[j];
       const double side = position_for_reading(joint, motion.q[j][row]);
-      const double speed = motion.dq[j][row] / (1.0 + joint.encoder_scale);
+      const double speed = motion.dq[j][row] / encoder_slope(joint, side);
       state.q[j] = joint.encoder_at_motor ? side - in.motor_offset : side;
       state.dq[j] = joint.encoder_at_motor ? speed - in.motor_speed_offset : speed;
     }
@@ -187,6 +220,7 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
   integrator.restart(drive.t.front());
   snap(0);
   for (std::size_t j = 0; j < state.inner.size(); ++j) state.inner[j].velocity_channel = state.dq[j];
+  integrator.settle(drive.t.front(), serves, state);
   at_row(std::size_t{0}, state, torques);
   for (std::size_t row = 0; row < last; ++row) {
     const double span = drive.t[row + 1] - drive.t[row];
