@@ -50,7 +50,6 @@ inline double kPracticalSize =
     0.3;  // noise levels RMS over one joint's rows: the faintest severity of method 4; what changes less
           // (integration step, rounding of goals and duty) is no mismatch that matters
 inline double kMinimumShare = 0.01;  // of the first model's error: smaller effects are not worth a name
-inline double kNamedShare = 0.95;    // of the excess error energy that a complete explanation removes: RMS to a quarter
 inline double kStandInShare = 0.5;   // of the error energy: a contradicted effect that removes more stays in the model
                                      // as a description, without being named: better predicted than left out
 inline double kAdequate = 1.42;      // noise levels: above, what is left has more energy than the noise itself

@@ -46,6 +46,9 @@ TEST(Finding, WhatEndsAtABoundIsNeverConfirmed) {
   EXPECT_NE(stopped_at_bounds(f).find("delay"), std::string::npos);
   f.one_of.emplace_back("sensor_delay");
   EXPECT_EQ(status_of(f), VerdictStatus::one_of);
+  f.terms = {"cogging"};  // a spring and a ripple at one joint
+  EXPECT_EQ(status_of(f), VerdictStatus::present_unnamed);
+  EXPECT_NE(reserve(f).find("cogging"), std::string::npos);
 }
 
 TEST(Verdict, NaNBecomesNull) {

@@ -48,7 +48,6 @@ const std::vector<Scalable> kScalable{
     {"kSameSignature", &c::kSameSignature},
     {"kPracticalSize", &c::kPracticalSize},
     {"kMinimumShare", &c::kMinimumShare},
-    {"kNamedShare", &c::kNamedShare},
     {"kStandInShare", &c::kStandInShare},
     {"kAdequate", &c::kAdequate},
     {"kRivals", &c::kRivals},

@@ -94,12 +94,14 @@ struct Effect {
   std::vector<EffectParameter> parameters{};
   bool smooth = true;   // derivatives at the null say something; otherwise only probes do
   bool random = false;  // chance decides what it does to a recording: judged by scatter, its first parameter the size
+  bool angle_torque = false;  // a torque that the joint's angle alone decides: two of them are terms of a series
   std::vector<std::vector<double>> probes{};    // parameter vectors (library units) whose signature is looked for
   int sign = 0;                                 // +1: only values above the null are possible, -1: only below, 0: both
   unsigned residuals = kR2;                     // Residual bits it must change
   unsigned needs = 0;                           // Need bits
   std::string_view cluster{};                   // letters A..J of look-alikes
   std::vector<std::string_view> confounders{};  // ids
+  std::vector<std::string_view> contains{};     // ids of effects that this one is, for some of its parameters
   std::vector<std::string_view> regimes{};      // where in the motion it shows
   std::string_view signature{};                 // in words, for the report
   std::vector<Experiment> experiments{};

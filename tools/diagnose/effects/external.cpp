@@ -86,6 +86,7 @@ std::vector<Effect> external_effects() {
                          {"position", "rad", 1, -3.2, 3.2, 0.05, Unit::angle, false, Role::position},
                          {"side", "+1 or -1", 1, -1, 1, 1, Unit::none, true}},
           .smooth = false,
+          .angle_torque = true,
           .probes = {{20, 1, 1}, {20, -1, -1}},
           .sign = 1,
           .residuals = kR2 | kR3,

@@ -40,6 +40,7 @@ std::vector<Effect> sensor_effects() {
           .probes = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.02}},
           .residuals = kR2 | kR6,
           .confounders = {"gear_kinematic_error", "link_geometry"},
+          .contains = {"encoder_offset"},
           .regimes = {"standstill", "low speed"},
           .signature = "once per turn, no torque",
           .experiments = {kOutsideSensor, kFullRange},

@@ -51,6 +51,14 @@ IncidenceRow row_of(const std::string& name, const Sums& sums) {
   return row;
 }
 
+/// `with` less the effects that `without` does not have: what differs is the effect itself, none of the calibrations
+/// that are fitted anew without it.
+Model less_the_effect(const Model& without, const Model& with) {
+  Model out = with;
+  std::erase_if(out.effects, [&](const Chosen& c) { return !without.has(c.candidate); });
+  return out;
+}
+
 /// Torque, current and duty: replaces the simulated changes by those of the servo's law where the joints really were.
 void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without, const Model& with,
                                           Eigen::VectorXd& measured, Eigen::VectorXd& promised) {
@@ -75,7 +83,8 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
   const Problem& problem = *around.problem;
   Eigen::VectorXd measured = around.starts.project(without.r);
   Eigen::VectorXd promised = around.starts.project(without.r - with.r);
-  judge_efforts_at_the_measured_motion(around, without.model, with.model, measured, promised);
+  judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model), with.model, measured,
+                                       promised);
   std::map<std::string, Sums> table;
   double total = 0.0;
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/locate/incidence.h"
 
 namespace sanso::diagnose {
@@ -33,11 +34,23 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const 
   return out;
 }
 
-/// A rival that only adds parameters to the same kind of physics contains the chosen effect; it is no other
-/// explanation.
+/// A rival that is the chosen effect for some of its parameters is no other explanation.
 bool contains(const Candidate& larger, const Candidate& chosen) {
-  return larger.family == chosen.family && larger.parameters.size() > chosen.parameters.size() &&
-         larger.where == chosen.where;
+  return larger.where == chosen.where &&
+         std::find(larger.contains.begin(), larger.contains.end(), chosen.effect) != larger.contains.end();
+}
+
+/// A spring and a ripple, or two of them, make any smooth torque of the angle: the terms of a series are no causes.
+void mark_terms(std::vector<Finding>& findings) {
+  const auto of_angle = [](const Finding& f) {
+    const Effect* effect = find_effect(f.effect);
+    return effect != nullptr && effect->angle_torque;
+  };
+  for (Finding& f : findings) {
+    for (const Finding& other : findings) {
+      if (&other != &f && other.where == f.where && of_angle(f) && of_angle(other)) f.terms.push_back(other.effect);
+    }
+  }
 }
 
 std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
@@ -78,7 +91,9 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
       rival.behind_in_se = a.behind / std::max(a.behind_se, 1e-9);
       rival.similarity = a.similarity;
       rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
-      const bool level = a.behind < constants::kStandardErrors * a.behind_se + 2.0;
+      // two simulations that differ by less than what matters are the same prediction
+      const bool level = a.behind < std::max(constants::kStandardErrors * a.behind_se + kNoiseUnit,
+                                             practical_energy(*selection.around->problem));
       const bool other_place = other.effect == c.effect;
       if (level && rival.said_wrong.empty() && !contains(other, c) && !other_place &&
           std::find(f.one_of.begin(), f.one_of.end(), other.effect) == f.one_of.end()) {
@@ -86,9 +101,10 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
       }
       f.rivals.push_back(std::move(rival));
     }
-    f.status = status_of(f);
     out.push_back(std::move(f));
   }
+  mark_terms(out);
+  for (Finding& f : out) f.status = status_of(f);
   return out;
 }
 
@@ -154,7 +170,7 @@ std::string sentence(const Finding& f) {
     const auto& [name, value] = *f.parameters.begin();
     text += fmt::format(" ({} {:.3g} {})", name, value.value, value.unit);
   }
-  if (const std::string reserve = stopped_at_bounds(f); !reserve.empty()) text += " (not confirmed: " + reserve + ")";
+  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
   return text;
 }
 
@@ -178,7 +194,7 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
       fmt::format("left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %",
                   100 * share, position_error_level(*selection.around, selection.final.r, selection.expected_scatter),
                   unnamed != nullptr ? 100 * unnamed->explained : 0.0));
-  const bool much_left = verdict.findings.empty() || share > 1.0 - constants::kNamedShare;
+  // however loud the effects that have a name were: what is left besides is no noise
   const bool inadequate =
       position_error_level(*selection.around, selection.final.r, selection.expected_scatter) > constants::kAdequate &&
       detected(selection);
@@ -194,14 +210,14 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
   const std::string described = stand_ins(library, selection);
   const bool stopped = std::any_of(verdict.findings.begin(), verdict.findings.end(),
                                    [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
-  if (unnamed == nullptr && ((much_left && inadequate) || !described.empty() || stopped)) {
+  if (unnamed == nullptr && (inadequate || !described.empty() || stopped)) {
     Unexplained u;
     u.energy_share = share;
     u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
     u.regime = location;
     verdict.unexplained = u;
   }
-  if (!described.empty() || stopped || (much_left && (unnamed != nullptr || inadequate))) {
+  if (!described.empty() || stopped || unnamed != nullptr || inadequate) {
     verdict.status = VerdictStatus::present_unnamed;
   } else if (verdict.findings.empty()) {
     verdict.status = VerdictStatus::absent;

@@ -34,6 +34,7 @@ struct Candidate {
   bool two_sided = true;                    // both signs of a signature are possible
   bool random = false;                      // judged by scatter (scatter.h), never by one simulated course of events
   std::vector<std::string> confounders;     // library ids known to look alike
+  std::vector<std::string> contains;        // library ids that this effect is, for some of its parameters
   std::function<void(SimParams&, const std::vector<double>&)> apply;
   std::string title() const;  // "backlash at l_knee"
 };
@@ -51,6 +52,9 @@ struct Nuisance {
   std::vector<double> theta(double value) const;
   void apply(SimParams& params, double value) const;
 };
+
+/// Instants at which what begins somewhere in a recording is probed: 0 and this many equal steps, less one.
+inline constexpr int kInstants = 5;
 
 /// The library on this robot and these channels: every effect at every joint, at mirror pairs and all joints alike, or
 /// at the robot; and what cannot be tested, (effect, because). `only` (library ids) restricts the library; empty: all.

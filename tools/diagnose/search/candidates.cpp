@@ -29,6 +29,20 @@ void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
   }
 }
 
+/// What begins at an instant is looked for at several instants of the recordings beside the library's own.
+void place_instants(Candidate& c, const Problem& problem) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::instant) continue;
+    const std::vector<std::vector<double>> own = c.probes;
+    for (int k = 1; k < kInstants; ++k) {
+      for (std::vector<double> probe : own) {
+        probe[i] = longest_recording(problem) * k / kInstants;
+        c.probes.push_back(std::move(probe));
+      }
+    }
+  }
+}
+
 /// "l_knee" and "r_knee" are of one class, "knee".
 std::string joint_class(const std::string& name) {
   for (const char* side : {"l_", "r_", "left_", "right_", "L_", "R_"}) {
@@ -64,6 +78,7 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   c.two_sided = effect.sign == 0;
   c.random = effect.random;
   for (const std::string_view id : effect.confounders) c.confounders.emplace_back(id);
+  for (const std::string_view id : effect.contains) c.contains.emplace_back(id);
   const bool prismatic =
       !joints.empty() && effect.scope != Scope::link && nominal.tree.joints[joints.front()].prismatic;
   for (const EffectParameter& p : effect.parameters) {
@@ -77,6 +92,7 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
     c.joints.push_back(static_cast<int>(j));
   }
   if (joints.size() == 1) place_positions(c, problem, joints.front());
+  place_instants(c, problem);
   const auto apply = effect.apply;
   if (joints.empty()) {
     c.apply = [apply](SimParams& p, const std::vector<double>& theta) { apply(p, 0, theta); };

@@ -196,16 +196,17 @@ Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Ei
 
 }  // namespace
 
-FitResult fit(const Surroundings& around, const Model& start, int iterations) {
-  const Coordinates c(*around.library, start);
-  FitResult out;
+namespace {
+
+/// Goes on from `x` with prediction error `r`; `out.J` holds its derivative already where `derived`.
+FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x, Eigen::VectorXd r, FitResult out,
+                bool derived, int iterations) {
   out.parameters = static_cast<int>(c.effects());
-  Eigen::VectorXd x = c.inside(c.of(start));
-  Eigen::VectorXd r = prediction_error(*around.problem, *around.library, c.model(x));
+  out.converged = false;
   double damping = 1e-4;
   Normal normal;
   for (int iteration = 0;; ++iteration) {
-    out.J = jacobian(around, c, x, r);
+    if (iteration > 0 || !derived) out.J = jacobian(around, c, x, r);
     normal = assemble(around, c, out.J, r, x);
     if (iteration >= iterations || out.converged) break;
     bool improved = false;
@@ -238,6 +239,21 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   return out;
+}
+
+}  // namespace
+
+FitResult fit(const Surroundings& around, const Model& start, int iterations) {
+  const Coordinates c(*around.library, start);
+  const Eigen::VectorXd x = c.inside(c.of(start));
+  return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {}, false, iterations);
+}
+
+FitResult resume(const Surroundings& around, FitResult from, int iterations) {
+  const Coordinates c(*around.library, from.model);
+  const Eigen::VectorXd x = c.of(from.model);
+  Eigen::VectorXd r = std::move(from.r);
+  return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
 }
 
 double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
@@ -337,7 +353,8 @@ class LeaveOneOut {
       square += d.cwiseAbs2();
     }
     if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
-    const double student = 1.0 + 1.4 / (parts - 1.0);  // t / 1.96 at 95 %: within 5 % from 3 degrees of freedom up
+    const double freedom = parts - 1.0;
+    const double student = 1.0 + 1.4 / freedom + 2.0 / (freedom * freedom);  // t / 1.96 at 95 %: within 5 % from 2 up
     return student * student * (parts - 1.0) / parts * (square - sum.cwiseAbs2() / parts);
   }
 
@@ -362,7 +379,12 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& r
     H(i, i) = 1.0;
   }
   Eigen::MatrixXd covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
-  const Eigen::VectorXd spread = left_out.jackknife_variance();
+  Eigen::VectorXd spread = left_out.jackknife_variance();
+  // a formula that is a little wrong gives each condition its own value; two conditions say too little about that
+  if (around.problem->conditions >= 3) {
+    spread =
+        spread.cwiseMax(LeaveOneOut(around, result, around.problem->conditions, condition_of).jackknife_variance());
+  }
   Eigen::VectorXd stretch = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     if (covariance(i, i) > 0.0) stretch[i] = std::sqrt(std::max(1.0, spread[i] / covariance(i, i)));

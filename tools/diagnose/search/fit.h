@@ -42,6 +42,8 @@ struct FitResult {
 
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
+/// Goes on with a fit in the same surroundings, from its prediction error and derivatives.
+FitResult resume(const Surroundings& around, FitResult from, int iterations);
 
 /// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots weighed as in the fits:
 /// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance explains; empty: none.
@@ -54,7 +56,7 @@ std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd
 
 /// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left projects on the other
 /// candidates' signatures with this mean square where noise gives 1); and no variance is below that between groups of
-/// recordings (jackknife). Coordinates of FitResult::covariance.
+/// recordings, or between conditions (jackknife). Coordinates of FitResult::covariance.
 Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit, double inflation);
 
 /// Standard deviations of the effect parameters, natural units.

@@ -249,6 +249,12 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   return problem;
 }
 
+double longest_recording(const Problem& problem) {
+  double longest = 0.0;
+  for (const Source& s : problem.sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
+  return longest;
+}
+
 double rows_of_a_joint(const Problem& problem) {
   double rows = 0.0;
   for (const Shot& shot : problem.shots) rows += static_cast<double>(shot.rows);

@@ -80,6 +80,8 @@ void whitened_residual(const Problem& problem, const Shot& shot, const Predictio
 
 /// Rows of one joint that are compared in all shots together: the unit of "noise levels over a joint's data".
 double rows_of_a_joint(const Problem& problem);
+/// Duration of the longest recording, s.
+double longest_recording(const Problem& problem);
 
 /// A row's measured value of a channel; NaN when it was not sampled.
 double measured(const Source& source, const Observed& channel, std::size_t row);

@@ -269,39 +269,56 @@ class Judge {
     for (ScatterScore& s : scores_) s.p_family = std::max(p(shifts, s.score), p(readings, s.score));
   }
 
-  /// Size, interval and expected energy of a candidate that stands out.
-  void measure(ScatterScore& s) {
-    const Candidate& c = around_.library->candidates[static_cast<std::size_t>(s.candidate)];
-    const double largest = c.parameters.front().high;
-    const std::uint64_t key = random_.bits();
-    if (scatter_of(around_, final_.model, s.candidate, largest, draws_, Random(key)).whole.sum() < least_energy_)
-      return;
+  /// Expected scatter as shares of what is seen, by size.
+  struct Sized {
     std::vector<double> sizes;
     std::vector<Share> share;
-    for (int i = 0; i < kSizes; ++i) {
-      sizes.push_back(largest * std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
-      const Expected e = scatter_of(around_, final_.model, s.candidate, sizes.back(), 2 * draws_, Random(key));
-      share.push_back(shares(*around_.problem, pieces_, rough_.cwiseAbs2(), e.rough, 2 * draws_));
-    }
-    const auto size_of = [&](const std::vector<std::size_t>& shots) {
+    double size_of(const std::vector<std::size_t>& shots) const {
       std::vector<double> all;
       for (const Share& one : share) all.push_back(ratio(one, shots));
       return size_at_unit_share(sizes, all);
-    };
+    }
+  };
+  Sized sized(int candidate, int draws, std::uint64_t key) const {
+    const double largest = candidate_of(candidate).parameters.front().high;
+    Sized out;
+    for (int i = 0; i < kSizes; ++i) {
+      out.sizes.push_back(largest * std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
+      const Expected e = scatter_of(around_, final_.model, candidate, out.sizes.back(), draws, Random(key));
+      out.share.push_back(shares(*around_.problem, pieces_, rough_.cwiseAbs2(), e.rough, draws));
+    }
+    return out;
+  }
+  const Candidate& candidate_of(int i) const { return around_.library->candidates[static_cast<std::size_t>(i)]; }
+
+  /// Size, interval and expected energy of a candidate that stands out. A few draws first: most that stand out are a
+  /// systematic error that scatters too, and leave far more than noise.
+  void measure(ScatterScore& s) {
+    const double largest = candidate_of(s.candidate).parameters.front().high;
+    const std::uint64_t key = random_.bits();
+    if (scatter_of(around_, final_.model, s.candidate, largest, kLeastDraws, Random(key)).whole.sum() < least_energy_)
+      return;
     std::vector<std::size_t> shots(around_.problem->shots.size());
     for (std::size_t i = 0; i < shots.size(); ++i) shots[i] = i;
-    s.size = size_of(shots);
-    s.beyond = ratio(share.back(), shots) > kBeyond;
+    const auto expect = [&](const Sized& tried, int draws) {
+      s.size = tried.size_of(shots);
+      s.beyond = ratio(tried.share.back(), shots) > kBeyond;
+      s.expected = scatter_of(around_, final_.model, s.candidate, s.size, draws, Random(key)).whole;
+      s.energy = s.expected.sum();
+    };
+    expect(sized(s.candidate, kLeastDraws, key), kLeastDraws);
+    constexpr double kMargin = 1.2;  // for what few draws get wrong
+    if (position_error_level(around_, final_.r, s.expected) > kMargin * constants::kAdequate) return;
+    const Sized tried = sized(s.candidate, 2 * draws_, key);
+    expect(tried, draws_);
     std::vector<double> resampled;
     for (int b = 0; b < constants::kBootstrap; ++b) {
       std::vector<std::size_t> drawn = shots;
       for (std::size_t& i : drawn) i = static_cast<std::size_t>(random_.below(static_cast<int>(shots.size())));
-      resampled.push_back(size_of(drawn));
+      resampled.push_back(tried.size_of(drawn));
     }
     s.low = quantile(resampled, 0.025);
     s.high = quantile(resampled, 0.975);
-    s.expected = scatter_of(around_, final_.model, s.candidate, s.size, draws_, Random(key)).whole;
-    s.energy = s.expected.sum();
   }
 
   const Surroundings& around_;

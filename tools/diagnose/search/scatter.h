@@ -26,7 +26,8 @@ struct ScatterScore {
 /// laws, and the larger one holds: errors shifted against the recording's time (circularly, so that colour and size
 /// stay), and simulated readings of the fitted model with the channels' noise and quantisation. Resolves to 1 / (draws
 /// + 1).
-/// `least_energy`: what makes less even at its largest size is not measured (size, interval and energy stay 0).
+/// `least_energy`: what makes less even at its largest size is not measured (size, interval and energy stay 0). What
+/// leaves far more than noise even so has no interval.
 std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitResult& final, double least_energy,
                                         Random random);
 

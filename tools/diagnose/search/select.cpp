@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "tools/diagnose/constants.h"
-#include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/search/scatter.h"
-#include "tools/diagnose/search/start.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -68,136 +66,7 @@ class Search {
     relinearise();
   }
 
-  int free_parameters(int c) const {
-    const std::vector<CandidateParameter>& all = candidate(c).parameters;
-    return static_cast<int>(
-        std::count_if(all.begin(), all.end(), [](const CandidateParameter& p) { return !p.structural; }));
-  }
-
-  /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its strongest, then the
-  /// strongest members, then the rest by score.
-  std::vector<int> rivals(const Screening& screening) const {
-    std::vector<int> significant, leaders, chosen;
-    for (int c : screening.ranking()) {
-      if (candidate(c).random) continue;  // judged by scatter, see judge_random
-      const ProbeScore& best = *screening.best(c);
-      // what a fit can remove is the squared score, as far as the model is linear; below a share of what counts it is
-      // not tried
-      const bool worth =
-          constants::kLinearReach * best.score * best.score > std::max(practical(), constants::kMinimumShare * whole());
-      if (best.p_family < constants::kFamilyWise && worth) significant.push_back(c);
-    }
-    for (int c : significant) {
-      const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](int other) {
-        return screening.similarity(c, other) > constants::kSameSignature;
-      });
-      if (new_cluster) leaders.push_back(c);
-    }
-    const auto add = [&](int c) {
-      if (static_cast<int>(chosen.size()) < constants::kRivals &&
-          std::find(chosen.begin(), chosen.end(), c) == chosen.end())
-        chosen.push_back(c);
-    };
-    for (int leader : leaders) {
-      int simplest = leader;
-      for (int c : significant) {
-        const bool member = screening.similarity(c, leader) > constants::kSameSignature;
-        const bool nearly = screening.best(c)->score > 0.8 * screening.best(leader)->score;
-        if (member && nearly && free_parameters(c) < free_parameters(simplest)) simplest = c;
-      }
-      add(simplest);
-      if (leader == leaders.front()) add(leader);
-    }
-    for (int leader : leaders) add(leader);
-    for (int c : significant) add(c);
-    return chosen;
-  }
-
-  /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of the same
-  /// candidates, to start from. Candidates far behind after the first steps are not polished.
-  std::vector<Alternative> fit_all(const Model& base, const std::vector<int>& which, const Screening& screening,
-                                   const std::vector<Alternative>& known = {}) const {
-    std::vector<Alternative> out(which.size());
-    parallel_for(static_cast<int>(which.size()), [&](int i) {
-      Alternative& a = out[static_cast<std::size_t>(i)];
-      a.candidate = which[static_cast<std::size_t>(i)];
-      const auto before =
-          std::find_if(known.begin(), known.end(), [&](const Alternative& k) { return k.candidate == a.candidate; });
-      Model start{base.effects, {}};
-      if (before != known.end()) {
-        start.effects.push_back(before->fit.model.effects.back());
-      } else {
-        start = best_start(*out_.around, base, a.candidate, screening.best(a.candidate));
-      }
-      a.fit = fit(*out_.around, start, constants::kFirstIterations);
-    });
-    double best = INFINITY;
-    for (const Alternative& a : out) best = std::min(best, a.fit.objective);
-    const double near = best + constants::kPolishShare * std::max(0.0, out_.final.objective - best);
-    parallel_for(static_cast<int>(which.size()), [&](int i) {
-      Alternative& a = out[static_cast<std::size_t>(i)];
-      if (!a.fit.converged && a.fit.objective <= near) {
-        a.fit = fit(*out_.around, a.fit.model, constants::kIterations - constants::kFirstIterations);
-      }
-      a.heldout = heldout_energy(*out_.around, a.fit);
-    });
-    return out;
-  }
-
-  /// Best first. Among those within one standard error of the best (one-SE rule) or a difference that does
-  /// not matter, the one with fewest parameters.
-  void rank(std::vector<Alternative>& all) const {
-    if (all.empty()) return;
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Alternative& a, const Alternative& b) { return a.heldout.sum() < b.heldout.sum(); });
-    const Eigen::VectorXd best = all.front().heldout;
-    for (Alternative& a : all) {
-      const HeldoutGain g = compare(a.heldout, best);
-      a.behind = g.total;
-      a.behind_se = g.standard_error;
-    }
-    std::size_t pick = 0;
-    for (std::size_t i = 1; i < all.size(); ++i) {
-      // a name with more parameters has to be better by something that matters
-      const bool close = all[i].behind <= std::max(all[i].behind_se + noise_unit(), practical());
-      if (close && free_parameters(all[i].candidate) < free_parameters(all[pick].candidate)) pick = i;
-    }
-    std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
-                all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
-  }
-
-  /// A difference of this many energy units is one unit of log-likelihood.
-  double noise_unit() const { return 2.0; }
-
-  /// Energy that an effect of the smallest size that matters removes, at one joint alone.
-  double practical() const {
-    return std::max(noise_unit(), constants::kPracticalSize * constants::kPracticalSize * rows_of_a_joint(problem_));
-  }
-
-  /// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it returns true.
-  template <class F>
-  bool any_parameter(const Alternative& a, const F& f) const {
-    const std::vector<double> sigma = parameter_sigmas(a.fit, library_);
-    const std::vector<CandidateParameter>& parameters = candidate(a.candidate).parameters;
-    const std::size_t first = sigma.size() - parameters.size();
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      if (parameters[i].structural) continue;
-      if (f(parameters[i], a.fit.model.effects.back().theta[i], sigma[first + i], a.fit.fixed[first + i] != 0))
-        return true;
-    }
-    return false;
-  }
-  bool leaves_null(const Alternative& a) const {
-    const std::vector<CandidateParameter>& all = candidate(a.candidate).parameters;
-    if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; })) return true;
-    return any_parameter(a, [](const CandidateParameter& p, double value, double sigma, bool fixed) {
-      return std::abs(value - p.null) > (fixed ? 0.0 : constants::kStandardErrors * sigma);
-    });
-  }
-  bool at_bound(const Alternative& a) const {
-    return any_parameter(
-        a, [](const CandidateParameter& p, double value, double, bool fixed) { return fixed && !at_null(p, value); });
-  }
+  double practical() const { return practical_energy(problem_); }
   double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails. `refutable`: also
@@ -207,7 +76,7 @@ class Search {
     if (gain.lower <= 0.0) return "held-out gain not beyond chance";
     if (gain.total < practical()) return "changes predictions by less than what matters";
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
-    if (!leaves_null(a)) return "interval contains the null";
+    if (!leaves_null(library_, a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
     if (refutable) return options_.refuted_by(*out_.around, out_.final, a.fit);
     return "";
@@ -230,19 +99,19 @@ class Search {
                   : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
                            &out_.first, out_.final.J.leftCols(out_.final.parameters));
     if (step > 0) calibrate(screening);
-    const std::vector<int> which = rivals(screening);
+    const std::vector<int> which = rivals(library_, screening, std::max(practical(), constants::kMinimumShare * whole()));
     if (which.empty()) {
       say(fmt::format("step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
                       screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score,
                       screening.critical));
       return false;
     }
-    std::vector<Alternative> fitted = fit_all(out_.final.model, which, screening);
-    rank(fitted);
+    std::vector<Alternative> fitted = fit_all(*out_.around, out_.final.model, out_.final.objective, which, screening);
+    rank(library_, problem_, fitted);
     // first those inside their bounds that no residual contradicts; one of two missing effects may look contradicted
     for (const auto& [bounds_allowed, refutable] : {std::pair{false, true}, {false, false}, {true, true}}) {
       for (std::size_t i = 0; i < fitted.size(); ++i) {
-        if (at_bound(fitted[i]) != bounds_allowed) continue;
+        if (at_bound(library_, fitted[i]) != bounds_allowed) continue;
         const std::string refused = refused_by(fitted[i], refutable);
         const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
         say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}){}{}", step + 1,
@@ -309,31 +178,6 @@ class Search {
     }
   }
 
-  /// Which candidates to try in place of an accepted one: its cluster, its known confounders, what was fitted beside
-  /// it.
-  std::vector<int> replacements(const Accepted& entry) const {
-    std::vector<std::pair<double, int>> order;
-    for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
-      const int c = static_cast<int>(i);
-      if (out_.final.model.has(c) || candidate(c).random) continue;
-      const Candidate &own = candidate(entry.candidate), &other = candidate(c);
-      const double similarity = out_.first.similarity(entry.candidate, c);
-      const bool same_place = other.joints == own.joints || other.joints.empty() || own.joints.empty();
-      const bool known = same_place && std::find(own.confounders.begin(), own.confounders.end(), other.effect) !=
-                                           own.confounders.end();
-      const bool fitted = std::any_of(entry.alternatives.begin(), entry.alternatives.end(),
-                                      [&](const Alternative& a) { return a.candidate == c; });
-      if (similarity > constants::kSameSignature || known || fitted)
-        order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
-    }
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-    std::vector<int> out;
-    for (const auto& [score, c] : order) {
-      if (static_cast<int>(out.size()) < constants::kRivals) out.push_back(c);
-    }
-    return out;
-  }
-
   /// Every accepted effect against its rivals, everything else refitted; the better one stays, the others are kept as
   /// rivals.
   void swap() {
@@ -342,13 +186,17 @@ class Search {
       Model base = out_.final.model;
       const Chosen own = base.effects[i];
       base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
-      std::vector<Alternative> tried = fit_all(base, replacements(entry), out_.first, entry.alternatives);
+      const std::vector<int> which =
+          replacements(library_, out_.first, out_.final.model, entry.candidate, entry.alternatives);
+      std::vector<Alternative> tried =
+          fit_all(*out_.around, base, out_.final.objective, which, out_.first, entry.alternatives);
       Alternative self{entry.candidate, out_.final, out_.final_heldout};
       tried.push_back(self);
-      rank(tried);
+      rank(library_, problem_, tried);
       const bool replaced =
-          tried.front().candidate != entry.candidate && !at_bound(tried.front()) && leaves_null(tried.front()) &&
-          self.heldout.sum() - tried.front().heldout.sum() > noise_unit() && holds_on_conditions(tried.front());
+          tried.front().candidate != entry.candidate && !tried.front().far_behind && !at_bound(library_, tried.front()) &&
+          leaves_null(library_, tried.front()) &&
+          self.heldout.sum() - tried.front().heldout.sum() > kNoiseUnit && holds_on_conditions(tried.front());
       if (replaced) {
         say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(),
                         candidate(tried.front().candidate).title()));
@@ -414,15 +262,17 @@ class Search {
     if (left_level({}) <= constants::kAdequate) return;
     const std::vector<ScatterScore> scores =
         judge_scatter(*out_.around, out_.final, practical(), Random(options_.seed, kStream));
-    if (scores.empty()) return;
-    const ScatterScore& best = scores.front();
-    const bool measured = best.p_family < constants::kFamilyWise && best.energy > practical() && !best.beyond;
-    const double left = measured ? left_level(best.expected) : left_level({});
-    const bool stands = measured && best.low > 0.0 && left <= constants::kAdequate;
-    say(fmt::format("scatter: {}: score {:.1f}, p {:.3g}, size {:.3g} [{:.3g}, {:.3g}], {:.2f} noise levels left{}",
-                    candidate(best.candidate).title(), best.score, best.p_family, best.size, best.low, best.high, left,
-                    stands ? ", accepted" : ""));
-    if (stands) accept_random(best);
+    const ScatterScore* best = nullptr;
+    double closest = INFINITY;  // to noise alone: a chance that would scatter more than was seen is none either
+    for (const ScatterScore& one : scores) {
+      const bool measured = one.p_family < constants::kFamilyWise && one.energy > practical() && !one.beyond;
+      const double left = measured ? left_level(one.expected) : left_level({});
+      say(fmt::format("scatter: {}: score {:.1f}, p {:.3g}, size {:.3g} [{:.3g}, {:.3g}], {:.2f} noise levels left",
+                      candidate(one.candidate).title(), one.score, one.p_family, one.size, one.low, one.high, left));
+      const double from_noise = std::abs(std::log(std::max(left, 1e-3)));
+      if (measured && one.low > 0.0 && from_noise < closest) best = &one, closest = from_noise;
+    }
+    if (best != nullptr && closest <= std::log(constants::kAdequate)) accept_random(*best);
   }
 
   /// A random effect into the model; accepted effects that stood in for its mean leave it, where predictions lose

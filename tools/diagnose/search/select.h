@@ -9,19 +9,10 @@
 #include <vector>
 
 #include "tools/diagnose/search/fit.h"
+#include "tools/diagnose/search/rivals.h"
 #include "tools/diagnose/search/screen.h"
 
 namespace sanso::diagnose {
-
-/// A candidate that was fitted fully at one place of the model, with everything else refitted.
-struct Alternative {
-  int candidate = 0;
-  FitResult fit;
-  Eigen::VectorXd heldout;  // energy by shot
-  double behind = 0.0;      // held-out energy above the best alternative's
-  double behind_se = 0.0;   // standard error of that difference
-  double similarity = 0.0;  // of its signature to the chosen one's
-};
 
 struct Accepted {
   int candidate = 0;

@@ -103,36 +103,53 @@ Model with_best_order(const Surroundings& around, const Model& model, std::size_
   return best_value(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
 }
 
-/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint. Empty
-/// range: no such parameter. No derivative leads there from afar, so a grid is tried and then refined.
-std::pair<double, double> range_of_place(const Surroundings& around, const Candidate& effect, std::size_t index) {
+/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint. No
+/// derivative leads there from afar, so the neighbourhood of the probe is halved until it is small. Step 0: no such
+/// parameter.
+struct Range {
+  double low = 0.0, high = 0.0, step = 0.0;
+};
+Range range_of_place(const Surroundings& around, const Candidate& effect, std::size_t index) {
   const Role role = effect.parameters[index].role;
-  if (role == Role::instant) {
-    double longest = 0.0;
-    for (const Source& s : around.problem->sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
-    return {0.0, longest};
+  if (role == Role::instant) {  // probed at equal steps
+    const double longest = longest_recording(*around.problem);
+    return {0.0, longest, longest / kInstants};
   }
-  if (role != Role::position) return {0.0, 0.0};
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  if (role != Role::position) return {};
+  Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
   for (const std::vector<double>& probe : effect.probes) {
-    low = std::min(low, probe[index]);
-    high = std::max(high, probe[index]);
+    out.low = std::min(out.low, probe[index]);
+    out.high = std::max(out.high, probe[index]);
   }
-  return {low, high};
+  return out;
 }
 
-Model with_best_place(const Surroundings& around, Model model, std::size_t index, double low, double high) {
-  constexpr int kPlaces = 14;  // a place off by half a step still explains most; the refinement finds the rest
-  double step = (high - low) / (kPlaces + 1);
-  std::vector<double> places;
-  for (int i = 1; i <= kPlaces; ++i) places.push_back(low + i * step);
-  model = best_value(around, model, index, places, 2);
-  for (int round = 0; round < 4; ++round) {
-    step *= 0.5;
-    const double place = model.effects.back().theta[index];
-    model = best_value(around, model, index, {std::max(low, place - step), std::min(high, place + step)}, 2);
+Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index, const Range& range,
+                           double least_step) {
+  FitResult best = fit(around, start, 2);
+  for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
+    const double place = best.model.effects.back().theta[index];
+    for (const double next : {std::max(range.low, place - step), std::min(range.high, place + step)}) {
+      Model trial = best.model;
+      trial.effects.back().theta[index] = next;
+      FitResult fitted = fit(around, trial, 2);
+      if (fitted.objective < best.objective) best = std::move(fitted);
+    }
   }
-  return model;
+  return best.model;
+}
+
+/// A position is tried on a grid first: its probes stand at the ends of the joint's motion only.
+Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
+  constexpr int kPlaces = 14;  // a place off by half a step still explains most; the halving finds the rest
+  constexpr int kHalvings = 5;
+  if (range.step == 0.0) {
+    range.step = (range.high - range.low) / (kPlaces + 1);
+    std::vector<double> places;
+    for (int i = 1; i <= kPlaces; ++i) places.push_back(range.low + i * range.step);
+    model = best_value(around, model, index, places, 1);
+  }
+  return halved_to_best_place(around, model, index, range, range.step / (1 << kHalvings));
 }
 
 }  // namespace
@@ -143,8 +160,8 @@ Model best_start(const Surroundings& around, const Model& base, int candidate, c
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     if (effect.parameters[i].role == Role::order) model = with_best_order(around, model, i);
-    const auto [low, high] = range_of_place(around, effect, i);
-    if (high > low) model = with_best_place(around, std::move(model), i, low, high);
+    const Range range = range_of_place(around, effect, i);
+    if (range.high > range.low) model = with_best_place(around, std::move(model), i, range);
   }
   return model;
 }

@@ -59,6 +59,7 @@ struct JointParams {
   Ripple friction_ripple;                                             // N m over q
   double friction_temperature = 0.0;                                  // 1/K, friction * exp(-beta (T - T0))
   double static_friction = 0.0, dwell_rate = 0.0;                     // N m, per ln(1 + rest time in s)
+  double static_speed = 0.2;                                          // rad/s at which these are lost
   double efficiency = 1.0;
   // transmission: geometry and springs
   double backlash = 0.0;                              // rad, whole width

@@ -6,7 +6,9 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kMovingSpeed = 1e-3;        // rad/s; slower counts as rest for dwell-time stiction
+// rad/s; slower counts as rest for dwell-time stiction: a count of a 12-bit encoder in 75 ms, which a recording does
+// not tell from standing
+constexpr double kMovingSpeed = 0.02;
 constexpr double kMinimumMotorShare = 0.02;  // motor inertia, when none is known, as a share of the link's
 constexpr int kSlipElements = 4;
 
@@ -30,7 +32,7 @@ double friction_budget(const JointParams& joint, double motor, const JointInstan
   if (joint.quadratic_load_friction != 0.0) budget += joint.quadratic_load_friction * load * load;
   if (!joint.friction_ripple.zero()) budget += ripple_at(joint.friction_ripple, at.q_half);
   if (joint.static_friction != 0.0 || joint.dwell_rate != 0.0) {
-    const double at_rest = std::exp(-speed / joint.stribeck_speed);
+    const double at_rest = std::exp(-speed / joint.static_speed);
     const double grown = 1.0 + joint.dwell_rate * std::log1p(inner.rest_time);
     budget += at_rest * (joint.static_friction * grown + (joint.nominal.coulomb + joint.coulomb) * (grown - 1.0));
   }

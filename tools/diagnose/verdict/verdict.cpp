@@ -30,7 +30,15 @@ std::string stopped_at_bounds(const Finding& finding) {
   return names.empty() ? "" : names + " ends at a bound of the library";
 }
 
+std::string reserve(const Finding& finding) {
+  if (finding.terms.empty()) return stopped_at_bounds(finding);
+  std::string text = "with";
+  for (const std::string& t : finding.terms) text += " " + t;
+  return text + " it describes a torque of the angle that may have any cause";
+}
+
 VerdictStatus status_of(const Finding& finding) {
+  if (!finding.terms.empty()) return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
   return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed : VerdictStatus::present_unnamed;
 }
@@ -62,7 +70,7 @@ ordered_json json_of(const Finding& f) {
                    {"where", f.where},
                    {"regime", f.regime},
                    {"status", to_string(f.status)},
-                   {"reserve", stopped_at_bounds(f)}};
+                   {"reserve", reserve(f)}};
   ordered_json parameters = ordered_json::object();
   for (const auto& [name, p] : f.parameters) {
     parameters[name] = {{"value", number(p.value)},
