@@ -38,9 +38,9 @@ struct Bench {
   Library library;
   Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects) {
     const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}};
-    problem =
-        make_problem(make_sources(test::pendulum(kServo), {record(hidden, 0), record(hidden, 1), record(hidden, 2)}, noise),
-                     noise, ProblemOptions{});
+    problem = make_problem(
+        make_sources(test::pendulum(kServo), {record(hidden, 0), record(hidden, 1), record(hidden, 2)}, noise), noise,
+        ProblemOptions{});
     library.candidates = place_library(problem, effects).candidates;
     library.nuisances = make_nuisances(problem);
   }
@@ -84,8 +84,7 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   ASSERT_EQ(fitted.size(), 2U);
   for (const Alternative& a : fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
   EXPECT_LT(fitted.back().behind, practical_energy(b.problem));
-  const std::vector<int> others =
-      replacements(b.library, seen, fitted.front().fit.model, fitted.front().candidate, {});
+  const std::vector<int> others = replacements(b.library, seen, fitted.front().fit.model, fitted.front().candidate, {});
   EXPECT_EQ(others, std::vector<int>{fitted.back().candidate});
 }
 

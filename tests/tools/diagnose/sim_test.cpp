@@ -77,7 +77,8 @@ TEST(Simulator, AnIntegralHoldsTheWeightWhereARecordingBegins) {
   motion.dq.assign(1, std::vector<double>(drive.rows(), 0.0));
   SimOptions options;
   options.motion = &motion;
-  const auto out = simulate(make_params(model), drive, std::vector{Window{50, drive.rows() - 1, {0.8}, {0.0}}}, options);
+  const auto out =
+      simulate(make_params(model), drive, std::vector{Window{50, drive.rows() - 1, {0.8}, {0.0}}}, options);
   for (const double q : out[0].q) EXPECT_NEAR(q, 0.8, 2e-4);
 }
 

@@ -112,8 +112,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
     diagnose::DiagnoseOptions told = task;
     told.effects = out.score.truth;
     bool proved = false;
-    out.explained_by_truth =
-        explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
+    out.explained_by_truth = explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
   }
   if (options.leave_out && hidden) {
     task.without = out.score.truth;

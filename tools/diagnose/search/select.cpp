@@ -99,7 +99,8 @@ class Search {
                   : screen(*out_.around, out_.final.model, out_.final.r, open, Random(options_.seed, 10 + step),
                            &out_.first, out_.final.J.leftCols(out_.final.parameters));
     if (step > 0) calibrate(screening);
-    const std::vector<int> which = rivals(library_, screening, std::max(practical(), constants::kMinimumShare * whole()));
+    const std::vector<int> which =
+        rivals(library_, screening, std::max(practical(), constants::kMinimumShare * whole()));
     if (which.empty()) {
       say(fmt::format("step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
                       screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score,
@@ -193,10 +194,10 @@ class Search {
       Alternative self{entry.candidate, out_.final, out_.final_heldout};
       tried.push_back(self);
       rank(library_, problem_, tried);
-      const bool replaced =
-          tried.front().candidate != entry.candidate && !tried.front().far_behind && !at_bound(library_, tried.front()) &&
-          leaves_null(library_, tried.front()) &&
-          self.heldout.sum() - tried.front().heldout.sum() > kNoiseUnit && holds_on_conditions(tried.front());
+      const bool replaced = tried.front().candidate != entry.candidate && !tried.front().far_behind &&
+                            !at_bound(library_, tried.front()) && leaves_null(library_, tried.front()) &&
+                            self.heldout.sum() - tried.front().heldout.sum() > kNoiseUnit &&
+                            holds_on_conditions(tried.front());
       if (replaced) {
         say(fmt::format("swapped {} for {}", candidate(entry.candidate).title(),
                         candidate(tried.front().candidate).title()));
