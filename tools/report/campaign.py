@@ -113,7 +113,7 @@ def learning_table(sessions):
         first_success = next((str(i["trial"] + 1) for i in its if i["succeeded"]), "-")
         print(f'| {s["motion"]} | {s["world"]} | {len(its)} | {sum(i["succeeded"] for i in its[-10:])} | {first_success} | '
               f'{its[0]["cost"]:.3g}{" (fell)" if its[0]["failed"] else ""} | {best_cost(its):.2g} | '
-              f'{best_cost(its) / its[0]["cost"]:.2f} | {broken_in(its[-10:])} |')
+              f'{best_cost(its) / its[0]["cost"]:.2g} | {broken_in(its[-10:])} |')
 
 
 def loss_table(sessions):
