@@ -53,9 +53,8 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
   std::memset(out.cost, 0, sizeof out.cost);
   std::memset(out.noise_cost, 0, sizeof out.noise_cost);
   model::InputLanes u;
-  // from the nominal contact; a start (no gains) has none, and each step takes the one before
-  const bool warm = policy.gains != nullptr;
-  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = warm};
+  // Contact from zero: where friction leaves several solutions, it must not depend on the way to this trajectory.
+  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
   for (int k = 0; k < stages(); ++k) {
     const LineStage line{nominal.x[k],
                          nominal.u[k],
@@ -68,10 +67,6 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
     kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
     kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);
     kernels_.add_cost(work_->context, k, out.x[k], out.u[k], out.cost);
-    if (warm)
-      for (int i = 0; i < model::kNumContactRows; ++i)
-        for (int lane = 0; lane < kLineSearchLanes; ++lane)
-          work_->rolled_contact[k].v[i][lane] = work_->nominal_contact[k][i];
     model::step_batch(model_.analytical, model_.ground, &as_lanes(out.x[k]), &u, step, &as_lanes(out.x[k + 1]),
                       &work_->rolled_contact[k], 1);
     if (residual()) kernels_.add_residual(*residual(), 1.0, out.x[k], u.v, out.x[k + 1]);
