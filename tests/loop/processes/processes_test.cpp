@@ -5,9 +5,11 @@
 // hold programs up; it is skipped with their figures when that happens every time.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -28,11 +30,32 @@ namespace {
 namespace fs = std::filesystem;
 using wire::SupervisorState;
 
+/// Set once, seen by all threads and by child processes made later.
+class SharedFlag {
+ public:
+  SharedFlag() {
+    void* memory = mmap(nullptr, sizeof(Flag), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw std::runtime_error("no shared memory");
+    flag_ = new (memory) Flag(false);
+  }
+  ~SharedFlag() { munmap(flag_, sizeof(Flag)); }
+  SharedFlag(const SharedFlag&) = delete;
+  SharedFlag& operator=(const SharedFlag&) = delete;
+  void set() const { flag_->store(true); }
+  bool is_set() const { return flag_->load(); }
+
+ private:
+  using Flag = std::atomic<bool>;
+  static_assert(Flag::is_always_lock_free);
+  Flag* flag_;
+};
+
 /// Emulator and controller as processes, and the motion of these tests.
 struct Robot {
   cli::EmulatedProcesses processes;
   motion::Motion squat = motion::MotionLibrary().load("squat");
   std::vector<model::State> reference;
+  SharedFlag trial_begins;  // before that the robot may slump and be put on its feet
 
   explicit Robot(const fs::path& folder) : processes("lab", 1, folder) {
     squat.primitives = learn::from_origin(squat.primitives);
@@ -43,11 +66,8 @@ struct Robot {
   }
   /// The trunk is well below its standing height: the squat is under way. False after a minute, or when `over`.
   bool wait_until_on_the_way_down(const std::function<bool()>& over) const {
-    bool stood = false;  // it is put on its feet first
     for (int i = 0; i < 1200 && !over(); ++i) {
-      const double z = true_height();
-      stood = stood || z > 0.26;
-      if (stood && z < 0.23) return true;
+      if (trial_begins.is_set() && true_height() < 0.23) return true;
       usleep(50'000);
     }
     return false;
@@ -104,6 +124,7 @@ learn::Episode squat_once(Host& host, const Robot& robot) {
   robot.processes.put_on_feet(robot.reference.front());
   host.clock.wait_until(host.clock.now() + 300 * kMillisecond);
   learn::prepare_trial(host.robot, setup, {});
+  robot.trial_begins.set();
   return learn::run_trial(host.robot, upper, setup, {});
 }
 
