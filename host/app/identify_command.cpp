@@ -66,6 +66,10 @@ void add_folder(const fs::path& given, IdentificationData& data) {
 
 learn::ParameterMap parameter_map() { return learn::ParameterMap(model::nominal_parameters()); }
 
+void mix(std::uint64_t& fingerprint, const std::string& text) {
+  for (const char c : text) fingerprint = learn::mixed(fingerprint ^ static_cast<std::uint64_t>(c));
+}
+
 learn::IdentifySettings settings_of(const IdentifyOptions& options) {
   learn::IdentifySettings s;
   s.search.population = options.population;
@@ -146,13 +150,16 @@ void print_answer(const Json& answer) {
 
 IdentificationData load_identification_data(const IdentifyOptions& options) {
   if (options.episodes.empty()) throw std::runtime_error("identify: no folder of a session given");
+  prepare_folder(options);
   IdentificationData data;
   data.motion = motion_of(options);
   data.weights = motion::MotionLibrary().load(data.motion).weights.state;
   for (const fs::path& given : options.episodes) add_folder(given, data);
   for (const std::uint64_t number : {options.seed, static_cast<std::uint64_t>(options.population)})
     data.fingerprint = learn::mixed(data.fingerprint ^ number);
-  for (const char c : data.motion) data.fingerprint = learn::mixed(data.fingerprint ^ static_cast<std::uint64_t>(c));
+  mix(data.fingerprint, data.motion);
+  const learn::ParameterMap map = parameter_map();
+  for (const std::string& name : map.names()) mix(data.fingerprint, name);
   return data;
 }
 
@@ -180,7 +187,6 @@ std::string identification_json(const IdentifyOptions& options, const Identifica
 }
 
 int identify(const IdentifyOptions& options) {
-  prepare_folder(options);
   const IdentificationData data = load_identification_data(options);
   const Interrupt interrupt;
   const learn::Identification found = search_parameters(options, data, Interrupt::requested);

@@ -27,10 +27,11 @@ struct IdentificationData {
   std::string motion;
   model::Tangent weights = model::Tangent::Zero();  // diagonal of W_x
   std::vector<learn::PredictionWindow> train, heldout;
-  std::uint64_t fingerprint = 0;  // of the recordings and all settings that change the search's numbers
+  std::uint64_t fingerprint = 0;  // of recordings, parameters and all settings that change the search
 };
 
-/// Throws std::runtime_error naming the folder or file that is missing, damaged or without an episode.
+/// Throws std::runtime_error naming the folder or file that is missing, damaged or without an episode, or an `out` that
+/// holds a search which is not to be resumed.
 IdentificationData load_identification_data(const IdentifyOptions& options);
 
 /// The search itself. `stop` is asked after every generation. With an `out`, the state is stored there when `stores`
