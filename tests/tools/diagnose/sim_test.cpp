@@ -82,6 +82,25 @@ TEST(Simulator, AnIntegralHoldsTheWeightWhereARecordingBegins) {
   for (const double q : out[0].q) EXPECT_NEAR(q, 0.8, 2e-4);
 }
 
+TEST(Simulator, AnIntegralWindsUpAtFullOutputAsFarAsTheFirmwareLetsIt) {
+  // 4 duty/rad one rad from the goal: limited throughout a second, in which the integral alone would ask for 2
+  const SimParams params = make_params(
+      test::pendulum("actuator = \"dc_servo\"\np_gain = 4.0\ni_gain = 2.0\narmature = 0.01\n"));
+  for (const auto& [windup, integral] : {std::pair{0.0, 0.0}, {0.5, 0.25}, {1e6, 1.0}}) {
+    JointParams joint = params.joints[0];
+    joint.windup = windup;
+    InnerState inner;
+    ServoInput input{};
+    input.command.value = input.supply = 1.0;
+    input.h = 1e-3;
+    for (int k = 0; k < 1000; ++k) EXPECT_EQ(servo_step(joint, input, inner).duty, 1.0);
+    EXPECT_NEAR(inner.integral, integral, 1.5e-3);
+    input.command.value = -1.0;  // the other way it always may go
+    servo_step(joint, input, inner);
+    EXPECT_NEAR(inner.integral, integral - 1e-3, 1.5e-3);
+  }
+}
+
 TEST(Simulator, StartSpeedIsThatOfTheLinkUnderANonlinearEncoder) {
   JointParams joint;
   joint.encoder_error = {0.03, 0.01, 1.0};

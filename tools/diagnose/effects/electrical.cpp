@@ -59,12 +59,17 @@ std::vector<Effect> electrical_effects() {
           .id = "servo_i_gain",
           .code = "E3",
           .name = "I gain or feed-forward of the servo",
-          .form = "P gain times (integral int(error) + feed_forward d goal/dt)",
+          .form = "P gain times (integral int(error) + feed_forward d goal/dt); while the output is limited the integral "
+                  "goes on up to windup",
           .family = F,
           .port = Port::firmware,
           .scope = S,
-          .parameters = {{"integral", "1/s", 0, 0, 20, 1}, {"feed_forward", "s", 0, 0, 0.1, 0.01}},
-          .probes = {{2, 0}, {0, 0.02}},
+          // what an integral does at full output is the firmware's choice: stop, stop where it alone asks for full
+          // output, or wind up
+          .parameters = {{"integral", "1/s", 0, 0, 20, 1},
+                         {"feed_forward", "s", 0, 0, 0.1, 0.01},
+                         {"windup", "of full", 0, 0, kOff, 1, Unit::none, true}},
+          .probes = {{2, 0, 0}, {2, 0, 1}, {2, 0, kOff}, {0, 0.02, 0}},
           .sign = 1,
           .residuals = R,
           .needs = kPositionLoop,
@@ -76,6 +81,7 @@ std::vector<Effect> electrical_effects() {
               [](SimParams& p, int j, Theta x) {
                 joint(p, j).integral_rate += x[0];
                 joint(p, j).feed_forward += x[1];
+                joint(p, j).windup = std::max(joint(p, j).windup, x[2]);
               },
       },
       {

@@ -64,8 +64,9 @@ double controller(const JointParams& joint, const Gains& gains, const ServoInput
   const double without_integral = gains.p * error - gains.d * in.velocity + gains.p * joint.feed_forward * goal.rate;
   if (gains.i <= 0.0) return without_integral;
   const double integral = inner.integral + in.h * error;
-  // anti-windup: at the limit the integral may only move back
-  if (std::abs(without_integral + gains.i * integral) < limit || error * inner.integral < 0.0)
+  // at the limit the integral may only move back, or go on as far as the firmware lets it wind up
+  if (std::abs(without_integral + gains.i * integral) < limit || error * inner.integral < 0.0 ||
+      gains.i * std::abs(integral) < joint.windup * limit)
     inner.integral = integral;
   return without_integral + gains.i * inner.integral;
 }

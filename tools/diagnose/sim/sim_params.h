@@ -35,6 +35,7 @@ struct JointParams {
   double d_torque = 0.0;                // N m s/rad of additional damping by the servo (at nominal voltage)
   double output_filter = 0.0;           // s, first order, on the controller's output
   double integral_rate = 0.0;           // 1/s: integral gain over proportional gain
+  double windup = 0.0;                  // of the output's limit: to here the integral goes on while the output is limited
   double feed_forward = 0.0;            // s: gain on the goal's velocity over proportional gain
   double profile_speed = kNone;         // rad/s
   double profile_acceleration = kNone;  // rad/s^2
