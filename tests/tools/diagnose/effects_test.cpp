@@ -148,11 +148,25 @@ TEST(JointStop, Stops) {
   const ModelFolder model = test::pendulum("actuator = \"passive\"\n");
   const Drive drive = test::make_test_drive(model, 1.0, 0.005, [](int, double) { return 0.0; });
   SimParams params = make_params(model);
-  find_effect("joint_stop")->apply(params, 0, std::vector<double>{200, 0.3, 1});
+  find_effect("joint_stop")->apply(params, 0, std::vector<double>{200, 0.3, 1, 0.2});
   const auto out = simulate(params, drive, std::vector{test::whole(drive, {-0.8}, {0})});
   // half the swing's energy m g l (1 - cos .8) at most goes into 1/2 k x^2: x < sqrt(2 * 0.15 / 200) = 0.039
   EXPECT_LT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.34);
   EXPECT_GT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.30);
+}
+
+TEST(JointStop, GivesBackWhatItDoesNotSwallow) {
+  const ModelFolder model = test::pendulum("actuator = \"passive\"\n");
+  const Drive drive = test::make_test_drive(model, 2.0, 0.005, [](int, double) { return 0.0; });
+  for (const auto& [loss, back] : {std::pair{0.0, -0.8}, {0.4, -0.6}}) {
+    SimParams params = make_params(model);
+    find_effect("joint_stop")->apply(params, 0, std::vector<double>{1, 0.2, 1, loss});
+    const auto out = simulate(params, drive, std::vector{test::whole(drive, {-0.8}, {0})});
+    const auto after = out[0].q.begin() + 100;
+    const double returned = *std::min_element(after, out[0].q.end());
+    if (loss == 0.0) EXPECT_NEAR(returned, back, 2e-3);
+    else EXPECT_GT(returned, back);
+  }
 }
 
 TEST(EffectsOfAModel, AreCheckedAndComeBack) {

@@ -88,6 +88,21 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   EXPECT_EQ(others, std::vector<int>{fitted.back().candidate});
 }
 
+TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {
+  // no end of the motion shows it: the joint runs into a cable and deep beyond where it first touches
+  Bench b({{"joint_stop", {"a"}, {{"stiffness", 0.5}, {"position", 0.12}, {"side", 1.0}}}},
+          {"joint_stop", "cable_spring", "cogging"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const FitResult nominal = fit(around, Model{}, 3);
+  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
+  EXPECT_EQ(seen.ranking().front(), b.of("joint_stop"));
+  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
+  rank(b.library, b.problem, fitted);
+  EXPECT_EQ(fitted.front().candidate, b.of("joint_stop"));
+  EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[0], 0.5, 0.03);
+  EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[1], 0.12, 0.02);
+}
+
 TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
   Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction"});
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});

@@ -47,7 +47,7 @@ enum class Role {
   size,      // how much
   order,     // periods in a turn: tried one by one around the probed ones
   instant,   // of a recording, from which on: tried on a grid
-  position,  // of the joint: a probe's sign says at which end of its motion; tried on a grid between the ends
+  position,  // of the joint: a probe's sign says from which end of its motion; tried on a grid between the ends
 };
 
 struct EffectParameter {

@@ -78,16 +78,18 @@ std::vector<Effect> external_effects() {
           .id = "joint_stop",
           .code = "X4",
           .name = "joint stop or self-collision",
-          .form = "-stiffness (q - position) beyond `position`, side +1 above, -1 below",
+          .form = "-stiffness (q - position) - loss sqrt(stiffness inertia) dq beyond `position`, side +1 above, -1 below",
           .family = F,
           .port = P,
           .scope = Scope::joint,
-          .parameters = {{"stiffness", "N m/rad", 0, 0, 500, 10, Unit::stiffness},
+          .parameters = {{"stiffness", "N m/rad", 0, 0, 500, 1, Unit::stiffness},
                          {"position", "rad", 1, -3.2, 3.2, 0.05, Unit::angle, false, Role::position},
-                         {"side", "+1 or -1", 1, -1, 1, 1, Unit::none, true}},
+                         {"side", "+1 or -1", 1, -1, 1, 1, Unit::none, true},
+                         {"loss", "-", 0, 0, 2, 0.2}},
           .smooth = false,
           .angle_torque = true,
-          .probes = {{20, 1, 1}, {20, -1, -1}},
+          // a bundle of cables that the link runs into, and metal
+          .probes = {{1, 1, 1, 0}, {1, -1, -1, 0}, {20, 1, 1, 0}, {20, -1, -1, 0}},
           .sign = 1,
           .residuals = kR2 | kR3,
           .confounders = {"cable_spring"},
@@ -100,6 +102,7 @@ std::vector<Effect> external_effects() {
                 joint(p, j).stop_stiffness = x[0];
                 joint(p, j).stop_position = x[1];
                 joint(p, j).stop_side = x[2] >= 0.0 ? 1.0 : -1.0;
+                joint(p, j).stop_loss = x[3];
               },
       },
   };

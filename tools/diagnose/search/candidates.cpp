@@ -1,6 +1,7 @@
 // The library of effects, placed on this robot.
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/joint_scale.h"
@@ -18,14 +19,24 @@ std::vector<Drive> drives_of(const Problem& problem) {
   return out;
 }
 
-/// What begins at a position is looked for at the ends of what the joint did, not at the library's example positions.
+constexpr double kEndMargin = 0.03;  // of a joint's motion: nearer to its end too few rows show anything
+
+/// What begins at a position is looked for at several depths below the end of what the joint did, not at the library's
+/// example positions. Near the ends only, what acts on half of the motion looks like nothing that was probed.
 void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::position) continue;
     std::vector<double> q;
     for (const Source& s : problem.sources) q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
-    const double low = quantile(q, 0.0), high = quantile(q, 1.0), margin = 0.03 * (high - low);
-    for (std::vector<double>& probe : c.probes) probe[i] = probe[i] > 0.0 ? high - margin : low + margin;
+    const double low = quantile(q, 0.0), high = quantile(q, 1.0);
+    const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
+    for (const double share : {kEndMargin, 0.25, 0.5, 0.75}) {
+      for (std::vector<double> probe : own) {
+        const double depth = share * (high - low);
+        probe[i] = probe[i] > 0.0 ? high - depth : low + depth;
+        c.probes.push_back(std::move(probe));
+      }
+    }
   }
 }
 

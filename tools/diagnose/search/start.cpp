@@ -139,7 +139,7 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
   return best.model;
 }
 
-/// A position is tried on a grid first: its probes stand at the ends of the joint's motion only.
+/// A position is tried on a grid first: its probes are few.
 Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
   constexpr int kPlaces = 14;  // a place off by half a step still explains most; the halving finds the rest
   constexpr int kHalvings = 5;

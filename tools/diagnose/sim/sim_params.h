@@ -72,6 +72,7 @@ struct JointParams {
   double spring = 0.0, spring_torque = 0.0;           // N m/rad, N m: -k q + tau0
   double air_drag = 0.0;                              // N m s^2/rad^2
   double stop_stiffness = 0.0, stop_position = kNone, stop_side = 1.0;  // N m/rad beyond it; side +1 above, -1 below
+  double stop_loss = 0.0;  // its damping over sqrt(stiffness inertia): what of an impact it swallows
   // sensor
   double encoder_offset = 0.0;   // rad
   Ripple encoder_error;          // rad over q

@@ -98,7 +98,7 @@ void add_link_forces(const JointParams& joint, const JointInstant& at, JointPart
     damping += 2.0 * joint.air_drag * std::abs(at.dq);
   }
   if (joint.stop_stiffness > 0.0 && joint.stop_side * (at.q_half - joint.stop_position) > 0.0) {
-    const double d = 0.2 * std::sqrt(joint.stop_stiffness * at.inertia);  // a stop swallows some of the impact
+    const double d = joint.stop_loss * std::sqrt(joint.stop_stiffness * at.inertia);
     force -= joint.stop_stiffness * (at.q_half - joint.stop_position) + d * at.dq;
     stiffness += joint.stop_stiffness;
     damping += d;
