@@ -39,23 +39,25 @@ void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
 }
 
 Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
-  if (shot_scale <= 0.0) return energy_by_shot;
   Eigen::VectorXd out = energy_by_shot;
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-    const double scale = shot_scale * static_cast<double>(problem->shots[s].rows * problem->channels.size());
+    const Shot& shot = problem->shots[s];
+    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
     double& e = out[static_cast<Eigen::Index>(s)];
-    e = scale * std::log1p(std::max(e, 0.0) / scale);
+    if (scale > 0.0) e = scale * std::log1p(std::max(e, 0.0) / scale);
+    if (shot.group == left_out) e = 0.0;
   }
   return out;
 }
 
 Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) const {
   Eigen::VectorXd out = Eigen::VectorXd::Ones(energy_by_shot.size());
-  if (shot_scale <= 0.0) return out;
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-    const double scale = shot_scale * static_cast<double>(problem->shots[s].rows * problem->channels.size());
-    out[static_cast<Eigen::Index>(s)] =
-        1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    const Shot& shot = problem->shots[s];
+    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
+    double& weight = out[static_cast<Eigen::Index>(s)];
+    if (scale > 0.0) weight = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    if (shot.group == left_out) weight = 0.0;
   }
   return out;
 }
@@ -407,6 +409,23 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
     }
   }
   return around.bounded(heldout);
+}
+
+Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& result) {
+  const Problem& problem = *around.problem;
+  std::vector<Eigen::VectorXd> energy(static_cast<std::size_t>(problem.groups));
+  parallel_for(problem.groups, [&](int group) {
+    Surroundings rest = around;
+    rest.left_out = group;
+    const FitResult fitted = fit(rest, result.model, constants::kFirstIterations);
+    energy[static_cast<std::size_t>(group)] = around.bounded(around.starts.energy_by_shot(fitted.r));
+  });
+  Eigen::VectorXd heldout(static_cast<Eigen::Index>(problem.shots.size()));
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const auto i = static_cast<Eigen::Index>(s);
+    heldout[i] = energy[static_cast<std::size_t>(problem.shots[s].group)][i];
+  }
+  return heldout;
 }
 
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {

@@ -18,10 +18,11 @@ struct Surroundings {
   StartElimination starts;
   Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
   double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
+  int left_out = -1;        // held-out group that fits do not see; -1: none
 
   /// c from the errors of a reference model: kShotOutlier^2 times the median shot's mean square.
   void set_shot_scale(const Eigen::VectorXd& energy_by_shot);
-  /// rho of every shot's energy, and its derivative.
+  /// rho of every shot's energy, and its derivative; 0 for shots left out.
   Eigen::VectorXd bounded(const Eigen::VectorXd& energy_by_shot) const;
   Eigen::VectorXd weights(const Eigen::VectorXd& energy_by_shot) const;
 };
@@ -65,6 +66,10 @@ std::vector<double> parameter_sigmas(const FitResult& fit, const Library& librar
 /// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one Gauss-Newton step from the
 /// full fit, exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit, bool by_condition = false);
+
+/// The same from fits that are really made without each group, within the bounds. The one step above takes a parameter
+/// at its bound for known, and goes too far where a group alone determines two parameters that look alike.
+Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit);
 
 /// Paired comparison of two models' held-out energies.
 struct HeldoutGain {

@@ -7,6 +7,7 @@
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/scatter.h"
+#include "tools/diagnose/search/untie.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -22,6 +23,7 @@ class Search {
     for (int step = 0; step < constants::kMaximumEffects; ++step) {
       if (!forward(step)) break;
       if (out_.accepted.size() > 1) backward();
+      untie();
     }
     swap();
     drop_refuted();
@@ -158,8 +160,9 @@ class Search {
     return fit(*out_.around, model, 4);
   }
 
-  void backward() {
-    for (std::size_t i = 0; i + 1 < out_.accepted.size();) {
+  /// Drops what the others have made superfluous; the effect accepted last was judged just now.
+  void backward(std::size_t just_judged = 1) {
+    for (std::size_t i = 0; i + just_judged < out_.accepted.size();) {
       if (candidate(out_.accepted[i].candidate).random) {  // needed for the scatter, whatever its mean gains
         ++i;
         continue;
@@ -177,6 +180,36 @@ class Search {
       out_.final = reduced;
       relinearise();
     }
+  }
+
+  /// Tied effects and what takes them back at some of their joints, each joint for itself; all of them have to be
+  /// needed.
+  void untie() {
+    for (const Untied& u : untied(library_, out_.final.model)) {
+      std::optional<FitResult> apart = fit_untied(*out_.around, u, out_.final);
+      say(fmt::format("untie {}: {}", candidate(out_.final.model.effects[u.replaced.front()].candidate).title(),
+                      apart ? "accepted" : "refused, predicts worse"));
+      if (!apart) continue;
+      replace(u, std::move(*apart));
+      backward(0);
+      return;
+    }
+  }
+
+  void replace(const Untied& u, FitResult apart) {
+    double p_family = 0.0;
+    for (const std::size_t i : u.replaced) p_family = std::max(p_family, out_.accepted[i].p_family);
+    std::vector<Accepted> accepted;
+    for (const std::size_t i : u.stay) accepted.push_back(std::move(out_.accepted[i]));
+    for (std::size_t i = u.stay.size(); i < u.model.effects.size(); ++i) {
+      Accepted entry;
+      entry.candidate = u.model.effects[i].candidate;
+      entry.p_family = p_family;
+      accepted.push_back(std::move(entry));
+    }
+    out_.accepted = std::move(accepted);
+    out_.final = std::move(apart);
+    relinearise();
   }
 
   /// Every accepted effect against its rivals, everything else refitted; the better one stays, the others are kept as
