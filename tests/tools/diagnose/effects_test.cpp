@@ -10,6 +10,7 @@
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"
+#include "tools/diagnose/effects/twins.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
@@ -142,6 +143,22 @@ TEST(Library, IsConsistent) {
     for (std::string_view other : e.confounders) EXPECT_NE(find_effect(other), nullptr) << e.id << " names " << other;
   }
   EXPECT_EQ(simulated, 48);  // 56 without 6 of the ground and 2 of the IMU
+}
+
+TEST(Library, ATwinIsListedOrContainsTheEffect) {
+  EXPECT_TRUE(documented_twin("sensor_delay", "command_delay"));
+  // Maxwell slip with stiff elements is dry friction, without being in the list of its look-alikes
+  EXPECT_TRUE(documented_twin("maxwell_slip_friction", "coulomb_friction"));
+  EXPECT_FALSE(documented_twin("link_mass", "coulomb_friction"));
+  EXPECT_FALSE(documented_twin("cogging", "no_such_effect"));
+  EXPECT_FALSE(documented_twin("no_such_effect", "cogging"));
+  for (const Effect& e : library()) {
+    EXPECT_FALSE(documented_twin(e.id, e.id)) << e.id;
+    for (const std::string_view part : e.contains) {
+      EXPECT_NE(find_effect(part), nullptr) << e.id << " contains " << part;
+      EXPECT_TRUE(documented_twin(e.id, part)) << e.id << " contains " << part;
+    }
+  }
 }
 
 TEST(JointStop, Stops) {

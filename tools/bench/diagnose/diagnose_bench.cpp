@@ -12,7 +12,7 @@
 
 #include "tools/bench/diagnose/baselines.h"
 #include "tools/bench/diagnose/residual_network.h"
-#include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/twins.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
@@ -214,22 +214,19 @@ void print_explained(const std::vector<Outcome>& all) {
   }
 }
 
-/// A name that the library itself lists as a twin of a true effect.
-bool documented_twin(const std::string& name, const std::vector<std::string>& truth) {
-  return std::any_of(truth.begin(), truth.end(), [&](const std::string& id) {
-    const diagnose::Effect* effect = diagnose::find_effect(id);
-    return effect != nullptr &&
-           std::find(effect->confounders.begin(), effect->confounders.end(), name) != effect->confounders.end();
-  });
+/// A twin of one of the true effects.
+bool names_twin(const std::string& name, const std::vector<std::string>& truth) {
+  return std::any_of(truth.begin(), truth.end(),
+                     [&](const std::string& id) { return diagnose::documented_twin(name, id); });
 }
 
 void print_left_out(const std::vector<Outcome>& all) {
   Count right;
   for (const Outcome& o : all) {
     if (o.without_status.empty() || o.score.ratio < 10.0) continue;
-    const bool twins = !o.without_named.empty() &&
-                       std::all_of(o.without_named.begin(), o.without_named.end(),
-                                   [&](const std::string& n) { return documented_twin(n, o.score.truth); });
+    const bool twins =
+        !o.without_named.empty() && std::all_of(o.without_named.begin(), o.without_named.end(),
+                                                [&](const std::string& n) { return names_twin(n, o.score.truth); });
     right.add(o.without_status == "PRESENT_UNNAMED" || twins);
     fmt::print("  without {}: {} {}\n", joined(o.score.truth), o.without_status, joined(o.without_named));
   }

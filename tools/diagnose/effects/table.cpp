@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/twins.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -26,7 +27,9 @@ std::string cell(std::string_view text) {
 }  // namespace
 
 std::string effect_table_markdown() {
-  std::string out = "| id | what it does | where | parameters: unit; null; bounds |\n|---|---|---|---|\n";
+  std::string out =
+      "| id | what it does | where | parameters: unit; null; bounds | documented twins |\n"
+      "|---|---|---|---|---|\n";
   for (const Effect& effect : library()) {
     out += "| `" + std::string(effect.id) + "` (" + std::string(effect.code) + ") | " + std::string(effect.name) +
            ": `" + cell(effect.form) + "` | " + std::string(to_string(effect.scope)) + " | ";
@@ -35,6 +38,12 @@ std::string effect_table_markdown() {
       const EffectParameter& p = effect.parameters[k];
       out += std::string(k == 0 ? "" : " · ") + "`" + std::string(p.name) + "` " + cell(p.unit) + "; " + shown(p.null) +
              "; " + shown(p.low) + " to " + shown(p.high);
+    }
+    out += " | ";
+    std::string_view between;
+    for (const std::string_view twin : documented_twins(effect.id)) {
+      out += std::string(between) + "`" + std::string(twin) + "`";
+      between = ", ";
     }
     out += " |\n";
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/twins.h"
 #include "tools/diagnose/search/rivals.h"
 
 namespace sanso::diagnose {
@@ -20,8 +21,8 @@ bool inside(const Candidate& part, const Candidate& whole) {
          });
 }
 
-bool of_a_kind(const Candidate& a, const Candidate& b) {
-  return a.effect == b.effect || std::find(a.confounders.begin(), a.confounders.end(), b.effect) != a.confounders.end();
+bool of_a_kind(const Candidate& tied, const Candidate& inside) {
+  return tied.effect == inside.effect || documented_twin(inside.effect, tied.effect);
 }
 
 /// Index of an effect at one joint alone; -1: not in the library.
