@@ -51,6 +51,16 @@ TEST(Finding, WhatEndsAtABoundIsNeverConfirmed) {
   EXPECT_NE(reserve(f).find("cogging"), std::string::npos);
 }
 
+TEST(Finding, WhatMayBeNothingIsNotConfirmed) {
+  Finding f;
+  f.effect = "supply_sag";
+  f.one_of = {"supply_sag", "battery_drift"};
+  EXPECT_EQ(status_of(f), VerdictStatus::one_of);
+  f.spans_null = true;
+  EXPECT_EQ(status_of(f), VerdictStatus::present_unnamed);
+  EXPECT_NE(reserve(f).find("null"), std::string::npos);
+}
+
 TEST(Verdict, NaNBecomesNull) {
   Verdict v;
   v.locations.push_back({"a", "b", NAN, INFINITY});

@@ -63,6 +63,18 @@ std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
 
 }  // namespace
 
+bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter>& parameters) {
+  bool asked = false;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    const CandidateParameter& p = c.parameters[i];
+    if (c.random ? i > 0 : p.structural) continue;
+    const VerdictParameter& v = parameters.at(p.name);
+    if (v.low > p.null || v.high < p.null || v.at_bound) return false;
+    asked = true;
+  }
+  return asked;
+}
+
 std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes) {
   std::vector<Finding> out;
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
@@ -79,6 +91,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     f.heldout_gain_se = entry.gain.standard_error / excess;
     f.heldout_gain_low = entry.gain.lower / excess;
     f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+    f.spans_null = spans_null(c, f.parameters);
     f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
     f.regime = strongest_regime(f.incidence);
     f.one_of.push_back(c.effect);

@@ -1,6 +1,8 @@
 // From the search's result to findings: names with parameters, rivals, refutations, and what stays unexplained.
 #pragma once
 
+#include <map>
+#include <string>
 #include <vector>
 
 #include "tools/diagnose/locate/regimes.h"
@@ -12,6 +14,9 @@ namespace sanso::diagnose {
 
 /// One finding for every accepted effect that no residual contradicts.
 std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes);
+
+/// The final intervals (wider than those by which a name is accepted) of all that was fitted contain the null.
+bool spans_null(const Candidate& candidate, const std::map<std::string, VerdictParameter>& parameters);
 
 /// Share of the nominal model's held-out error beyond noise that the final model still has, in [0, 1].
 double remaining_share(const Problem& problem, const Selection& selection);

@@ -31,6 +31,7 @@ std::string stopped_at_bounds(const Finding& finding) {
 }
 
 std::string reserve(const Finding& finding) {
+  if (finding.spans_null) return "its interval contains the null";
   if (finding.terms.empty()) return stopped_at_bounds(finding);
   std::string text = "with";
   for (const std::string& t : finding.terms) text += " " + t;
@@ -38,7 +39,7 @@ std::string reserve(const Finding& finding) {
 }
 
 VerdictStatus status_of(const Finding& finding) {
-  if (!finding.terms.empty()) return VerdictStatus::present_unnamed;
+  if (!finding.terms.empty() || finding.spans_null) return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
   return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed : VerdictStatus::present_unnamed;
 }

@@ -51,6 +51,7 @@ struct Finding {
   double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
   std::vector<std::string> one_of;
   std::vector<std::string> terms;  // findings at this joint that are functions of the angle alone, as this one is
+  bool spans_null = false;         // its interval contains what changes nothing
   std::vector<Rival> rivals;
   std::vector<IncidenceRow> incidence;
 };
@@ -59,11 +60,12 @@ struct Finding {
 /// size or another structure.
 std::string stopped_at_bounds(const Finding& finding);
 
-/// Why a finding is not confirmed: a bound, or terms that together describe any torque of the angle; empty: nothing.
+/// Why a finding is not confirmed: an interval that contains the null, a bound, or terms that together describe any
+/// torque of the angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
-/// PRESENT_UNNAMED where it is one of several terms; ONE_OF where several names are left; CONFIRMED where one is and no
-/// bound stopped it; else PRESENT_UNNAMED.
+/// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names are left; CONFIRMED
+/// where one is and no bound stopped it; else PRESENT_UNNAMED.
 VerdictStatus status_of(const Finding& finding);
 
 struct LocationCell {
