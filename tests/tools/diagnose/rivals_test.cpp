@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kServo =
     "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_noise = 3e-4\n";
 
-recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
+recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
   ModelFolder world = test::pendulum(kServo);
   world.effects = effects;
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
@@ -29,6 +29,7 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index) 
   r.t = drive.t;
   r.set("u:a", drive.joints[0].command);
   r.set("q:a", p.q);
+  if (duty) r.set("pwm:a", p.pwm);
   return r;
 }
 
@@ -36,11 +37,12 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index) 
 struct Bench {
   Problem problem;
   Library library;
-  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects) {
+  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects, bool duty = false) {
     const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}};
     problem = make_problem(
-        make_sources(test::pendulum(kServo), {record(hidden, 0), record(hidden, 1), record(hidden, 2)}, noise), noise,
-        ProblemOptions{});
+        make_sources(test::pendulum(kServo),
+                     {record(hidden, 0, duty), record(hidden, 1, duty), record(hidden, 2, duty)}, noise),
+        noise, ProblemOptions{});
     library.candidates = place_library(problem, effects).candidates;
     library.nuisances = make_nuisances(problem);
   }
@@ -86,6 +88,20 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   EXPECT_LT(fitted.back().behind, practical_energy(b.problem));
   const std::vector<int> others = replacements(b.library, seen, fitted.front().fit.model, fitted.front().candidate, {});
   EXPECT_EQ(others, std::vector<int>{fitted.back().candidate});
+}
+
+TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
+  // a reading falls before or after a jump of the command: from the wrong side no derivative leads across
+  constexpr double kDelay = 0.0248;
+  Bench b({{"sensor_delay", {"a"}, {{"delay", kDelay}}}}, {"command_delay", "sensor_delay"}, true);
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const FitResult nominal = fit(around, Model{}, 3);
+  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
+  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
+  rank(b.library, b.problem, fitted);
+  ASSERT_EQ(fitted.size(), 2U);
+  for (const Alternative& a : fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
+  EXPECT_LT(fitted.back().behind, practical_energy(b.problem));
 }
 
 TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {

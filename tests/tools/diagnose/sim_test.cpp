@@ -111,6 +111,24 @@ TEST(Simulator, StartSpeedIsThatOfTheLinkUnderANonlinearEncoder) {
   EXPECT_NEAR(encoder_reading(joint, position_for_reading(joint, 0.5)), 0.5, 1e-9);
 }
 
+TEST(Simulator, ADelayOfTheSensorShowsWhatADelayOfTheCommandDoes) {
+  // every signal a little later, whatever part of a step that is: commands jump every 10 ms, and duty with them
+  const ModelFolder model = test::pendulum("actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\n");
+  const Drive drive = make_test_drive(model, 2.0, 0.01, [](int, double t) { return 0.5 * std::sin(5 * t); });
+  SimOptions options;
+  options.max_step_s = 2e-3;
+  for (const double delay : {0.0044, 0.0206, 0.0293}) {
+    SimParams command = make_params(model), sensor = command;
+    command.joints[0].command_delay = sensor.joints[0].sensor_delay = delay;
+    const std::vector windows{whole(drive, {0.0}, {0.0})};
+    const auto a = simulate(command, drive, windows, options), b = simulate(sensor, drive, windows, options);
+    for (std::size_t r = 10; r < drive.rows(); ++r) {
+      ASSERT_NEAR(a[0].q[r], b[0].q[r], 1e-5) << delay << " at " << drive.t[r];
+      ASSERT_NEAR(a[0].pwm[r], b[0].pwm[r], 0.01) << delay << " at " << drive.t[r];  // a jump is up to 0.1
+    }
+  }
+}
+
 TEST(Simulator, ServoHoldsALoadWithTheDroopOfItsGain) {
   // static: kt V/R p (u - q) = m g l sin q
   const ModelFolder model = test::pendulum("actuator = \"dc_servo\"\narmature = 0.01\n");

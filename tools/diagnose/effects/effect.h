@@ -46,6 +46,7 @@ inline constexpr double kOff = 1e6;
 enum class Role {
   size,      // how much
   order,     // periods in a turn: tried one by one around the probed ones
+  delay,     // of a signal that is sampled or held, so that its derivative misses the jumps: tried in halving steps
   instant,   // of a recording, from which on: tried on a grid
   position,  // of the joint: a probe's sign says from which end of its motion; tried on a grid between the ends
 };

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/gate/checks.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -103,8 +104,8 @@ Model with_best_order(const Surroundings& around, const Model& model, std::size_
   return best_value(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
 }
 
-/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint. No
-/// derivative leads there from afar, so the neighbourhood of the probe is halved until it is small. Step 0: no such
+/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint, a delay.
+/// No derivative leads there from afar, so the neighbourhood of the probe is halved until it is small. Step 0: no such
 /// parameter.
 struct Range {
   double low = 0.0, high = 0.0, step = 0.0;
@@ -114,6 +115,10 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   if (role == Role::instant) {  // probed at equal steps
     const double longest = longest_recording(*around.problem);
     return {0.0, longest, longest / kInstants};
+  }
+  if (role == Role::delay) {  // from a whole sample off
+    const CandidateParameter& p = effect.parameters[index];
+    return {p.low, p.high, 2.0 * gate::sampling_interval(around.problem->sources.front().drive.t)};
   }
   if (role != Role::position) return {};
   Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};

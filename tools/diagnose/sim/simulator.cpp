@@ -9,6 +9,8 @@
 namespace sanso::diagnose {
 namespace {
 
+constexpr double kRounding = 1e-9;  // s: instants that are the same
+
 /// Runs one window and writes each joint's channels at the instants its sensor samples.
 class WindowRun {
  public:
@@ -18,6 +20,9 @@ class WindowRun {
       delay_.push_back(joint.nominal.sensor_delay_s + joint.sensor_delay);
       longest_delay_ = std::max(longest_delay_, delay_.back());
     }
+    if (integrator.joints().empty()) return;
+    const JointParams& first = params.joints[static_cast<std::size_t>(integrator.joints().front())];
+    command_delay_ = first.nominal.command_delay_s + first.command_delay;
   }
 
   Prediction run(const Window& window, const std::array<InnerState, kMaxJoints>* inner) {
@@ -38,11 +43,14 @@ class WindowRun {
     integrator_.restart(t);
     if (longest_delay_ == 0.0) {  // row `first` is the start itself
       emit_start(window);
-    } else {
-      advance(t, drive_.t[window.first]);
-      t = drive_.t[window.first];
     }
-    for (std::size_t k = window.first; k < window.last; ++k) advance(drive_.t[k], drive_.t[k + 1]);
+    // no step runs across a change of the command, as it reaches the first servo; readings may lie inside a step
+    for (std::size_t k = first_change_after(t); t < drive_.t[window.last]; ++k) {
+      const double change = k < drive_.rows() ? drive_.t[k] + command_delay_ : kNone;
+      const double until = std::min(change, drive_.t[window.last]);
+      advance(t, until);
+      t = until;
+    }
     emit_until(drive_.t[window.last] + 1.0);  // rounding may leave the last sample
     if (longest_delay_ > 0.0) emit_efforts_until(drive_.t[window.last] + 1.0);
     return std::move(prediction_);
@@ -69,6 +77,12 @@ class WindowRun {
     first_step_ = true;
   }
 
+  /// Row of the command that is the first to arrive later than t.
+  std::size_t first_change_after(double t) const {
+    const auto next = std::upper_bound(drive_.t.begin(), drive_.t.end(), t - command_delay_ + kRounding);
+    return static_cast<std::size_t>(next - drive_.t.begin());
+  }
+
   /// state_ into before_, only the joints that exist.
   void keep_state() {
     std::copy_n(state_.q.begin(), n_, before_.q.begin());
@@ -82,7 +96,8 @@ class WindowRun {
     const int steps = std::max(1, static_cast<int>(std::ceil(span / options_.max_step_s - 1e-9)));
     const double h = span / steps;
     for (int s = 0; s < steps; ++s) {
-      if (longest_delay_ > 0.0) keep_state();  // old readings lie inside a step
+      keep_state();  // old readings lie inside a step
+      changed_ = s == 0;
       t_before_ = from + s * h;
       t_now_ = s + 1 == steps ? until : from + (s + 1) * h;
       if (!diverged_) diverged_ = !integrator_.step(t_before_, h, state_, torques_);
@@ -136,9 +151,9 @@ class WindowRun {
     if (delay_[k] == 0.0) emit_efforts(j, row, torques_.servo[k], torques_.servo[k], 1.0);
   }
 
-  /// Efforts are means over steps: what a delayed sensor reads lies between the middles of two of them. Held over a
-  /// step it would jump as the delay grows, and no derivative by the delay could be had. Without a delay a reading is
-  /// taken at the end of a step, before the command that comes at the same instant.
+  /// Efforts are means over steps: what a delayed sensor reads lies between the middles of two of them, where the
+  /// command is the same in both. Where it changes efforts jump, and the reading is the one before or after; of the two
+  /// at the same instant, the reading comes before the command.
   void emit_efforts_until(double middle) {
     for (const int j : integrator_.joints()) {
       const auto k = static_cast<std::size_t>(j);
@@ -148,7 +163,8 @@ class WindowRun {
       for (std::size_t& row = next_effort_[k]; row < rows_; ++row) {
         const double instant = drive_.t[prediction_.first + row] - delay_[k];
         if (instant > middle) break;
-        const double s = first_step_ ? 1.0 : (instant - middle_before_) / (middle - middle_before_);
+        double s = first_step_ ? 1.0 : (instant - middle_before_) / (middle - middle_before_);
+        if (changed_) s = instant > t_before_ + kRounding ? 1.0 : 0.0;
         emit_efforts(j, row, earlier, now, std::clamp(s, 0.0, 1.0));
       }
       efforts_before_[k] = now;
@@ -173,6 +189,7 @@ class WindowRun {
   int n_;
   std::vector<double> delay_;
   double longest_delay_ = 0.0;
+  double command_delay_ = 0.0;  // of the first joint that is simulated
 
   std::size_t rows_ = 0;
   Prediction prediction_;
@@ -180,7 +197,7 @@ class WindowRun {
   RobotState state_, before_;
   StepTorques torques_;
   std::array<ServoOutput, kMaxJoints> efforts_before_{};  // of the step before
-  bool first_step_ = true;
+  bool first_step_ = true, changed_ = false;  // changed_: a command arrived at the step's start
   double t_before_ = 0.0, t_now_ = 0.0, middle_before_ = 0.0;
   bool diverged_ = false;
 
