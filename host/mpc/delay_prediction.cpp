@@ -29,10 +29,10 @@ model::State DelayPrediction::predict(const host::AugmentedModel& model, const R
     model::State next;
     model::analytical_step(model.analytical, model.ground, x.data(), u.data(), tick_s, 1, next.data(), scratch);
     if (residual != nullptr) {
-      // eight equal lanes: one evaluation costs the kernel no less
-      alignas(64) double xs[kNx][8], us[kNu][8], nexts[kNx][8];
-      for (int i = 0; i < kNx; ++i) std::fill_n(xs[i], 8, x[i]), std::fill_n(nexts[i], 8, next[i]);
-      for (int i = 0; i < kNu; ++i) std::fill_n(us[i], 8, u[i]);
+      // equal lanes: one evaluation costs the kernel no less
+      alignas(64) double xs[kNx][kRollOutLanes], us[kNu][kRollOutLanes], nexts[kNx][kRollOutLanes];
+      for (int i = 0; i < kNx; ++i) std::fill_n(xs[i], kRollOutLanes, x[i]), std::fill_n(nexts[i], kRollOutLanes, next[i]);
+      for (int i = 0; i < kNu; ++i) std::fill_n(us[i], kRollOutLanes, u[i]);
       kernels_.add_residual(*residual, tick_s / model.residual_dt_s, xs, us, nexts);
       for (int i = 0; i < kNx; ++i) next[i] = nexts[i][0];
     }

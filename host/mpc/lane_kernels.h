@@ -1,4 +1,4 @@
-// The arithmetic around the dynamics step, eight lanes at a time: one table of functions per instruction set.
+// The arithmetic around the dynamics step, a group of lanes at a time: one table of functions per instruction set.
 // Lane arrays are [component][lane].
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace sanso::mpc {
 
-using LaneArray = double[kLineSearchLanes];
+using LaneArray = double[kRollOutLanes];
 
 /// Policy of one stage of the line search: u_up = clamp(ū + step k + K (x ⊖ x̄)).
 struct LineStage {
@@ -17,7 +17,7 @@ struct LineStage {
   const StageGains* gains;                // null: u_up = ū
   const StageDerivatives* derivatives;    // null: noise is not priced
   const double* variance_weight;
-  const double* steps;
+  const double* steps;                    // of the group's lanes
   double sigma;
   double input_limit_rad;
 };
@@ -26,11 +26,12 @@ struct LineStage {
 /// configuration come first, beside the nominal point; the others (height, velocities, inputs) may share its mass matrix.
 /// Base x and y (columns 0 and 1) need none where the ground is the same everywhere along them.
 ///   group 0: nominal, columns 3 .. 9;  1: columns 10 .. 17;  2: height, nominal, columns 18 .. 23;  3 .. 5: columns 24 .. 47
-inline constexpr int kEvaluationGroups = kColumns / kLineSearchLanes;
+inline constexpr int kEvaluationLanes = 8;
+inline constexpr int kEvaluationGroups = kColumns / kEvaluationLanes;
 inline constexpr int kConfigurationGroups = 2;
 struct alignas(64) StageEvaluations {
-  double x[kEvaluationGroups][kNx][kLineSearchLanes];  // states, replaced by the steps' results
-  double u[kEvaluationGroups][kNu][kLineSearchLanes];
+  double x[kEvaluationGroups][kNx][kEvaluationLanes];  // states, replaced by the steps' results
+  double u[kEvaluationGroups][kNu][kEvaluationLanes];
 };
 
 struct StageFinish {
@@ -49,7 +50,7 @@ struct StageFinish {
 struct LaneKernels {
   const char* name;  // "avx512", "avx2", "baseline"
   BackwardPassFn backward_pass;
-  /// u_up of all lanes; adds the price of their noise to noise_cost.
+  /// u_up of a group of lanes; adds the price of their noise to noise_cost.
   void (*line_inputs)(const LineStage&, const LaneArray* x, LaneArray* u_upper, double* noise_cost);
   /// Sum of the layers.
   void (*layer_inputs)(const StageContext&, const ReflexContext&, const LaneArray* x, const LaneArray* u_upper,

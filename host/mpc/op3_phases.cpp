@@ -20,13 +20,14 @@ constexpr int kStageParts = kConfigurationGroups + 1;  // pieces of work of a st
 
 double zeta(double distance, double sharpness) { return 1.0 / (1.0 + std::exp(sharpness * distance)); }
 
-// A lane array of a roll-out seen as the batch step's argument: the same memory, [component][lane].
-model::StateLanes& as_lanes(double (*x)[kLineSearchLanes]) { return *reinterpret_cast<model::StateLanes*>(x); }
-model::InputLanes& as_input(double (*u)[kLineSearchLanes]) { return *reinterpret_cast<model::InputLanes*>(u); }
+// Lane arrays seen as the batch step's arguments: the same memory, [component][lane].
+model::StateLanes& as_lanes(double (*x)[kEvaluationLanes]) { return *reinterpret_cast<model::StateLanes*>(x); }
+model::InputLanes& as_input(double (*u)[kEvaluationLanes]) { return *reinterpret_cast<model::InputLanes*>(u); }
+model::StateQuad& as_quad(double (*x)[kRollOutLanes]) { return *reinterpret_cast<model::StateQuad*>(x); }
 
 }  // namespace
 
-static_assert(kLineSearchLanes == model::kLanes);
+static_assert(kEvaluationLanes == model::kLanes && kRollOutLanes == model::kQuadLanes);
 
 Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool,
                      const LaneKernels& kernels)
@@ -47,12 +48,18 @@ bool Op3Phases::ground_varies() const {
 }
 
 void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) {
+  pool_.run(kRollOutGroups, [&](int group, int) {
+    roll_out_group(policy, steps + group * kRollOutLanes, group, out.group[group]);
+  });
+}
+
+void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, int group, LaneGroup& out) {
   const Trajectory& nominal = *policy.nominal;
   for (int i = 0; i < kNx; ++i)
-    for (int lane = 0; lane < kLineSearchLanes; ++lane) out.x[0][i][lane] = nominal.x[0][i];
+    for (int lane = 0; lane < kRollOutLanes; ++lane) out.x[0][i][lane] = nominal.x[0][i];
   std::memset(out.cost, 0, sizeof out.cost);
   std::memset(out.noise_cost, 0, sizeof out.noise_cost);
-  model::InputLanes u;
+  model::InputQuad u;
   // Contact from zero: where friction leaves several solutions, it must not depend on the way to this trajectory.
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
   for (int k = 0; k < stages(); ++k) {
@@ -67,8 +74,8 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
     kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
     kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);
     kernels_.add_cost(work_->context, k, out.x[k], out.u[k], out.cost);
-    model::step_batch(model_.analytical, model_.ground, &as_lanes(out.x[k]), &u, step, &as_lanes(out.x[k + 1]),
-                      &work_->rolled_contact[k], 1);
+    model::step_quad(model_.analytical, model_.ground, as_quad(out.x[k]), u, step, as_quad(out.x[k + 1]),
+                     &work_->rolled_contact[group][k]);
     if (residual()) kernels_.add_residual(*residual(), 1.0, out.x[k], u.v, out.x[k + 1]);
   }
   kernels_.add_cost(work_->context, stages(), out.x[stages()], nullptr, out.cost);
@@ -77,8 +84,9 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
 }
 
 void Op3Phases::lane_taken(int lane) {
+  const model::ContactQuad* contact = work_->rolled_contact[lane / kRollOutLanes];
   for (int k = 0; k < stages(); ++k)
-    for (int i = 0; i < model::kNumContactRows; ++i) work_->nominal_contact[k][i] = work_->rolled_contact[k].v[i][lane];
+    for (int i = 0; i < model::kNumContactRows; ++i) work_->nominal_contact[k][i] = contact[k].v[i][lane % kRollOutLanes];
 }
 
 void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {

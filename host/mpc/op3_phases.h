@@ -58,12 +58,13 @@ class Op3Phases : public Phases {
     StageEvaluations evaluations[kMaxStages];
     Nominal nominal[kMaxStages];
     model::NominalStep step[kMaxStages];
-    model::ContactLanes rolled_contact[kMaxStages];   // of the last roll-out
+    model::ContactQuad rolled_contact[kRollOutGroups][kMaxStages];   // of the last roll-out
     double nominal_contact[kMaxStages][model::kNumContactRows];
     // whole steps of all stages side by side, lane = stage: the nominal point, without u_up, and farther along base x
     model::StateLanes whole_x[kWholeSteps][kStageGroups];
   };
 
+  void roll_out_group(const LinePolicy& policy, const double* steps, int group, LaneGroup& out);
   void prepare_stage(const Trajectory& nominal, int stage);
   void evaluate_whole(const Trajectory& nominal, int item);
   void evaluate_part(int stage, int part);

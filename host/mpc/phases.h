@@ -6,14 +6,25 @@
 namespace sanso::mpc {
 
 /// Step lengths tried in one roll-out, largest first.
-inline constexpr double kStepLengths[kLineSearchLanes] = {1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03, 0.01};
+alignas(64) inline constexpr double kStepLengths[kLineSearchLanes] = {1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03, 0.01};
 
-/// Eight roll-outs at once, lane by lane.
-struct alignas(64) LaneTrajectories {
-  double x[kMaxHorizon][kNxPadded][kLineSearchLanes];
-  double u[kMaxStages][kNuPadded][kLineSearchLanes];
-  double cost[kLineSearchLanes];         // deterministic
-  double noise_cost[kLineSearchLanes];   // sigma^2/2 sum of weight_i F_i^2 over the stages
+/// Roll-outs in step, lane by lane; a group has its own memory, so that two threads share no cache line.
+struct alignas(64) LaneGroup {
+  double x[kMaxHorizon][kNxPadded][kRollOutLanes];
+  double u[kMaxStages][kNuPadded][kRollOutLanes];
+  double cost[kRollOutLanes];         // deterministic
+  double noise_cost[kRollOutLanes];   // sigma^2/2 sum of weight_i F_i^2 over the stages
+};
+
+/// All roll-outs of a line search.
+struct LaneTrajectories {
+  LaneGroup group[kRollOutGroups];
+
+  double& x(int knot, int i, int lane) { return of(lane).x[knot][i][lane % kRollOutLanes]; }
+  double& u(int stage, int i, int lane) { return of(lane).u[stage][i][lane % kRollOutLanes]; }
+  double& cost(int lane) { return of(lane).cost[lane % kRollOutLanes]; }
+  double& noise_cost(int lane) { return of(lane).noise_cost[lane % kRollOutLanes]; }
+  LaneGroup& of(int lane) { return group[lane / kRollOutLanes]; }
 };
 
 /// The policy to roll out, u = clamp(ū + step k + K (x ⊖ x̄)), and how the noise it makes is priced.
@@ -39,7 +50,7 @@ class Phases {
   }
   virtual void wait_for(int stage) { (void)stage; }
   virtual void finish_linearize() {}
-  /// All lanes start in nominal.x[0]. Lane i uses step length steps[i]. A lane that leaves the finite numbers gets an infinite cost.
+  /// All lanes start in nominal.x[0]. Lane i uses step length steps[i] (64-byte aligned). A lane that leaves the finite numbers gets an infinite cost.
   virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;
   /// The lane of the last roll-out that becomes the nominal trajectory: what it knows may start the next linearisation.
   virtual void lane_taken(int lane) { (void)lane; }

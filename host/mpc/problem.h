@@ -15,6 +15,8 @@ inline constexpr int kMaxStages = kMaxHorizon - 1;  // steps between the states 
 inline constexpr int kNxPadded = 40, kNuPadded = 16;
 inline constexpr int kNdxPadded = 40;              // row length of square tangent matrices: a multiple of 8 lanes
 inline constexpr int kLineSearchLanes = 8;         // step lengths tried at once
+inline constexpr int kRollOutLanes = 4;            // of them, rolled out in step by one thread
+inline constexpr int kRollOutGroups = kLineSearchLanes / kRollOutLanes;
 
 /// States and upper-layer inputs of one roll-out. u[k] leads from x[k] to x[k+1].
 struct alignas(64) Trajectory {

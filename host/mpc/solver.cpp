@@ -75,7 +75,7 @@ bool Solver::roll_out_start(SolveResult& result) {
   policy.nominal = &work_->trajectory;
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
-  result.cost_before = cost_ = work_->lanes.cost[0];
+  result.cost_before = cost_ = work_->lanes.cost(0);
   result.finite = std::isfinite(cost_);
   if (result.finite) take_lane(0);
   std::memset(work_->gains, 0, sizeof work_->gains);
@@ -92,7 +92,7 @@ Solver::Step Solver::improve(double sigma, SolveResult& result) {
     if (propose(sigma, result)) {
       const double before = cost_ + noise_price(sigma);
       const int lane = try_step_lengths(sigma, result);
-      const double after = work_->lanes.cost[lane] + work_->lanes.noise_cost[lane];
+      const double after = work_->lanes.cost(lane) + work_->lanes.noise_cost(lane);
       if (after < before) {
         take_lane(lane);
         mu_ = std::max(settings_.regularization, mu_ / kMuFactor);
@@ -132,7 +132,7 @@ int Solver::try_step_lengths(double sigma, SolveResult& result) {
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
   int best = 0;
-  const auto merit = [&](int lane) { return work_->lanes.cost[lane] + work_->lanes.noise_cost[lane]; };
+  const auto merit = [&](int lane) { return work_->lanes.cost(lane) + work_->lanes.noise_cost(lane); };
   for (int lane = 1; lane < kLineSearchLanes; ++lane)
     if (!(merit(best) <= merit(lane))) best = lane;  // written so that a NaN loses
   return best;
@@ -150,13 +150,13 @@ double Solver::noise_price(double sigma) const {
 
 void Solver::take_lane(int lane) {
   phases_.lane_taken(lane);
-  cost_ = work_->lanes.cost[lane];
-  noise_cost_ = work_->lanes.noise_cost[lane];
+  cost_ = work_->lanes.cost(lane);
+  noise_cost_ = work_->lanes.noise_cost(lane);
   const int stages = phases_.stages();
   for (int k = 0; k <= stages; ++k)
-    for (int i = 0; i < kNx; ++i) work_->trajectory.x[k][i] = work_->lanes.x[k][i][lane];
+    for (int i = 0; i < kNx; ++i) work_->trajectory.x[k][i] = work_->lanes.x(k, i, lane);
   for (int k = 0; k < stages; ++k)
-    for (int i = 0; i < kNu; ++i) work_->trajectory.u[k][i] = work_->lanes.u[k][i][lane];
+    for (int i = 0; i < kNu; ++i) work_->trajectory.u[k][i] = work_->lanes.u(k, i, lane);
 }
 
 }  // namespace sanso::mpc

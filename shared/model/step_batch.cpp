@@ -7,6 +7,8 @@ namespace sanso::model {
 
 using GroupStep = void (*)(const StepModel&, const Ground&, const StateLanes&, const InputLanes&, const BatchStep&,
                            StateLanes&, ContactLanes*, NominalStep*, int);
+using QuadStep = void (*)(const StepModel&, const Ground&, const StateQuad&, const InputQuad&, const BatchStep&, StateQuad&,
+                          ContactQuad*);
 using NeighbourStep = void (*)(const StepModel&, const NominalStep&, const StateLanes&, const InputLanes&, double,
                                StateLanes&);
 using HeldStep = void (*)(const StepModel&, const Ground&, const NominalStep&, const StateLanes&, const InputLanes&, double,
@@ -15,6 +17,8 @@ using HeldStep = void (*)(const StepModel&, const Ground&, const NominalStep&, c
   namespace isa {                                                                                          \
   void step_group(const StepModel&, const Ground&, const StateLanes&, const InputLanes&, const BatchStep&, \
                   StateLanes&, ContactLanes*, NominalStep*, int);                                          \
+  void step_four(const StepModel&, const Ground&, const StateQuad&, const InputQuad&, const BatchStep&,    \
+                 StateQuad&, ContactQuad*);                                                                \
   void neighbour_group(const StepModel&, const NominalStep&, const StateLanes&, const InputLanes&, double, \
                        StateLanes&);                                                                       \
   void held_group(const StepModel&, const Ground&, const NominalStep&, const StateLanes&,                  \
@@ -31,6 +35,7 @@ namespace {
 struct Unit {
   const char* name;
   GroupStep step;
+  QuadStep four;
   NeighbourStep neighbours;
   HeldStep held;
   bool (*runs_here)();
@@ -38,14 +43,14 @@ struct Unit {
 
 constexpr Unit kUnits[] = {
 #ifdef SANSO_HAVE_X86_UNITS
-    {"avx512", avx512::step_group, avx512::neighbour_group, avx512::held_group,
+    {"avx512", avx512::step_group, avx512::step_four, avx512::neighbour_group, avx512::held_group,
      [] {
        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("fma");
      }},
-    {"avx2", avx2::step_group, avx2::neighbour_group, avx2::held_group,
+    {"avx2", avx2::step_group, avx2::step_four, avx2::neighbour_group, avx2::held_group,
      [] { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }},
 #endif
-    {"portable", baseline::step_group, baseline::neighbour_group, baseline::held_group, [] { return true; }},
+    {"portable", baseline::step_group, baseline::step_four, baseline::neighbour_group, baseline::held_group, [] { return true; }},
 };
 
 const Unit* best_unit() {
@@ -63,6 +68,11 @@ void step_batch(const StepModel& model, const Ground& ground, const StateLanes* 
   const GroupStep run = active_unit.load(std::memory_order_relaxed)->step;
   for (int g = 0; g < groups; ++g)
     run(model, ground, x[g], u[g], step, x_next[g], contact ? contact + g : nullptr, nullptr, 0);
+}
+
+void step_quad(const StepModel& model, const Ground& ground, const StateQuad& x, const InputQuad& u, const BatchStep& step,
+               StateQuad& x_next, ContactQuad* contact) {
+  active_unit.load(std::memory_order_relaxed)->four(model, ground, x, u, step, x_next, contact);
 }
 
 void step_batch_keep(const StepModel& model, const Ground& ground, const StateLanes& x, const InputLanes& u,

@@ -1,5 +1,5 @@
-// The whole-body step for groups of eight states at once. Memory is the same on every machine (structure of arrays, eight
-// lanes); the instructions are chosen at run time: AVX-512, AVX2 or the baseline of the build.
+// The whole-body step for groups of eight or four states at once. Memory is the same on every machine (structure of
+// arrays); the instructions are chosen at run time: AVX-512, AVX2 or the baseline of the build.
 #pragma once
 
 #include "shared/model/ground.h"
@@ -8,13 +8,23 @@
 
 namespace sanso::model {
 
-inline constexpr int kLanes = 8;
+inline constexpr int kLanes = 8, kQuadLanes = 4;
 
-/// Eight states, inputs, contact solutions: [component][lane].
-struct alignas(64) StateLanes { double v[kNx][kLanes]; };
-struct alignas(64) InputLanes { double v[kNu][kLanes]; };
+/// `Count` states, inputs, contact solutions: [component][lane].
+template <int Count>
+struct alignas(8 * Count) StatesOf { double v[kNx][Count]; };
+template <int Count>
+struct alignas(8 * Count) InputsOf { double v[kNu][Count]; };
 /// Contact impulses [N s], order foot, corner, (forward, across, normal).
-struct alignas(64) ContactLanes { double v[kNumContactRows][kLanes]; };
+template <int Count>
+struct alignas(8 * Count) ContactsOf { double v[kNumContactRows][Count]; };
+
+using StateLanes = StatesOf<kLanes>;
+using InputLanes = InputsOf<kLanes>;
+using ContactLanes = ContactsOf<kLanes>;
+using StateQuad = StatesOf<kQuadLanes>;
+using InputQuad = InputsOf<kQuadLanes>;
+using ContactQuad = ContactsOf<kQuadLanes>;
 
 struct BatchStep {
   double h;           // s
@@ -27,6 +37,11 @@ struct BatchStep {
 /// Arrays are aligned to 64 bytes; x_next may alias x.
 void step_batch(const StepModel& model, const Ground& ground, const StateLanes* x, const InputLanes* u,
                 const BatchStep& step, StateLanes* x_next, ContactLanes* contact, int groups);
+
+/// The same for four lanes: more work a lane than in groups of eight where registers hold eight, but two threads can share
+/// eight lanes, and a lane waits for three others instead of seven.
+void step_quad(const StepModel& model, const Ground& ground, const StateQuad& x, const InputQuad& u, const BatchStep& step,
+               StateQuad& x_next, ContactQuad* contact);
 
 /// One group in one substep (step.substeps is not read); keeps the steps of the first `kept` lanes for states nearby.
 void step_batch_keep(const StepModel& model, const Ground& ground, const StateLanes& x, const InputLanes& u,

@@ -1,4 +1,4 @@
-// Tangent operators and elementary functions for eight states in step: x ⊖ y, exp, softplus. Per instruction set.
+// Tangent operators and elementary functions for several states in step: x ⊖ y, exp, softplus. Per instruction set.
 #pragma once
 
 #include "host/mpc/problem.h"
@@ -7,7 +7,8 @@
 namespace sanso::mpc::SANSO_ISA {
 
 namespace kernel = sanso::model::SANSO_ISA;
-using Lanes = kernel::Pack<8>;
+using Lanes = kernel::Pack<8>;               // of a linearisation
+using Quad = kernel::Pack<kRollOutLanes>;    // of a roll-out
 
 /// Logarithm of conj(b) * a [rad], body axes of b: the twin of math::quat_minus. |result| <= pi.
 template <class T>
@@ -56,15 +57,17 @@ inline void quat_minus_small(const T* a, const T* b, T* out) {
 }
 
 /// e^a for |a| < 700; relative error under 1e-15.
-inline Lanes exp_of(Lanes a) {
+template <int W>
+inline kernel::Pack<W> exp_of(kernel::Pack<W> a) {
+  using P = kernel::Pack<W>;
   const double log2e = 1.4426950408889634074, ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
-  const Lanes n = kernel::round_of(a * log2e);
-  const Lanes r = (a - n * ln2_high) - n * ln2_low;  // |r| <= ln 2 / 2
-  Lanes sum = 1.0;
+  const P n = kernel::round_of(a * log2e);
+  const P r = (a - n * ln2_high) - n * ln2_low;  // |r| <= ln 2 / 2
+  P sum = 1.0;
   for (int k = 13; k >= 1; --k) sum = 1.0 + r * (1.0 / k) * sum;
   // 2^n: the exponent field of a double
-  const auto bits = (__builtin_convertvector(n.v, Lanes::Mask) + 1023) << 52;
-  return sum * Lanes(__builtin_bit_cast(Lanes::Lanes, bits));
+  const auto bits = (__builtin_convertvector(n.v, typename P::Mask) + 1023) << 52;
+  return sum * P(__builtin_bit_cast(typename P::Lanes, bits));
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

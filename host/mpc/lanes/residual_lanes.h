@@ -1,4 +1,4 @@
-// The residual network in single precision: eight evaluations at once for roll-outs, and its exact Jacobian by the chain
+// The residual network in single precision: a group of evaluations at once for roll-outs, and its exact Jacobian by the chain
 // rule for the linearisation (cheaper than differencing it: 295 k products against 465 k and no softplus). Per
 // instruction set. Vectors run along the hidden units, so a weight is loaded once for several states.
 #pragma once
@@ -44,18 +44,15 @@ inline void activate(float* a, int count) {
   for (int i = 0; i < count; i += kWidth<float>) store(a + i, softplus(load(a + i), slope));
 }
 
-/// Eight evaluations: features[lane][48] -> output[lane][48] (36 used), base axes, SI.
-inline void residual_lanes(const ResidualWeights& w, const float (&features)[8][kFeaturesPadded],
-                           float (&output)[8][kOutputsPadded]) {
-  alignas(64) float h1[8][kHiddenUnits], h2[8][kHiddenUnits];
-  for (int r = 0; r < 8; r += 4)
-    layer<4, kHiddenUnits>(features[r], kFeaturesPadded, &w.W1[0][0], kFeatureCount, w.b1, h1[r]);
-  activate(&h1[0][0], 8 * kHiddenUnits);
-  for (int r = 0; r < 8; r += 4)
-    layer<4, kHiddenUnits>(h1[r], kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, h2[r]);
-  activate(&h2[0][0], 8 * kHiddenUnits);
-  for (int r = 0; r < 8; r += 4)
-    layer<4, kOutputsPadded>(h2[r], kHiddenUnits, &w.W3[0][0], kHiddenUnits, w.b3, output[r]);
+/// A group's evaluations: features[lane][48] -> output[lane][48] (36 used), base axes, SI.
+inline void residual_lanes(const ResidualWeights& w, const float (&features)[kRollOutLanes][kFeaturesPadded],
+                           float (&output)[kRollOutLanes][kOutputsPadded]) {
+  alignas(64) float h1[kRollOutLanes][kHiddenUnits], h2[kRollOutLanes][kHiddenUnits];
+  layer<kRollOutLanes, kHiddenUnits>(features[0], kFeaturesPadded, &w.W1[0][0], kFeatureCount, w.b1, h1[0]);
+  activate(&h1[0][0], kRollOutLanes * kHiddenUnits);
+  layer<kRollOutLanes, kHiddenUnits>(h1[0], kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, h2[0]);
+  activate(&h2[0][0], kRollOutLanes * kHiddenUnits);
+  layer<kRollOutLanes, kOutputsPadded>(h2[0], kHiddenUnits, &w.W3[0][0], kHiddenUnits, w.b3, output[0]);
 }
 
 /// One evaluation.

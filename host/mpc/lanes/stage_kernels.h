@@ -1,80 +1,85 @@
-// Implementation of lane_kernels.h: inputs of the layers, cost and residual of eight lanes. Per instruction set.
+// Implementation of lane_kernels.h: inputs of the layers, cost and residual of a group of lanes. Per instruction set.
 #pragma once
 
 #include "host/mpc/lane_kernels.h"
 #include "host/mpc/lanes/math_lanes.h"
 #include "host/mpc/lanes/residual_lanes.h"
-#include "host/mpc/lanes/vector8.h"
 
 namespace sanso::mpc::SANSO_ISA {
 
-inline Lanes load(const double* p) { return Lanes(*reinterpret_cast<const Lanes::Lanes*>(p)); }
-inline void store(double* p, Lanes a) { *reinterpret_cast<Lanes::Lanes*>(p) = a.v; }
+template <int W>
+inline kernel::Pack<W> load_row(const double (&p)[W]) {
+  return kernel::Pack<W>(*reinterpret_cast<const typename kernel::Pack<W>::Lanes*>(p));
+}
+inline Quad load_quad(const double* p) { return Quad(*reinterpret_cast<const Quad::Lanes*>(p)); }
+template <int W>
+inline void store(double* p, kernel::Pack<W> a) { *reinterpret_cast<typename kernel::Pack<W>::Lanes*>(p) = a.v; }
 
-inline void load_state(const LaneArray* x, Lanes* out) {
-  for (int i = 0; i < kNx; ++i) out[i] = load(x[i]);
+template <int W>
+inline void load_state(const double (*x)[W], kernel::Pack<W>* out) {
+  for (int i = 0; i < kNx; ++i) out[i] = load_row(x[i]);
 }
 
 /// x ⊖ y with one y for all lanes.
-inline void minus_shared(const LaneArray* x, const double* y, Lanes* out) {
-  Lanes xs[kNx], ys[kNx];
+inline void minus_shared(const LaneArray* x, const double* y, Quad* out) {
+  Quad xs[kNx], ys[kNx];
   load_state(x, xs);
   for (int i = 0; i < kNx; ++i) ys[i] = y[i];
   state_minus(xs, ys, out);
 }
 
 inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upper, double* noise_cost) {
-  Lanes u[kNu], change[kNu];
+  Quad u[kNu], change[kNu];
   for (int i = 0; i < kNu; ++i) u[i] = s.u_nominal[i];
   if (s.gains) {
-    Lanes dx[kNdx];
+    Quad dx[kNdx];
     minus_shared(x, s.x_nominal, dx);
-    const Lanes steps(load8(s.steps));
+    const Quad steps = load_quad(s.steps);
     for (int i = 0; i < kNu; ++i) {
-      Lanes sum = u[i] + s.gains->k[i] * steps;
+      Quad sum = u[i] + s.gains->k[i] * steps;
       for (int j = 0; j < kNdx; ++j) sum += s.gains->K[i][j] * dx[j];
       u[i] = sum;
     }
   }
   for (int i = 0; i < kNu; ++i) {
-    u[i] = kernel::min_of(kernel::max_of(u[i], Lanes(-s.input_limit_rad)), Lanes(s.input_limit_rad));
+    u[i] = kernel::min_of(kernel::max_of(u[i], Quad(-s.input_limit_rad)), Quad(s.input_limit_rad));
     change[i] = u[i] - s.u_nominal[i];
     store(u_upper[i], u[i]);
   }
   if (!s.derivatives) return;
-  Lanes price = 0.0;
+  Quad price = 0.0;
   for (int i = 0; i < kNdx; ++i) {
-    Lanes F = s.derivatives->F[i];
+    Quad F = s.derivatives->F[i];
     for (int j = 0; j < kNu; ++j) F += s.derivatives->AB[i][kNdx + j] * change[j];
     price += s.variance_weight[i] * (F * F);
   }
-  store8(noise_cost, load8(noise_cost) + (0.5 * s.sigma * s.sigma * price).v);
+  store(noise_cost, load_quad(noise_cost) + 0.5 * s.sigma * s.sigma * price);
 }
 
-inline Lanes zeta(Lanes distance, double sharpness) { return 1.0 / (1.0 + exp_of(sharpness * distance)); }
+inline Quad zeta(Quad distance, double sharpness) { return 1.0 / (1.0 + exp_of(sharpness * distance)); }
 
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,
                          const LaneArray* u_upper, LaneArray* u) {
-  Lanes sum[kNu];
-  for (int i = 0; i < kNu; ++i) sum[i] = load(u_upper[i]) + Lanes(c.u_fixed[i]);
+  Quad sum[kNu];
+  for (int i = 0; i < kNu; ++i) sum[i] = load_row(u_upper[i]) + Quad(c.u_fixed[i]);
   if (c.has_middle) {
-    Lanes dx[kNdx];
+    Quad dx[kNdx];
     minus_shared(x, c.x_middle, dx);
     for (int i = 0; i < kNu; ++i)
       for (int j = 0; j < kNdx; ++j) sum[i] += c.K_middle[i][j] * dx[j];
   }
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
-      const Lanes q = load(x[model::kXJoint + i]);
+      const Quad q = load_row(x[model::kXJoint + i]);
       sum[i] += reflex.gain * (zeta(q - reflex.lower[i], reflex.sharpness) - zeta(reflex.upper[i] - q, reflex.sharpness));
     }
   }
   for (int i = 0; i < kNu; ++i) store(u[i], sum[i]);
 }
 
-/// Features of eight lanes, transposed into rows of single precision.
-inline void lane_features(const Lanes* x, const LaneArray* u, float (&out)[8][kFeaturesPadded]) {
-  Lanes R[3][3], f[kFeatureCount];
+/// Features of a group of lanes, transposed into rows of single precision.
+inline void lane_features(const Quad* x, const LaneArray* u, float (&out)[kRollOutLanes][kFeaturesPadded]) {
+  Quad R[3][3], f[kFeatureCount];
   kernel::rotation_from_quat(x + model::kXQuat, R);
   f[0] = x[2];
   for (int i = 0; i < 3; ++i) {
@@ -85,22 +90,22 @@ inline void lane_features(const Lanes* x, const LaneArray* u, float (&out)[8][kF
   for (int j = 0; j < kNu; ++j) {
     f[4 + j] = x[model::kXJoint + j];
     f[22 + j] = x[model::kXJointRate + j];
-    f[34 + j] = load(u[j]);
+    f[34 + j] = load_row(u[j]);
   }
   for (int i = 0; i < kFeatureCount; ++i)
-    for (int lane = 0; lane < 8; ++lane) out[lane][i] = static_cast<float>(f[i].v[lane]);
+    for (int lane = 0; lane < kRollOutLanes; ++lane) out[lane][i] = static_cast<float>(f[i].v[lane]);
   for (auto& row : out) row[46] = row[47] = 0.0f;
 }
 
 inline void add_residual(const ResidualWeights& weights, double share, const LaneArray* x, const LaneArray* u,
                          LaneArray* x_next) {
-  alignas(64) float features[8][kFeaturesPadded], output[8][kOutputsPadded];
-  Lanes xs[kNx], y[kNdx], R[3][3], next[kNx];
+  alignas(64) float features[kRollOutLanes][kFeaturesPadded], output[kRollOutLanes][kOutputsPadded];
+  Quad xs[kNx], y[kNdx], R[3][3], next[kNx];
   load_state(x, xs);
   lane_features(xs, u, features);
   residual_lanes(weights, features, output);
   for (int i = 0; i < kNdx; ++i)
-    for (int lane = 0; lane < 8; ++lane) y[i].v[lane] = share * static_cast<double>(output[lane][i]);
+    for (int lane = 0; lane < kRollOutLanes; ++lane) y[i].v[lane] = share * static_cast<double>(output[lane][i]);
   kernel::rotation_from_quat(xs + model::kXQuat, R);
   load_state(x_next, next);
   for (int i = 0; i < 3; ++i) {
@@ -117,15 +122,15 @@ inline void add_residual(const ResidualWeights& weights, double share, const Lan
 }
 
 inline void add_cost(const ProblemContext& p, int knot, const LaneArray* x, const LaneArray* u_upper, double* cost) {
-  Lanes e[kNdx], sum(load8(cost));
+  Quad e[kNdx], sum = load_quad(cost);
   minus_shared(x, p.x_ref[knot], e);
   for (int i = 0; i < kNdx; ++i) sum += p.state_weight[i] * (e[i] * e[i]);
   if (u_upper)
     for (int i = 0; i < kNu; ++i) {
-      const Lanes u = load(u_upper[i]);
+      const Quad u = load_row(u_upper[i]);
       sum += p.input_weight[i] * (u * u);
     }
-  store8(cost, sum.v);
+  store(cost, sum);
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

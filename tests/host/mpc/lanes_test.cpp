@@ -42,7 +42,7 @@ struct DrawnProblem {
     phases->roll_out(policy, kStepLengths, *lanes);
     phases->lane_taken(3);
     for (int k = 0; k < 12; ++k)
-      for (int i = 0; i < kNx; ++i) trajectory->x[k][i] = lanes->x[k][i][3];
+      for (int i = 0; i < kNx; ++i) trajectory->x[k][i] = lanes->x(k, i, 3);
   }
   State x(int k) const { return Eigen::Map<const State>(trajectory->x[k]); }
   Input u(int k) const { return Eigen::Map<const Input>(trajectory->u[k]); }
@@ -84,8 +84,8 @@ TEST(Lanes, RollOutEqualsTheScalarModel) {
           x = scalar.step(k, x, s.u(k));
         }
       }
-      EXPECT_NEAR(s.lanes->cost[0], cost, tolerance * (1 + cost));
-      EXPECT_EQ(s.lanes->cost[0], s.lanes->cost[7]);  // equal inputs, equal lanes
+      EXPECT_NEAR(s.lanes->cost(0), cost, tolerance * (1 + cost));
+      EXPECT_EQ(s.lanes->cost(0), s.lanes->cost(7));  // equal inputs, equal lanes
     }
 }
 
@@ -186,6 +186,8 @@ TEST(Lanes, ThreadsDoNotChangeABit) {
   policy.nominal = one.trajectory.get();
   policy.input_limit_rad = 0.5;
   many.roll_out(policy, kStepLengths, *lanes);
+  for (int lane = 0; lane < kLineSearchLanes; ++lane) ASSERT_EQ(one.lanes->cost(lane), lanes->cost(lane));
+  for (int i = 0; i < kNx; ++i) ASSERT_EQ(one.lanes->x(11, i, 7), lanes->x(11, i, 7));
   many.lane_taken(3);
   many.linearize(*one.trajectory, d4.get(), c.get());
   for (int k = 0; k < 11; ++k)

@@ -45,7 +45,7 @@ class LinearPhases : public Phases {
       double x[kNx], cost = 0, noise = 0;
       std::copy(p.nominal->x[0], p.nominal->x[0] + kNx, x);
       for (int k = 0; k <= stages_; ++k) {
-        for (int i = 0; i < kNx; ++i) out.x[k][i][lane] = x[i];
+        for (int i = 0; i < kNx; ++i) out.x(k, i, lane) = x[i];
         for (int i = 0; i < kNdx; ++i) cost += fixed(i) ? 0 : x[state_row(i)] * x[state_row(i)];
         if (k == stages_) break;
         double u[kNu], next[kNdx];
@@ -57,7 +57,7 @@ class LinearPhases : public Phases {
               if (!fixed(j)) u[i] += p.gains[k].K[i][j] * (x[state_row(j)] - p.nominal->x[k][state_row(j)]);
           }
           u[i] = std::clamp(u[i], -p.input_limit_rad, p.input_limit_rad);
-          out.u[k][i][lane] = u[i];
+          out.u(k, i, lane) = u[i];
           cost += u[i] * u[i];
         }
         for (int i = 0; i < kNdx; ++i) {
@@ -71,8 +71,8 @@ class LinearPhases : public Phases {
         for (int i = 0; i < kNdx; ++i)
           if (!fixed(i)) x[state_row(i)] = next[i];
       }
-      out.cost[lane] = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
-      out.noise_cost[lane] = noise;
+      out.cost(lane) = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
+      out.noise_cost(lane) = noise;
     }
   }
 

@@ -145,6 +145,34 @@ TEST_F(Op3Step, LanesEqualScalar) {
   }
 }
 
+TEST_F(Op3Step, FourLanesEqualScalar) {
+  for (const char* isa : {"portable", "avx2", "avx512"}) {
+    if (!select_batch_isa(isa)) continue;
+    for (int trial = 0; trial < 50; ++trial) {
+      StateQuad x, next;
+      InputQuad u;
+      ContactQuad contact;
+      State xs[kQuadLanes];
+      Input us[kQuadLanes];
+      for (int lane = 0; lane < kQuadLanes; ++lane) {
+        xs[lane] = state_near_standing(rng);
+        us[lane] = random_input(rng, xs[lane]);
+        for (int i = 0; i < kNx; ++i) x.v[i][lane] = xs[lane][i];
+        for (int i = 0; i < kNu; ++i) u.v[i][lane] = us[lane][i];
+      }
+      step_quad(model, ground, x, u, {.h = kStep}, next, &contact);
+      for (int lane = 0; lane < kQuadLanes; ++lane) {
+        const State expected = step(model, ground, xs[lane], us[lane], scratch);
+        for (int i = 0; i < kNx; ++i)
+          ASSERT_NEAR(next.v[i][lane], expected[i], 1e-9 * (1 + std::abs(expected[i])))
+              << isa << " lane " << lane << " component " << i << " seed " << kSeed;
+        for (int i = 0; i < kNumContactRows; ++i)
+          ASSERT_NEAR(contact.v[i][lane], (&scratch.lambda[0][0][0])[i], 1e-8) << isa << " lane " << lane << " row " << i;
+      }
+    }
+  }
+}
+
 /// The steps for derivatives against whole steps: states a millionth away in random directions.
 TEST_F(Op3Step, StepsNearbyAreRightToFirstOrder) {
   constexpr double eps = 1e-6;

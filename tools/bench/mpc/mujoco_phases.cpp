@@ -141,7 +141,7 @@ void MujocoPhases::roll_out_lane(const mpc::LinePolicy& policy, double step_leng
   const auto add_state_cost = [&](int knot) {
     const Tangent e = model::minus(x, Eigen::Map<const State>(context_->x_ref[knot]));
     cost += e.dot(Eigen::Map<const Tangent>(context_->state_weight).cwiseProduct(e));
-    for (int i = 0; i < mpc::kNx; ++i) out.x[knot][i][lane] = x[i];
+    for (int i = 0; i < mpc::kNx; ++i) out.x(knot, i, lane) = x[i];
   };
   for (int k = 0; k < stages(); ++k) {
     add_state_cost(k);
@@ -154,7 +154,7 @@ void MujocoPhases::roll_out_lane(const mpc::LinePolicy& policy, double step_leng
       }
     }
     u = u.cwiseMax(-policy.input_limit_rad).cwiseMin(policy.input_limit_rad);
-    for (int i = 0; i < mpc::kNu; ++i) out.u[k][i][lane] = u[i];
+    for (int i = 0; i < mpc::kNu; ++i) out.u(k, i, lane) = u[i];
     cost += u.dot(Eigen::Map<const Input>(context_->input_weight).cwiseProduct(u));
     set(data, x.data(), k, u.data());
     mj_step(model_, data);
@@ -162,8 +162,8 @@ void MujocoPhases::roll_out_lane(const mpc::LinePolicy& policy, double step_leng
     std::copy_n(data->qvel, model::kNv, x.data() + model::kNq);
   }
   add_state_cost(stages());
-  out.cost[lane] = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
-  out.noise_cost[lane] = 0;
+  out.cost(lane) = std::isfinite(cost) ? cost : std::numeric_limits<double>::infinity();
+  out.noise_cost(lane) = 0;
 }
 
 }  // namespace sanso::bench
