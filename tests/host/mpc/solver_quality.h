@@ -15,6 +15,7 @@ struct Quality {
   double ours = 0;   // our policy, closed loop under the tight model
   double own = 0;    // what our solver believes it costs, in its own model
   double slow = 0;   // the slow reference's optimum, same model
+  double slow_stopped = 0;  // the slow reference, stopped by our convergence test
   int iterations = 0, slow_iterations = 0;
 };
 
@@ -71,6 +72,7 @@ inline Quality compare_on_problem(unsigned seed, const Effort& effort = {}) {
   q.ours = reference::closed_loop_cost(tight, x0, x, u, K, settings.input_limit_rad);
   const reference::Solution slow = reference::solve(tight, 11, x0, settings.input_limit_rad, 30);
   q.slow = slow.cost;
+  q.slow_stopped = slow.cost_stopped(settings.convergence, settings.max_iterations);
   q.own = result.cost_after;
   q.iterations = result.iterations;
   q.slow_iterations = slow.iterations;

@@ -85,6 +85,7 @@ Solution solve(const Model& m, int stages, const State& x0, double limit, int ma
   std::vector<Input> k(s.u.size(), Input::Zero());
   std::vector<Gain> K(s.u.size(), Gain::Zero());
   s = roll_out(m, s, k, K, 0, limit);
+  std::vector<double> costs{s.cost};
   double mu = 0;
   for (s.iterations = 0; s.iterations < max_iterations;) {
     backward(m, s, mu, k, K);
@@ -102,8 +103,16 @@ Solution solve(const Model& m, int stages, const State& x0, double limit, int ma
       mu *= 0.01;
     }
     s = best;
+    costs.push_back(s.cost);
   }
+  s.costs = costs;
   return s;
+}
+
+double Solution::cost_stopped(double convergence, int max_iterations) const {
+  for (std::size_t i = 1; i < costs.size(); ++i)
+    if (static_cast<int>(i) == max_iterations || costs[i - 1] - costs[i] < convergence * costs[i - 1]) return costs[i];
+  return costs.back();
 }
 
 double closed_loop_cost(const Model& m, const State& x0, const std::vector<State>& x, const std::vector<Input>& u,

@@ -88,6 +88,10 @@ struct Solution {
   std::vector<model::Input> u;
   double cost = 0;
   int iterations = 0;
+  std::vector<double> costs;  // before the first iteration and after each
+
+  /// Cost at the first iteration that gains less than the fraction `convergence`, at most after max_iterations.
+  double cost_stopped(double convergence, int max_iterations) const;
 };
 
 /// Textbook iLQG without noise: central differences, dense solves, a finely graded line search, many iterations.
