@@ -51,6 +51,11 @@ bool append_singles(const Library& library, const Chosen& tied, Model& model) {
   return true;
 }
 
+/// By more than the groups' spread and than what matters.
+bool worse(const Surroundings& around, const HeldoutGain& lost) {
+  return lost.total > std::max(lost.standard_error + kNoiseUnit, practical_energy(*around.problem));
+}
+
 }  // namespace
 
 std::vector<Untied> untied(const Library& library, const Model& model) {
@@ -73,8 +78,10 @@ std::vector<Untied> untied(const Library& library, const Model& model) {
 
 std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart, const FitResult& tied) {
   FitResult out = fit(around, apart.model, constants::kIterations);
-  const HeldoutGain lost = compare(refitted_energy(around, out), refitted_energy(around, tied));
-  if (lost.total > std::max(lost.standard_error + kNoiseUnit, practical_energy(*around.problem))) return std::nullopt;
+  // on what the fits saw first: where fits without a group are erratic, the second comparison alone would let anything pass
+  const auto seen = [&](const FitResult& f) { return around.bounded(around.starts.energy_by_shot(f.r)); };
+  if (worse(around, compare(seen(out), seen(tied)))) return std::nullopt;
+  if (worse(around, compare(refitted_energy(around, out), refitted_energy(around, tied)))) return std::nullopt;
   return out;
 }
 
