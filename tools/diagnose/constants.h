@@ -1,5 +1,5 @@
-// Every figure that a diagnosis depends on, with its reason. What half and double of one does to the scores is measured
-// for kPracticalSize only (docs/results/diagnose.md). The gates under "decisions" were added while looking at sealed
+// Every figure that a diagnosis depends on, with its reason. What half and double of each does to a few cases stands in
+// docs/results/diagnose.md. The gates under "decisions" were added while looking at sealed
 // development cases, and kStandInShare while looking at one real recording: scores on other data judge them. Not
 // constexpr for one reason: `sanso bench diagnose --constant NAME=FACTOR` scales one before anything runs; nothing else
 // writes to them.

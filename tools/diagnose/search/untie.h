@@ -19,8 +19,8 @@ struct Untied {
 /// effect, or a documented twin of it, stands at some of these joints. Each joint begins at the tied parameters.
 std::vector<Untied> untied(const Library& library, const Model& model);
 
-/// Its fit, when it predicts groups left out as well as `tied` does: within one standard error or a difference that
-/// does not matter. Both are fitted again without each group.
+/// Its fit, when it explains the groups seen and predicts groups left out as well as `tied` does: within one standard
+/// error or a difference that does not matter. For the second, both are fitted again without each group.
 std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart, const FitResult& tied);
 
 }  // namespace sanso::diagnose
