@@ -119,49 +119,26 @@ TEST_F(Op3Step, ContactIsSolvedInEveryState) {
   EXPECT_LT(worst, 1e-7) << "m/s, rad/s; seed " << kSeed;
 }
 
-TEST_F(Op3Step, LanesEqualScalar) {
+/// Steps `Count` drawn states in lanes and one by one, on every instruction set; `step_lanes(x, u, next, contact)`.
+template <int Count, class StepLanes>
+void expect_lanes_equal_scalar(const StepModel& model, const Ground& ground, std::mt19937& rng, const StepLanes& step_lanes) {
+  StepScratch scratch;
   for (const char* isa : {"portable", "avx2", "avx512"}) {
     if (!select_batch_isa(isa)) continue;
     for (int trial = 0; trial < 50; ++trial) {
-      StateLanes x, next;
-      InputLanes u;
-      ContactLanes contact;
-      State xs[kLanes];
-      Input us[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) {
+      StatesOf<Count> x, next;
+      InputsOf<Count> u;
+      ContactsOf<Count> contact;
+      State xs[Count];
+      Input us[Count];
+      for (int lane = 0; lane < Count; ++lane) {
         xs[lane] = state_near_standing(rng);
         us[lane] = random_input(rng, xs[lane]);
         for (int i = 0; i < kNx; ++i) x.v[i][lane] = xs[lane][i];
         for (int i = 0; i < kNu; ++i) u.v[i][lane] = us[lane][i];
       }
-      step_batch(model, ground, &x, &u, {.h = kStep}, &next, &contact, 1);
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const State expected = step(model, ground, xs[lane], us[lane], scratch);
-        for (int i = 0; i < kNx; ++i)
-          ASSERT_NEAR(next.v[i][lane], expected[i], 1e-9 * (1 + std::abs(expected[i])))
-              << isa << " lane " << lane << " component " << i << " seed " << kSeed;
-      }
-    }
-  }
-}
-
-TEST_F(Op3Step, FourLanesEqualScalar) {
-  for (const char* isa : {"portable", "avx2", "avx512"}) {
-    if (!select_batch_isa(isa)) continue;
-    for (int trial = 0; trial < 50; ++trial) {
-      StateQuad x, next;
-      InputQuad u;
-      ContactQuad contact;
-      State xs[kQuadLanes];
-      Input us[kQuadLanes];
-      for (int lane = 0; lane < kQuadLanes; ++lane) {
-        xs[lane] = state_near_standing(rng);
-        us[lane] = random_input(rng, xs[lane]);
-        for (int i = 0; i < kNx; ++i) x.v[i][lane] = xs[lane][i];
-        for (int i = 0; i < kNu; ++i) u.v[i][lane] = us[lane][i];
-      }
-      step_quad(model, ground, x, u, {.h = kStep}, next, &contact);
-      for (int lane = 0; lane < kQuadLanes; ++lane) {
+      step_lanes(x, u, next, contact);
+      for (int lane = 0; lane < Count; ++lane) {
         const State expected = step(model, ground, xs[lane], us[lane], scratch);
         for (int i = 0; i < kNx; ++i)
           ASSERT_NEAR(next.v[i][lane], expected[i], 1e-9 * (1 + std::abs(expected[i])))
@@ -171,6 +148,18 @@ TEST_F(Op3Step, FourLanesEqualScalar) {
       }
     }
   }
+}
+
+TEST_F(Op3Step, EightLanesEqualScalar) {
+  expect_lanes_equal_scalar<kLanes>(model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
+    step_batch(model, ground, &x, &u, {.h = kStep}, &next, &contact, 1);
+  });
+}
+
+TEST_F(Op3Step, FourLanesEqualScalar) {
+  expect_lanes_equal_scalar<kQuadLanes>(model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
+    step_quad(model, ground, x, u, {.h = kStep}, next, &contact);
+  });
 }
 
 /// The steps for derivatives against whole steps: states a millionth away in random directions.

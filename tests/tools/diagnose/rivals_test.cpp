@@ -59,6 +59,19 @@ struct Bench {
   }
 };
 
+/// Every candidate screened and fitted, best first.
+struct Race {
+  Surroundings around;
+  Screening seen;
+  std::vector<Alternative> fitted;
+  explicit Race(const Bench& b) : around(make_surroundings(b.problem, b.library, Model{})) {
+    const FitResult nominal = fit(around, Model{}, 3);
+    seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
+    fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
+    rank(b.library, b.problem, fitted);
+  }
+};
+
 TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
   Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction", "coulomb_friction", "cable_spring"});
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
@@ -78,45 +91,33 @@ TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
 TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   // nothing but the joint's own encoder and its command: a shift is a shift. The fits must reach it, both of them
   Bench b({{"command_delay", {"a"}, {{"delay", 0.0173}}}}, {"command_delay", "sensor_delay"});
-  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
-  const FitResult nominal = fit(around, Model{}, 3);
-  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
-  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
-  rank(b.library, b.problem, fitted);
-  ASSERT_EQ(fitted.size(), 2U);
-  for (const Alternative& a : fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
-  EXPECT_LT(fitted.back().behind, practical_energy(b.problem));
-  const std::vector<int> others = replacements(b.library, seen, fitted.front().fit.model, fitted.front().candidate, {});
-  EXPECT_EQ(others, std::vector<int>{fitted.back().candidate});
+  const Race race(b);
+  ASSERT_EQ(race.fitted.size(), 2U);
+  for (const Alternative& a : race.fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
+  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
+  const std::vector<int> others = replacements(b.library, race.seen, race.fitted.front().fit.model, race.fitted.front().candidate, {});
+  EXPECT_EQ(others, std::vector<int>{race.fitted.back().candidate});
 }
 
 TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
   // a reading falls before or after a jump of the command: from the wrong side no derivative leads across
   constexpr double kDelay = 0.0248;
   Bench b({{"sensor_delay", {"a"}, {{"delay", kDelay}}}}, {"command_delay", "sensor_delay"}, true);
-  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
-  const FitResult nominal = fit(around, Model{}, 3);
-  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
-  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
-  rank(b.library, b.problem, fitted);
-  ASSERT_EQ(fitted.size(), 2U);
-  for (const Alternative& a : fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
-  EXPECT_LT(fitted.back().behind, practical_energy(b.problem));
+  const Race race(b);
+  ASSERT_EQ(race.fitted.size(), 2U);
+  for (const Alternative& a : race.fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
+  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
 }
 
 TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {
   // no end of the motion shows it: the joint runs into a cable and deep beyond where it first touches
   Bench b({{"joint_stop", {"a"}, {{"stiffness", 0.5}, {"position", 0.12}, {"side", 1.0}}}},
           {"joint_stop", "cable_spring", "cogging"});
-  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
-  const FitResult nominal = fit(around, Model{}, 3);
-  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
-  EXPECT_EQ(seen.ranking().front(), b.of("joint_stop"));
-  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
-  rank(b.library, b.problem, fitted);
-  EXPECT_EQ(fitted.front().candidate, b.of("joint_stop"));
-  EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[0], 0.5, 0.03);
-  EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[1], 0.12, 0.02);
+  const Race race(b);
+  EXPECT_EQ(race.seen.ranking().front(), b.of("joint_stop"));
+  EXPECT_EQ(race.fitted.front().candidate, b.of("joint_stop"));
+  EXPECT_NEAR(race.fitted.front().fit.model.effects.back().theta[0], 0.5, 0.03);
+  EXPECT_NEAR(race.fitted.front().fit.model.effects.back().theta[1], 0.12, 0.02);
 }
 
 TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
