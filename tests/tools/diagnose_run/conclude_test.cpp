@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/effect.h"
+
 namespace sanso::diagnose {
 namespace {
 
@@ -39,6 +42,24 @@ TEST(SpansNull, ChanceIsJudgedByItsSize) {
   c.parameters = {parameter("share", 0.0, true), parameter("seed", 0.0, true)};
   EXPECT_FALSE(spans_null(c, {{"share", {0.02, 0.01, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
   EXPECT_TRUE(spans_null(c, {{"share", {0.02, 0.0, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
+}
+
+Candidate at(const char* effect, int joint) {
+  Candidate c;
+  c.effect = effect;
+  c.joints = {joint};
+  return c;
+}
+
+/// On one joint any load is a sum of two masses; on the second of two joints the first one's motion tells them apart.
+TEST(Terms, AMassIsATermOfALoadOnlyWhereItsJointHangsOnTheBase) {
+  const auto tree = test::arm("actuator = \"passive\"").tree.joints;
+  EXPECT_EQ(terms_of(at("payload", 0), tree), kOfAngle | kOfAcceleration);
+  EXPECT_EQ(terms_of(at("payload", 1), tree), 0U);
+  EXPECT_EQ(terms_of(at("tether", 0), tree), unsigned{kOfAngle});
+  EXPECT_EQ(terms_of(at("cable_spring", 1), tree), unsigned{kOfAngle});  // of its own joint, wherever that hangs
+  EXPECT_EQ(terms_of(at("rotor_inertia", 1), tree), unsigned{kOfAcceleration});
+  EXPECT_EQ(terms_of(at("coulomb_friction", 0), tree), 0U);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/verdict/verdict.h"
 
 namespace sanso::diagnose {
@@ -49,6 +50,10 @@ TEST(Finding, WhatEndsAtABoundIsNeverConfirmed) {
   f.terms = {"cogging"};  // a spring and a ripple at one joint
   EXPECT_EQ(status_of(f), VerdictStatus::present_unnamed);
   EXPECT_NE(reserve(f).find("cogging"), std::string::npos);
+  f.terms_of = kOfAngle;
+  EXPECT_NE(reserve(f).find("of the angle"), std::string::npos);
+  f.terms_of = kOfAcceleration;  // two inertias
+  EXPECT_NE(reserve(f).find("an inertia"), std::string::npos);
 }
 
 TEST(Finding, WhatMayBeNothingIsNotConfirmed) {

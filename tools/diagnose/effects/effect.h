@@ -65,6 +65,10 @@ struct EffectParameter {
 /// Residuals of the method page (3.3) that an effect changes.
 enum Residual : unsigned { kR1 = 1, kR2 = 2, kR3 = 4, kR4 = 8, kR5 = 16, kR6 = 32, kR7 = 64, kR8 = 128 };
 
+/// What an effect's torque at its own joint is a function of, alone. Two effects of one kind at one joint are terms of a
+/// series that describes any such torque, and so no causes.
+enum Term : unsigned { kOfAngle = 1, kOfAcceleration = 2 };
+
 /// Kinds of missing information that make an effect untestable.
 enum Need : unsigned {
   kCommand = 1,       // an actuator that follows a command
@@ -95,7 +99,7 @@ struct Effect {
   std::vector<EffectParameter> parameters{};
   bool smooth = true;   // derivatives at the null say something; otherwise only probes do
   bool random = false;  // chance decides what it does to a recording: judged by scatter, its first parameter the size
-  bool angle_torque = false;  // a torque that the joint's angle alone decides: two of them are terms of a series
+  unsigned terms = 0;         // Term bits; of a link: where its joint hangs on the base
   std::vector<std::vector<double>> probes{};    // parameter vectors (library units) whose signature is looked for
   int sign = 0;                                 // +1: only values above the null are possible, -1: only below, 0: both
   unsigned residuals = kR2;                     // Residual bits it must change

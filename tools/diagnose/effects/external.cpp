@@ -62,6 +62,7 @@ std::vector<Effect> external_effects() {
           .parameters = {{"x", "N", 0, -20, 20, 0.5, Unit::force},
                          {"y", "N", 0, -20, 20, 0.5, Unit::force},
                          {"z", "N", 0, -20, 20, 0.5, Unit::force}},
+          .terms = kOfAngle,
           .probes = {{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}},
           .residuals = kR2 | kR3 | kR5,
           .cluster = "J",
@@ -87,7 +88,7 @@ std::vector<Effect> external_effects() {
                          {"side", "+1 or -1", 1, -1, 1, 1, Unit::none, true},
                          {"loss", "-", 0, 0, 2, 0.2}},
           .smooth = false,
-          .angle_torque = true,
+          .terms = kOfAngle,
           // a bundle of cables that the link runs into, and metal
           .probes = {{1, 1, 1, 0}, {1, -1, -1, 0}, {20, 1, 1, 0}, {20, -1, -1, 0}},
           .sign = 1,

@@ -40,15 +40,17 @@ bool contains(const Candidate& larger, const Candidate& chosen) {
          std::find(larger.contains.begin(), larger.contains.end(), chosen.effect) != larger.contains.end();
 }
 
-/// A spring and a ripple, or two of them, make any smooth torque of the angle: the terms of a series are no causes.
-void mark_terms(std::vector<Finding>& findings) {
-  const auto of_angle = [](const Finding& f) {
-    const Effect* effect = find_effect(f.effect);
-    return effect != nullptr && effect->angle_torque;
-  };
-  for (Finding& f : findings) {
-    for (const Finding& other : findings) {
-      if (&other != &f && other.where == f.where && of_angle(f) && of_angle(other)) f.terms.push_back(other.effect);
+/// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the terms of a series
+/// are no causes.
+void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidate*>& candidates,
+                const std::vector<TreeJoint>& tree) {
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    for (std::size_t k = 0; k < findings.size(); ++k) {
+      if (k == i || candidates[k]->joints != candidates[i]->joints) continue;
+      const unsigned common = terms_of(*candidates[i], tree) & terms_of(*candidates[k], tree);
+      if (common == 0) continue;
+      findings[i].terms.push_back(findings[k].effect);
+      findings[i].terms_of |= common;
     }
   }
 }
@@ -62,6 +64,14 @@ std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
 }
 
 }  // namespace
+
+unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
+  const Effect* effect = find_effect(c.effect);
+  if (effect == nullptr || c.joints.empty()) return 0;
+  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(),
+                                   [&](int j) { return tree[static_cast<std::size_t>(j)].parent < 0; });
+  return effect->scope == Scope::link && !on_base ? 0 : effect->terms;
+}
 
 bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter>& parameters) {
   bool asked = false;
@@ -77,12 +87,14 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
 
 std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes) {
   std::vector<Finding> out;
+  std::vector<const Candidate*> candidates;  // by finding
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     const Accepted& entry = selection.accepted[i];
     if (!entry.contradicted.empty()) continue;
     const Candidate& c = candidate(library, entry.candidate);
     Finding f;
+    candidates.push_back(&c);
     f.effect = c.effect;
     f.family = c.family;
     f.where = c.where;
@@ -116,7 +128,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     }
     out.push_back(std::move(f));
   }
-  mark_terms(out);
+  mark_terms(out, candidates, selection.around->problem->sources.front().nominal.tree.joints);
   for (Finding& f : out) f.status = status_of(f);
   return out;
 }

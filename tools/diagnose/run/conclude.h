@@ -15,6 +15,10 @@ namespace sanso::diagnose {
 /// One finding for every accepted effect that no residual contradicts.
 std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes);
 
+/// Term bits (effects/effect.h) of a candidate on this tree. What a link does to a joint that hangs on the base is a
+/// function of that joint's motion alone; further out, the motion of other joints tells masses from springs and rotors.
+unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree);
+
 /// The final intervals (wider than those by which a name is accepted) of all that was fitted contain the null.
 bool spans_null(const Candidate& candidate, const std::map<std::string, VerdictParameter>& parameters);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/diagnose/effects/effect.h"
+
 namespace sanso::diagnose {
 
 const char* to_string(VerdictStatus status) {
@@ -35,7 +37,10 @@ std::string reserve(const Finding& finding) {
   if (finding.terms.empty()) return stopped_at_bounds(finding);
   std::string text = "with";
   for (const std::string& t : finding.terms) text += " " + t;
-  return text + " it describes a torque of the angle that may have any cause";
+  const char* series = finding.terms_of == kOfAngle          ? "a torque of the angle"
+                       : finding.terms_of == kOfAcceleration ? "an inertia"
+                                                             : "a load";
+  return text + " it describes " + series + " that may have any cause";
 }
 
 VerdictStatus status_of(const Finding& finding) {

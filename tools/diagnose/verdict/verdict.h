@@ -50,7 +50,8 @@ struct Finding {
   double heldout_gain_se = 0.0;
   double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
   std::vector<std::string> one_of;
-  std::vector<std::string> terms;  // findings at this joint that are functions of the angle alone, as this one is
+  std::vector<std::string> terms;  // findings that are terms of one series with this one
+  unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share
   bool spans_null = false;         // its interval contains what changes nothing
   std::vector<Rival> rivals;
   std::vector<IncidenceRow> incidence;
