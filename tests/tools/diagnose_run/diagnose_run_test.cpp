@@ -115,6 +115,26 @@ TEST_F(DiagnoseRun, WhatEndsAtABoundIsPresentAndNotConfirmed) {
   }
 }
 
+/// A push a tenth of a second long fills few rows: it is found because nothing else stands out there, and left out of
+/// the library it is not silence.
+TEST_F(DiagnoseRun, NamesAPushAndItsInstant_OrSaysWhereSomethingHappened) {
+  const EffectEntry push{"external_push", {"arm"}, {{"x", 4.0}, {"from", 6.21}, {"duration", 0.12}}, 0};
+  for (int i = 0; i < 3; ++i) add(record({push}, i));
+  EXPECT_EQ(run_diagnose(options_), 1);
+  nlohmann::json v = verdict();
+  ASSERT_FALSE(v.at("findings").empty()) << v.at("answer");
+  const nlohmann::json& finding = v.at("findings").at(0);
+  EXPECT_EQ(finding.at("effect"), "external_push");
+  EXPECT_NEAR(finding.at("parameters").at("from").at("value").get<double>(), 6.21, 0.01);
+  EXPECT_NEAR(finding.at("parameters").at("duration").at("value").get<double>(), 0.12, 0.03);
+  options_.without = {"external_push"};
+  EXPECT_EQ(run_diagnose(options_), 1);
+  v = verdict();
+  EXPECT_EQ(v.at("status"), "PRESENT_UNNAMED") << v.at("answer");
+  ASSERT_FALSE(v.at("stretches").empty());
+  EXPECT_NEAR(v.at("stretches").at(0).at("from").get<double>(), 6.0, 0.51);
+}
+
 TEST_F(DiagnoseRun, NamesDryFriction) {
   for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.25}}, 0}}, i));
   EXPECT_EQ(run_diagnose(options_), 1);

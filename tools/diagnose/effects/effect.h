@@ -48,6 +48,8 @@ enum class Role {
   order,     // periods in a turn: tried one by one around the probed ones
   delay,     // of a signal that is sampled or held, so that its derivative misses the jumps: tried in halving steps
   instant,   // of a recording, from which on: tried on a grid
+  event,     // of a recording, at which something short begins: tried where errors stand alone
+  duration,  // of an event: its edges are tried in halving steps
   position,  // of the joint: a probe's sign says from which end of its motion; tried on a grid between the ends
 };
 

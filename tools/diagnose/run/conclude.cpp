@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
@@ -152,123 +151,6 @@ double remaining_share(const Problem& problem, const Selection& selection) {
     }
   }
   return excess_before > 0.0 ? std::clamp(excess_after / excess_before, 0.0, 1.0) : 0.0;
-}
-
-namespace {
-
-/// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later
-/// gates.
-bool detected(const Selection& selection) {
-  return std::any_of(selection.first.probes.begin(), selection.first.probes.end(),
-                     [](const ProbeScore& p) { return p.p_family < constants::kFamilyWise; });
-}
-
-/// The joint whose remaining missing torque is most surely physics: predictable, and larger than noise makes it.
-const Predictability* most_predictable(const std::vector<Predictability>& left) {
-  const Predictability* best = nullptr;
-  const double level = constants::kFamilyWise / static_cast<double>(std::max<std::size_t>(1, left.size()));
-  for (const Predictability& p : left) {
-    // p resolves to 1 / (kBootstrap + 1); with many joints the smallest p is all one can ask for
-    const bool significant = p.p <= std::max(level, 1.0 / (constants::kBootstrap + 1.0) + 1e-12);
-    if (!significant || p.explained < 0.1 || p.torque_rms < 1.5 * p.noise_rms) continue;
-    if (best == nullptr || p.explained > best->explained) best = &p;
-  }
-  return best;
-}
-
-std::string places(const std::vector<std::string>& where) {
-  if (where.empty()) return "the whole robot";
-  std::string text = where.front();
-  for (std::size_t i = 1; i < where.size(); ++i) text += ", " + where[i];
-  return text;
-}
-
-std::string sentence(const Finding& f) {
-  std::string text = f.effect;
-  if (f.status == VerdictStatus::one_of) {
-    text = "one of {";
-    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
-    text += "}";
-  }
-  text += " at " + places(f.where);
-  if (!f.parameters.empty() && f.status == VerdictStatus::confirmed) {
-    const auto& [name, value] = *f.parameters.begin();
-    text += fmt::format(" ({} {:.3g} {})", name, value.value, value.unit);
-  }
-  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
-  return text;
-}
-
-/// Effects that stay in the model as a description though a residual speaks against them; empty: none.
-std::string stand_ins(const Library& library, const Selection& selection) {
-  std::string text;
-  for (const Accepted& entry : selection.accepted) {
-    if (entry.contradicted.empty()) continue;
-    text += (text.empty() ? "" : "; ") + candidate(library, entry.candidate).title() + " (" + entry.contradicted + ")";
-  }
-  return text;
-}
-
-}  // namespace
-
-void decide(Verdict& verdict, const Problem& problem, const Library& library, const Selection& selection,
-            const std::vector<Predictability>& left, const std::string& location) {
-  const double share = remaining_share(problem, selection);
-  const Predictability* unnamed = most_predictable(left);
-  verdict.notes.push_back(
-      fmt::format("left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %",
-                  100 * share, position_error_level(*selection.around, selection.final.r, selection.expected_scatter),
-                  unnamed != nullptr ? 100 * unnamed->explained : 0.0));
-  // however loud the effects that have a name were: what is left besides is no noise
-  const bool inadequate =
-      position_error_level(*selection.around, selection.final.r, selection.expected_scatter) > constants::kAdequate &&
-      detected(selection);
-  if (unnamed != nullptr) {
-    Unexplained u;
-    u.predictable = unnamed->explained;
-    u.p = unnamed->p;
-    u.energy_share = share;
-    u.where = problem.joints[static_cast<std::size_t>(unnamed->joint)];
-    u.regime = location;
-    verdict.unexplained = u;
-  }
-  const std::string described = stand_ins(library, selection);
-  const bool stopped = std::any_of(verdict.findings.begin(), verdict.findings.end(),
-                                   [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
-  if (unnamed == nullptr && (inadequate || !described.empty() || stopped)) {
-    Unexplained u;
-    u.energy_share = share;
-    u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
-    u.regime = location;
-    verdict.unexplained = u;
-  }
-  if (!described.empty() || stopped || unnamed != nullptr || inadequate) {
-    verdict.status = VerdictStatus::present_unnamed;
-  } else if (verdict.findings.empty()) {
-    verdict.status = VerdictStatus::absent;
-  } else {
-    const bool several = std::any_of(verdict.findings.begin(), verdict.findings.end(),
-                                     [](const Finding& f) { return f.status == VerdictStatus::one_of; });
-    verdict.status = several ? VerdictStatus::one_of : VerdictStatus::confirmed;
-  }
-  verdict.mismatch = verdict.status != VerdictStatus::absent;
-  if (verdict.status == VerdictStatus::absent) {
-    verdict.answer = "No mismatch found beyond noise and the nominal model's tolerances.";
-    return;
-  }
-  if (verdict.findings.empty()) {
-    verdict.answer = "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where +
-                     " (" + location + ").";
-    if (!described.empty()) verdict.answer += " Described, not explained, by " + described + ".";
-    return;
-  }
-  verdict.answer = "Missing: ";
-  for (std::size_t i = 0; i < verdict.findings.size(); ++i)
-    verdict.answer += (i == 0 ? "" : "; ") + sentence(verdict.findings[i]);
-  verdict.answer += verdict.status == VerdictStatus::present_unnamed
-                        ? fmt::format("; {:.0f} % of the error beyond noise stays without a name.", 100 * share)
-                        : ".";
-  if (!described.empty()) verdict.answer += " Described, not explained, by " + described + ".";
 }
 
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection) {

@@ -1,4 +1,4 @@
-// From the search's result to findings: names with parameters, rivals, refutations, and what stays unexplained.
+// From the search's result to findings: names with parameters, rivals, refutations, and what could not be seen.
 #pragma once
 
 #include <map>
@@ -7,7 +7,6 @@
 
 #include "tools/diagnose/locate/regimes.h"
 #include "tools/diagnose/search/select.h"
-#include "tools/diagnose/unnamed/predictability.h"
 #include "tools/diagnose/verdict/verdict.h"
 
 namespace sanso::diagnose {
@@ -24,10 +23,6 @@ bool spans_null(const Candidate& candidate, const std::map<std::string, VerdictP
 
 /// Share of the nominal model's held-out error beyond noise that the final model still has, in [0, 1].
 double remaining_share(const Problem& problem, const Selection& selection);
-
-/// Statuses and the answer in one sentence. `left`: predictability of every joint after the last accepted effect.
-void decide(Verdict& verdict, const Problem& problem, const Library& library, const Selection& selection,
-            const std::vector<Predictability>& left, const std::string& location);
 
 /// Effects whose typical size these data could not show, and the smallest size that they would have shown.
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection);

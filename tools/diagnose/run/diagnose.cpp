@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
@@ -11,8 +13,11 @@
 #include "tools/diagnose/heldout/heldout.h"
 #include "tools/diagnose/locate/incidence.h"
 #include "tools/diagnose/run/conclude.h"
+#include "tools/diagnose/run/decide.h"
+#include "tools/diagnose/search/events.h"
 #include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/unnamed/velocity.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
@@ -151,6 +156,8 @@ class Run {
     options.maximum_rows = constants::kMaximumRows;
     options.maximum_shots = constants::kMaximumShots;
     problem_ = make_problem(sources_, loaded_.gate.noise, options);
+    if (!problem_.shots.empty() && look_for_events(options))
+      problem_ = make_problem(sources_, loaded_.gate.noise, options);
     if (problem_.shots.empty()) {  // nothing was compared: no answer, least of all "no mismatch"
       throw recording::InputError(sources_.front().file, 0, "t", "too short", "no piece of motion to simulate",
                                   fmt::format("pieces of {:.2g} s without gaps, {} rows or more", options.shot_seconds,
@@ -171,6 +178,32 @@ class Run {
     progress_(fmt::format("{} shots of {:.3g} s in {} recordings, {} channels, {:.0f} % of the recorded time",
                           problem_.shots.size(), options.shot_seconds, sources_.size(), problem_.channels.size(),
                           100 * problem_.used_share));
+  }
+
+  /// Errors of the nominal model that stand alone: their instants are compared in every recording, whatever thinning
+  /// leaves out. True: there are some.
+  bool look_for_events(ProblemOptions& options) {
+    ProblemOptions all = options;
+    all.maximum_rows = 4 * constants::kMaximumRows;
+    all.maximum_shots = std::numeric_limits<int>::max();
+    all.secondary = false;
+    Library calibrated;
+    whole_ = make_problem(sources_, loaded_.gate.noise, all);
+    calibrated.nuisances = make_nuisances(whole_);
+    const std::vector<Event> events = events_left(calibrated, Model{});
+    if (repeated(events).energy < practical_energy(whole_)) return false;
+    // three shots a recording and instant, as many in all as half the search's
+    const std::size_t allowed = static_cast<std::size_t>(constants::kMaximumShots) / (2 * 3 * sources_.size());
+    options.instants = instants_of(whole_, events, std::max<std::size_t>(1, allowed));
+    return true;
+  }
+
+  std::vector<Event> events_left(const Library& library, const Model& model) {
+    correct_step(whole_, library, model);
+    const StartElimination starts(whole_, library, model);
+    const Eigen::VectorXd error = starts.project(prediction_error(whole_, library, model));
+    if (model.effects.empty() && model.nuisance.empty()) energy_at_first_ = error.squaredNorm();
+    return find_events(whole_, error);
   }
 
   void search() {
@@ -221,12 +254,12 @@ class Run {
     v.next_experiment = next_experiment(problem_, library_, selection_, v.findings);
     const std::vector<TorqueSample> left =
         missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
-    std::vector<Predictability> predictable(problem_.joints.size());
-    parallel_for(static_cast<int>(problem_.joints.size()), [&](int j) {
-      predictable[static_cast<std::size_t>(j)] =
-          predictability(left, j, Random(options_.seed, 100 + static_cast<std::uint64_t>(j)));
-    });
-    decide(v, problem_, library_, selection_, predictable,
+    Remains remains;
+    remains.torque = predictable(left, 100);
+    remains.velocity = predictable(velocity_errors(sources_, loaded_.gate.noise), 10000);
+    std::erase_if(remains.velocity, [&](const Predictability& p) { return velocity_has_a_name(p.joint); });
+    judge_stretches(remains);
+    decide(v, problem_, library_, selection_, remains,
            location_sentence(v.findings.empty() ? out_.before : out_.after));
     out_.shown_joints = joints_to_show(v, problem_, out_.before);
     const std::vector<TorqueSample> at_first =
@@ -242,6 +275,41 @@ class Run {
         v.unexplained->nearest_effect =
             library_.candidates[static_cast<std::size_t>(selection_.first.ranking().front())].effect;
       }
+    }
+  }
+
+  /// By joint; `stream`: of random draws.
+  std::vector<Predictability> predictable(const std::vector<TorqueSample>& samples, std::uint64_t stream) const {
+    std::vector<Predictability> out(problem_.joints.size());
+    parallel_for(static_cast<int>(out.size()), [&](int j) {
+      const auto k = static_cast<std::size_t>(j);
+      out[k] = predictability(samples, j, Random(options_.seed, stream + k));
+    });
+    return out;
+  }
+
+  /// An accepted effect acts on the joint's velocity channel: what that channel shows is in the model.
+  bool velocity_has_a_name(int joint) const {
+    return std::any_of(selection_.accepted.begin(), selection_.accepted.end(), [&](const Accepted& a) {
+      const Candidate& c = library_.candidates[static_cast<std::size_t>(a.candidate)];
+      const bool here = std::find(c.joints.begin(), c.joints.end(), joint) != c.joints.end();
+      return here && (find_effect(c.effect)->needs & kVelocity) != 0;
+    });
+  }
+
+  /// Errors of the last model that stand alone, over all of the recorded time.
+  void judge_stretches(Remains& remains) {
+    const std::vector<Event> events = events_left(library_, selection_.final.model);
+    const RepeatedEvents again = repeated(events);
+    remains.stretches_matter =
+        selection_.expected_scatter.size() == 0 &&  // chance that has a name makes them
+        again.energy > std::max(practical_energy(whole_), constants::kMinimumShare * energy_at_first_);
+    remains.stretches_joint = again.joint;
+    for (const Event& e : events) {
+      const Shot& shot = whole_.shots[e.shot];
+      const Source& source = whole_.sources[static_cast<std::size_t>(shot.source)];
+      out_.verdict.stretches.push_back({source.file, whole_.joints[static_cast<std::size_t>(e.joint)],
+                                        source.drive.t[shot.window.first], source.drive.t[shot.window.last], e.level});
     }
   }
 
@@ -264,7 +332,8 @@ class Run {
   const ModelFolder& model_;
   const LoadedRecordings& loaded_;
   std::vector<Source> sources_;
-  Problem problem_;
+  Problem problem_, whole_;       // what the search compares; all of the recorded time, positions only
+  double energy_at_first_ = 0.0;  // of the nominal model's error in whole_, noise energies
   Library library_;
   Selection selection_;
   Diagnosis out_;

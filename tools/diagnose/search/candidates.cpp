@@ -3,6 +3,7 @@
 #include <map>
 #include <utility>
 
+#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/model_folder/joint_units.h"
@@ -49,6 +50,22 @@ void place_instants(Candidate& c, const Problem& problem) {
       for (std::vector<double> probe : own) {
         probe[i] = longest_recording(problem) * k / kInstants;
         c.probes.push_back(std::move(probe));
+      }
+    }
+  }
+}
+
+/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of such a shot.
+void place_events(Candidate& c, const Problem& problem) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::event) continue;
+    const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
+    for (const double from : problem.instants) {
+      for (const double later : {0.0, 0.5 * constants::kShotSeconds}) {
+        for (std::vector<double> probe : own) {
+          probe[i] = from + later;
+          c.probes.push_back(std::move(probe));
+        }
       }
     }
   }
@@ -104,6 +121,7 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   }
   if (joints.size() == 1) place_positions(c, problem, joints.front());
   place_instants(c, problem);
+  place_events(c, problem);
   const auto apply = effect.apply;
   if (joints.empty()) {
     c.apply = [apply](SimParams& p, const std::vector<double>& theta) { apply(p, 0, theta); };

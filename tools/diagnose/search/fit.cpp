@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
@@ -428,15 +429,40 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
   return heldout;
 }
 
+namespace {
+double lower_bound(const std::vector<double>& values) {
+  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
+  return moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws, Random(kSeed));
+}
+double standard_error(const std::vector<double>& values) {
+  return standard_deviation(values) * std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+}
+}  // namespace
+
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const std::vector<int>& occurrence) {
+  HeldoutGain gain = compare(before, after);
+  std::map<int, double> there;
+  std::vector<double> rest;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    const int which = occurrence[static_cast<std::size_t>(i)];
+    if (which < 0) rest.push_back(before[i] - after[i]);
+    if (which >= 0) there[which] += before[i] - after[i];
+  }
+  if (there.empty()) return gain;
+  std::vector<double> occurrences;
+  for (const auto& [which, removed] : there) occurrences.push_back(removed);
+  gain.lower = lower_bound(occurrences) + lower_bound(rest);
+  gain.standard_error = std::hypot(standard_error(occurrences), standard_error(rest));
+  return gain;
+}
+
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   HeldoutGain gain;
   const Eigen::VectorXd d = before - after;
   std::vector<double> values(d.data(), d.data() + d.size());
   gain.total = d.sum();
-  gain.standard_error =
-      standard_deviation(values) * std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
-  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
-  gain.lower = moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws, Random(kSeed));
+  gain.standard_error = standard_error(values);
+  gain.lower = lower_bound(values);
   std::sort(values.rbegin(), values.rend());
   double best = 0.0;
   for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i) best += std::max(0.0, values[i]);

@@ -79,5 +79,9 @@ struct HeldoutGain {
   double concentration = 0.0;   // share of the gain that comes from the three best shots
 };
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+/// The same for an effect that acts only now and then. `occurrence`: by shot, which of its occurrences the shot belongs
+/// to, -1: none. Bound and error are those over occurrences and over the other shots, added: resampling all shots alike
+/// would ask whether the effect acts, not whether the name explains it.
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const std::vector<int>& occurrence);
 
 }  // namespace sanso::diagnose

@@ -194,7 +194,7 @@ void add_shots(Problem& problem, int source_index, double seconds) {
   }
 }
 
-/// Keeps an even choice of shots when there are more than the budget allows.
+/// Keeps an even choice of shots when there are more than the budget allows, and those at the instants.
 void thin_shots(Problem& problem, int maximum_rows, int maximum_shots) {
   std::size_t total = 0;
   for (const Shot& s : problem.shots) total += s.rows * problem.joints.size();
@@ -207,7 +207,11 @@ void thin_shots(Problem& problem, int maximum_rows, int maximum_shots) {
   double credit = 0.5;
   for (Shot& s : problem.shots) {
     credit += problem.used_share;
-    if (credit >= 1.0) kept.push_back(std::move(s)), credit -= 1.0;
+    const bool chosen = credit >= 1.0;
+    if (chosen) credit -= 1.0;
+    const bool wanted = std::any_of(problem.instants.begin(), problem.instants.end(),
+                                    [&](double t) { return near_instant(problem, s, t); });
+    if (chosen || wanted) kept.push_back(std::move(s));
   }
   problem.shots = std::move(kept);
 }
@@ -238,6 +242,7 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   problem.sources = std::move(sources);
   for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints) problem.joints.push_back(joint.name);
   problem.channels = observed_channels(problem, noise, options.secondary);
+  problem.instants = options.instants;
   for (std::size_t i = 0; i < problem.sources.size(); ++i)
     add_shots(problem, static_cast<int>(i), options.shot_seconds);
   thin_shots(problem, options.maximum_rows, options.maximum_shots);
@@ -247,6 +252,12 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   }
   assign_groups(problem);
   return problem;
+}
+
+bool near_instant(const Problem& problem, const Shot& shot, double t) {
+  const std::vector<double>& clock = problem.sources[static_cast<std::size_t>(shot.source)].drive.t;
+  const double from = clock[shot.window.first], length = clock[shot.window.last] - from;
+  return std::abs(t - from) < 1.5 * length;
 }
 
 double longest_recording(const Problem& problem) {

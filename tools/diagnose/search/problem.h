@@ -58,13 +58,15 @@ struct Problem {
   std::vector<double>
       step_error;           // natural units, stacked: what the search's step adds to a prediction; empty: not known
   double used_share = 1.0;  // of the recorded time that the shots cover
+  std::vector<double> instants;  // s on the recordings' clocks: around them all recordings' shots are compared
 };
 
 struct ProblemOptions {
   double shot_seconds = 0.5;
   int maximum_rows = 40000;  // rows x joints
   int maximum_shots = std::numeric_limits<int>::max();
-  bool secondary = true;  // also compare velocity, torque, current and duty where recorded
+  bool secondary = true;              // also compare velocity, torque, current and duty where recorded
+  std::vector<double> instants = {};  // Problem::instants: thinning leaves out no shot there
 };
 
 /// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate. Throws
@@ -77,6 +79,10 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
 /// `wanted`: by joint, 0: its channels are left as they are; empty: all are written.
 void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction,
                        const std::vector<char>& wanted, double* out);
+
+/// The shot that begins within 1.5 times its length of the instant `t` [s, the recording's clock]: the one that holds
+/// it and the ones before and after it. When an event ends is seen in its successor.
+bool near_instant(const Problem& problem, const Shot& shot, double t);
 
 /// Rows of one joint that are compared in all shots together: the unit of "noise levels over a joint's data".
 double rows_of_a_joint(const Problem& problem);

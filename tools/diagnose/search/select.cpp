@@ -71,10 +71,24 @@ class Search {
   double practical() const { return practical_energy(problem_); }
   double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
+  /// What `effect` removes on held-out shots; one that acts at an instant is judged by its occurrences.
+  HeldoutGain gain_of(const Chosen& effect, const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+    const Candidate& c = candidate(effect.candidate);
+    std::vector<int> occurrence(problem_.shots.size(), -1);  // one a recording
+    for (std::size_t p = 0; p < c.parameters.size(); ++p) {
+      if (c.parameters[p].role != Role::event) continue;
+      for (std::size_t s = 0; s < occurrence.size(); ++s) {
+        const Shot& shot = problem_.shots[s];
+        if (near_instant(problem_, shot, effect.theta[p])) occurrence[s] = shot.source;
+      }
+    }
+    return compare(without, with, occurrence);
+  }
+
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails. `refutable`: also
   /// the residual that it should have changed.
   std::string refused_by(const Alternative& a, bool refutable) const {
-    const HeldoutGain gain = compare(out_.final_heldout, a.heldout);
+    const HeldoutGain gain = gain_of(a.fit.model.effects.back(), out_.final_heldout, a.heldout);
     if (gain.lower <= 0.0) return "held-out gain not beyond chance";
     if (gain.total < practical()) return "changes predictions by less than what matters";
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
@@ -116,7 +130,7 @@ class Search {
       for (std::size_t i = 0; i < fitted.size(); ++i) {
         if (at_bound(library_, fitted[i]) != bounds_allowed) continue;
         const std::string refused = refused_by(fitted[i], refutable);
-        const HeldoutGain gain = compare(out_.final_heldout, fitted[i].heldout);
+        const HeldoutGain gain = gain_of(fitted[i].fit.model.effects.back(), out_.final_heldout, fitted[i].heldout);
         say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}){}{}", step + 1,
                         candidate(fitted[i].candidate).title(), 100 * gain.total / whole(), 100 * gain.lower / whole(),
                         bounds_allowed ? ", ends at a bound" : "",
@@ -168,7 +182,8 @@ class Search {
         continue;
       }
       const FitResult reduced = without(i);
-      const HeldoutGain gain = compare(heldout_energy(*out_.around, reduced), out_.final_heldout);
+      const HeldoutGain gain =
+          gain_of(out_.final.model.effects[i], heldout_energy(*out_.around, reduced), out_.final_heldout);
       const bool needed =
           gain.lower > 0.0 && gain.total > practical() && gain.total > constants::kMinimumShare * whole();
       if (needed) {
@@ -246,7 +261,7 @@ class Search {
       std::vector<Alternative> others;
       for (Alternative& a : tried) {
         if (a.candidate == entry.candidate) continue;
-        const HeldoutGain g = compare(a.heldout, chosen);
+        const HeldoutGain g = gain_of(out_.final.model.effects[i], a.heldout, chosen);
         a.behind = g.total;
         a.behind_se = g.standard_error;
         a.similarity = out_.first.similarity(a.candidate, entry.candidate);
@@ -371,7 +386,8 @@ class Search {
         entry.at_bound.push_back(out_.final.fixed[next]);
       }
       entry.without = out_.accepted.size() == 1 ? out_.nominal : without(i);
-      entry.gain = compare(heldout_energy(*out_.around, entry.without), out_.final_heldout);
+      entry.gain =
+          gain_of(out_.final.model.effects[i], heldout_energy(*out_.around, entry.without), out_.final_heldout);
       entry.without.J.resize(0, 0);
     }
   }

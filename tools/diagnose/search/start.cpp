@@ -120,6 +120,8 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
     const CandidateParameter& p = effect.parameters[index];
     return {p.low, p.high, 2.0 * gate::sampling_interval(around.problem->sources.front().drive.t)};
   }
+  // an event's probes lie half a shot apart
+  if (role == Role::event) return {0.0, longest_recording(*around.problem), 0.5 * constants::kShotSeconds};
   if (role != Role::position) return {};
   Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
   for (const std::vector<double>& probe : effect.probes) {
@@ -129,14 +131,18 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   return out;
 }
 
+/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is); -1: none.
 Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index, const Range& range,
-                           double least_step) {
+                           double least_step, int keeps = -1) {
   FitResult best = fit(around, start, 2);
   for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
     const double place = best.model.effects.back().theta[index];
     for (const double next : {std::max(range.low, place - step), std::min(range.high, place + step)}) {
       Model trial = best.model;
-      trial.effects.back().theta[index] = next;
+      std::vector<double>& theta = trial.effects.back().theta;
+      theta[index] = next;
+      if (keeps >= 0) theta[static_cast<std::size_t>(keeps)] -= next - place;
+      if (keeps >= 0 && !(theta[static_cast<std::size_t>(keeps)] > 0.0)) continue;
       FitResult fitted = fit(around, trial, 2);
       if (fitted.objective < best.objective) best = std::move(fitted);
     }
@@ -157,6 +163,28 @@ Model with_best_place(const Surroundings& around, Model model, std::size_t index
   return halved_to_best_place(around, model, index, range, range.step / (1 << kHalvings));
 }
 
+int index_of(const Candidate& effect, Role role) {
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    if (effect.parameters[i].role == role) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// An event as a whole first, then its end and its beginning by themselves: each edge shows at its own instant.
+Model with_best_event(const Surroundings& around, Model model, const Candidate& effect, std::size_t from) {
+  constexpr double kLeast = 1.0 / 128;  // of half a shot: two milliseconds
+  const int duration = index_of(effect, Role::duration);
+  const Range when = range_of_place(around, effect, from);
+  model = with_best_place(around, std::move(model), from, when);
+  if (duration < 0) return model;
+  const Range length{effect.parameters[static_cast<std::size_t>(duration)].low, constants::kShotSeconds, when.step};
+  for (int round = 0; round < 2; ++round) {
+    model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length, kLeast * length.step);
+    model = halved_to_best_place(around, model, from, when, kLeast * when.step, duration);
+  }
+  return model;
+}
+
 }  // namespace
 
 Model best_start(const Surroundings& around, const Model& base, int candidate, const ProbeScore* probe) {
@@ -164,7 +192,12 @@ Model best_start(const Surroundings& around, const Model& base, int candidate, c
   const std::vector<double>& theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-    if (effect.parameters[i].role == Role::order) model = with_best_order(around, model, i);
+    const Role role = effect.parameters[i].role;
+    if (role == Role::order) model = with_best_order(around, model, i);
+    if (role == Role::event) {
+      model = with_best_event(around, std::move(model), effect, i);
+      continue;
+    }
     const Range range = range_of_place(around, effect, i);
     if (range.high > range.low) model = with_best_place(around, std::move(model), i, range);
   }

@@ -170,13 +170,18 @@ std::string verdict_json(const Verdict& v) {
   out["unexplained"] = nullptr;
   if (v.unexplained) {
     const Unexplained& u = *v.unexplained;
-    out["unexplained"] = {{"predictable", number(u.predictable)},
-                          {"p", number(u.p)},
-                          {"energy_share", number(u.energy_share)},
-                          {"where", u.where},
-                          {"regime", u.regime},
-                          {"formula", u.formula},
-                          {"nearest_effect", u.nearest_effect}};
+    out["unexplained"] = {{"channel", u.channel}, {"predictable", number(u.predictable)},
+                          {"p", number(u.p)},     {"energy_share", number(u.energy_share)},
+                          {"where", u.where},     {"regime", u.regime},
+                          {"formula", u.formula}, {"nearest_effect", u.nearest_effect}};
+  }
+  out["stretches"] = ordered_json::array();
+  for (const Stretch& s : v.stretches) {
+    out["stretches"].push_back({{"recording", s.recording},
+                                {"where", s.where},
+                                {"from", number(s.from)},
+                                {"until", number(s.until)},
+                                {"level", number(s.level)}});
   }
   out["notes"] = v.notes;
   out["data_hash"] = v.data_hash;

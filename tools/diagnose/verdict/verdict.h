@@ -103,8 +103,16 @@ struct NextExperiment {
   std::string motion_file;  // CSV with the command, when kind is "motion"
 };
 
+/// A short stretch of a recording that the last model misses by far more than its other errors.
+struct Stretch {
+  std::string recording, where;
+  double from = 0.0, until = 0.0;  // s, the recording's own clock
+  double level = 0.0;              // RMS of the position error, noise levels
+};
+
 struct Unexplained {
-  double predictable = 0.0;  // cross-validated share of the remaining missing torque that joint state predicts
+  std::string channel;       // where it shows: "torque", "velocity channel", "stretches", "position"
+  double predictable = 0.0;  // cross-validated share of it that joint state predicts (torque, velocity channel)
   double p = 1.0;
   double energy_share = 0.0;  // of the original prediction error beyond noise, still there after the patch
   std::string where, regime;
@@ -125,6 +133,7 @@ struct Verdict {
   std::vector<Detectable> detectable;
   std::optional<NextExperiment> next_experiment;
   std::optional<Unexplained> unexplained;
+  std::vector<Stretch> stretches;  // strongest first
   std::vector<std::string> notes;
   std::map<std::string, std::string> data_hash;  // file -> hash
   unsigned long seed = 0;
