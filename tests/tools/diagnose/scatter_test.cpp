@@ -73,6 +73,28 @@ TEST(Scatter, JitterIsNamedAndMeasured) {
   EXPECT_NEAR(scores.front().size, 0.003, 0.0006);
   EXPECT_LT(scores.front().low, 0.003);
   EXPECT_GT(scores.front().high, 0.003);
+  EXPECT_NEAR(scores.front().left, 1.0, 0.3);  // shots begin on readings that are 10 times worse than the encoder
+}
+
+TEST(Scatter, MotionIsSmoothedByHowWellReadingsAreKnown) {
+  const NoiseLevel level{"q:a", kQuantum, kQuantum * std::sqrt(0.09 + 1.0 / 12.0), {}};
+  const std::vector<recording::Recording> made{record({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, 0, false)};
+  const std::vector<recording::Recording> exact{record({}, 0, false)};
+  Problem problem = make_problem(make_sources(test::pendulum(kServo), made, {level}), {level}, ProblemOptions{});
+  const Source truth = make_sources(test::pendulum(kServo), exact, {level}).front();
+  const auto error = [&] {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < truth.motion.q[0].size(); ++k)
+      sum += std::pow(problem.sources[0].motion.q[0][k] - truth.motion.q[0][k], 2.0);
+    return sum;
+  };
+  const double before = error();
+  resmooth(problem, {0.0});
+  EXPECT_EQ(error(), before);
+  resmooth(problem, {0.003});
+  EXPECT_LT(error(), 0.5 * before);
+  const Shot& shot = problem.shots.back();
+  EXPECT_EQ(shot.window.q[0], problem.sources[0].motion.q[0][shot.window.first]);
 }
 
 TEST(Scatter, LostCommandsAreNamedAndMeasured) {

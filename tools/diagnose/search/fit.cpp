@@ -273,14 +273,14 @@ double position_error_level(const Surroundings& around, const Eigen::VectorXd& r
       const Shot& shot = problem.shots[s];
       const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
       const auto count = static_cast<Eigen::Index>(shot.rows);
-      double energy = projected.segment(from, count).squaredNorm();
-      if (expected_scatter.size() > 0) energy -= expected_scatter.segment(from, count).sum();
       const double weight = weights[static_cast<Eigen::Index>(s)];
-      square += weight * energy * unit;
+      Eigen::ArrayXd squares = unit * projected.segment(from, count).array().square();
+      if (expected_scatter.size() > 0) squares /= 1.0 + unit * expected_scatter.segment(from, count).array().max(0.0);
+      square += weight * squares.sum();
       rows += weight * static_cast<double>(count);
     }
   }
-  return rows > 0.0 ? std::sqrt(std::max(0.0, square / rows)) : 0.0;
+  return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
 }
 
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {

@@ -47,7 +47,8 @@ FitResult fit(const Surroundings& around, const Model& start, int iterations);
 FitResult resume(const Surroundings& around, FitResult from, int iterations);
 
 /// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots weighed as in the fits:
-/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance explains; empty: none.
+/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance explains; empty: none. An
+/// error counts in units of noise and chance together: what chance alone makes large says little about the rest.
 double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
                             const Eigen::VectorXd& expected_scatter);
 

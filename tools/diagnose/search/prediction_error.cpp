@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
@@ -15,8 +17,10 @@ namespace {
 struct Pass {
   double step_s = constants::kSearchStep;
   std::function<void(Window&)> move_start = [](Window&) {};
-  std::vector<char> wanted = {};  // by joint; empty: all
-  std::uint64_t seed = 0;         // not 0: chance is drawn
+  std::vector<char> wanted = {};        // by joint; empty: all
+  std::uint64_t seed = 0;               // not 0: chance is drawn
+  std::vector<LostCommand> lost = {};   // sorted
+  std::vector<char> wanted_shots = {};  // by shot; empty: all
 };
 
 /// Shots of one recording: [begin, end); shots are sorted by source.
@@ -33,14 +37,32 @@ std::vector<Batch> by_source(const Problem& problem) {
   return out;
 }
 
+/// The commands of one recording as they were received; empty when none of `lost` is its own.
+std::optional<Drive> drive_with_lost(const Drive& drive, int source, const std::vector<LostCommand>& lost) {
+  std::optional<Drive> out;
+  for (const LostCommand& l : lost) {
+    if (l.source != source) continue;
+    if (!out) out = drive;
+    std::vector<double>& command = out->joints[static_cast<std::size_t>(l.joint)].command;
+    if (std::isnan(command[l.row]) || std::isnan(command[l.row - 1])) continue;  // switched off: nothing to hold
+    command[l.row] = command[l.row - 1];  // in order: of two lost in a row the last one received stays
+  }
+  return out;
+}
+
 void simulate_batch(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
                     const Batch& batch, Eigen::VectorXd& r) {
   std::vector<Window> windows;
+  std::vector<std::size_t> shots;
   for (std::size_t i = batch.begin; i < batch.end; ++i) {
+    if (!pass.wanted_shots.empty() && pass.wanted_shots[i] == 0) continue;
+    shots.push_back(i);
     windows.push_back(problem.shots[i].window);
     pass.move_start(windows.back());
   }
+  if (shots.empty()) return;
   const Source& source = problem.sources[batch.source];
+  const std::optional<Drive> held = drive_with_lost(source.drive, static_cast<int>(batch.source), pass.lost);
   SimParams params = source.nominal;
   library.apply(model, params);
   SimOptions options;
@@ -48,11 +70,11 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   options.max_step_s = pass.step_s;
   options.wanted = pass.wanted;
   if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
-  std::vector<Prediction> predictions = simulate(params, source.drive, windows, options);
+  std::vector<Prediction> predictions = simulate(params, held ? *held : source.drive, windows, options);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
-    const Shot& shot = problem.shots[batch.begin + i];
+    const Shot& shot = problem.shots[shots[i]];
     if (pass.seed != 0)
-      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + batch.begin + i).bits(), predictions[i]);
+      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + shots[i]).bits(), predictions[i]);
     whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
   }
 }
@@ -105,6 +127,33 @@ Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& li
 Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library, const Model& model,
                                       const Eigen::VectorXd& base, const std::vector<int>& joints) {
   Pass pass;
+  SimParams params = problem.sources.front().nominal;
+  library.apply(model, params);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  Eigen::VectorXd r = base;
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+bool LostCommand::operator<(const LostCommand& other) const {
+  return std::tie(source, joint, row) < std::tie(other.source, other.joint, other.row);
+}
+
+void hold(Problem& problem, std::vector<LostCommand> lost) {
+  std::sort(lost.begin(), lost.end());
+  for (std::size_t i = 0; i < problem.sources.size(); ++i) {
+    Drive& drive = problem.sources[i].drive;
+    if (std::optional<Drive> held = drive_with_lost(drive, static_cast<int>(i), lost)) drive = std::move(*held);
+  }
+}
+
+Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library, const Model& model,
+                                           const Eigen::VectorXd& base, std::vector<LostCommand> lost,
+                                           const std::vector<char>& wanted_shots, const std::vector<int>& joints) {
+  Pass pass;
+  std::sort(lost.begin(), lost.end());
+  pass.lost = std::move(lost);
+  pass.wanted_shots = wanted_shots;
   SimParams params = problem.sources.front().nominal;
   library.apply(model, params);
   if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);

@@ -16,6 +16,22 @@ Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
 Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library, const Model& model,
                                        std::uint64_t seed);
 
+/// A command that did not reach the servo of `joint`: the one of the row before stays.
+struct LostCommand {
+  int source = 0, joint = 0;
+  std::size_t row = 0;
+  bool operator<(const LostCommand& other) const;  // by source, joint, row
+};
+
+/// Puts the commands that were received in the place of those that were sent.
+void hold(Problem& problem, std::vector<LostCommand> lost);
+
+/// The same when these commands are lost (any order). Simulated are the shots with `wanted_shots` not 0 and the
+/// branches of the tree that hold one of `joints`; everything else stays as in `base`.
+Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library, const Model& model,
+                                           const Eigen::VectorXd& base, std::vector<LostCommand> lost,
+                                           const std::vector<char>& wanted_shots, const std::vector<int>& joints);
+
 /// Measures what the search's step adds to the predictions of `model` and stores it in the problem: every later
 /// prediction error is that of the limit of small steps, to first order of the integrator, as long as the model stays
 /// near.

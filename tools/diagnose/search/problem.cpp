@@ -260,6 +260,41 @@ bool near_instant(const Problem& problem, const Shot& shot, double t) {
   return std::abs(t - from) < 1.5 * length;
 }
 
+namespace {
+
+void resmooth_joint(Source& source, std::size_t joint, double noise, double jitter) {
+  // the speed that says how well a reading is known comes from the motion that the readings say: 3 rounds settle it
+  constexpr int kRounds = 3;
+  const std::vector<double>& q = source.drive.joints[joint].q;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> sigma;
+    for (const double speed : source.motion.dq[joint]) sigma.push_back(std::hypot(noise, jitter * speed));
+    SmoothedState state = smooth_position(source.drive.t, q, sigma);
+    source.motion.q[joint] = std::move(state.q);
+    source.motion.dq[joint] = std::move(state.dq);
+    source.q_sigma[joint] = std::move(state.q_sigma);
+    source.dq_sigma[joint] = std::move(state.dq_sigma);
+  }
+}
+
+}  // namespace
+
+void resmooth(Problem& problem, const std::vector<double>& jitter) {
+  for (const Observed& channel : problem.channels) {
+    const auto joint = static_cast<std::size_t>(channel.joint);
+    if (channel.signal != Signal::q || !(jitter[joint] > 0.0)) continue;
+    parallel_for(static_cast<int>(problem.sources.size()), [&](int i) {
+      Source& source = problem.sources[static_cast<std::size_t>(i)];
+      if (!source.drive.joints[joint].q.empty()) resmooth_joint(source, joint, channel.noise, jitter[joint]);
+    });
+    for (Shot& shot : problem.shots) {
+      const MeasuredMotion& motion = problem.sources[static_cast<std::size_t>(shot.source)].motion;
+      shot.window.q[joint] = motion.q[joint][shot.window.first];
+      shot.window.dq[joint] = motion.dq[joint][shot.window.first];
+    }
+  }
+}
+
 double longest_recording(const Problem& problem) {
   double longest = 0.0;
   for (const Source& s : problem.sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());

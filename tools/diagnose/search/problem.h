@@ -75,6 +75,10 @@ std::vector<Source> make_sources(const ModelFolder& model, const std::vector<rec
                                  const std::vector<NoiseLevel>& noise);
 Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise, const ProblemOptions& options);
 
+/// Smooths the motion anew where the instants of readings scatter by `jitter` [s, by joint; 0: the joint stays as it
+/// is]: a position that moves past is known less well than one at rest. Shots begin on the new motion.
+void resmooth(Problem& problem, const std::vector<double>& jitter);
+
 /// (measured - predicted) / sigma for one shot into `out` (channels x rows); rows without a measurement become 0.
 /// `wanted`: by joint, 0: its channels are left as they are; empty: all are written.
 void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& prediction,

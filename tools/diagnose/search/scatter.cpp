@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/search/parallel.h"
@@ -17,6 +18,7 @@ constexpr int kDraws = 24;  // of an effect at one size: variances of a row to 3
 constexpr int kLeastDraws = 8, kAllDraws = 240;  // where many joints share the time
 constexpr int kSizes = 6;  // tried between a twelfth of the largest size and the largest, evenly in the logarithm
 constexpr int kParametricDraws = 299;
+constexpr int kAnew = 2;         // Gauss-Newton steps where shots begin a little elsewhere
 constexpr double kBeyond = 1.5;  // times the scatter of the largest size: something else scatters
 
 /// The stretches in which rows follow each other: [from, from + rows) of one channel of one recording's shot.
@@ -200,6 +202,15 @@ double size_at_unit_share(const std::vector<double>& sizes, const std::vector<do
   return sizes.back();
 }
 
+/// What a candidate is measured on: the search's shots and fit, or the same begun and fitted anew.
+struct Ground {
+  std::shared_ptr<Problem> own_problem;
+  std::shared_ptr<Surroundings> own_around;
+  const Surroundings* around = nullptr;
+  const FitResult* final = nullptr;
+  std::shared_ptr<FitResult> own_final = nullptr;
+};
+
 class Judge {
  public:
   Judge(const Surroundings& around, const FitResult& final, double least_energy, Random random)
@@ -279,17 +290,41 @@ class Judge {
       return size_at_unit_share(sizes, all);
     }
   };
-  Sized sized(int candidate, int draws, std::uint64_t key) const {
+  Sized sized(const Ground& ground, int candidate, int draws, std::uint64_t key) const {
     const double largest = candidate_of(candidate).parameters.front().high;
+    const VectorXd squares = rough_part(*ground.around->problem, ground.final->r).cwiseAbs2();
     Sized out;
     for (int i = 0; i < kSizes; ++i) {
       out.sizes.push_back(largest * std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
-      const Expected e = scatter_of(around_, final_.model, candidate, out.sizes.back(), draws, Random(key));
-      out.share.push_back(shares(*around_.problem, pieces_, rough_.cwiseAbs2(), e.rough, draws));
+      const Expected e =
+          scatter_of(*ground.around, ground.final->model, candidate, out.sizes.back(), draws, Random(key));
+      out.share.push_back(shares(*ground.around->problem, pieces_, squares, e.rough, draws));
     }
     return out;
   }
   const Candidate& candidate_of(int i) const { return around_.library->candidates[static_cast<std::size_t>(i)]; }
+
+  /// The same shots, from where they begin when a candidate of that size says how well readings are known.
+  Ground ground_with(int candidate, double size) const {
+    Model model = final_.model;
+    model.effects.push_back({candidate, candidate_of(candidate).probes.front()});
+    model.effects.back().theta.front() = size;
+    const std::vector<double> jitter = jitter_of(*around_.problem, *around_.library, model);
+    if (jitter == jitter_of(*around_.problem, *around_.library, final_.model))
+      return {nullptr, nullptr, &around_, &final_};
+    Ground out;
+    out.own_problem = std::make_shared<Problem>(*around_.problem);
+    resmooth(*out.own_problem, jitter);
+    out.own_around = std::make_shared<Surroundings>(
+        Surroundings{out.own_problem.get(), around_.library,
+                     StartElimination(*out.own_problem, *around_.library, final_.model), around_.A});
+    const VectorXd r = prediction_error(*out.own_problem, *around_.library, final_.model);
+    out.own_around->set_shot_scale(out.own_around->starts.energy_by_shot(r));
+    out.own_final = std::make_shared<FitResult>(fit(*out.own_around, final_.model, kAnew));
+    out.around = out.own_around.get();
+    out.final = out.own_final.get();
+    return out;
+  }
 
   /// Size, interval and expected energy of a candidate that stands out. A few draws first: most that stand out are a
   /// systematic error that scatters too, and leave far more than noise.
@@ -300,16 +335,19 @@ class Judge {
       return;
     std::vector<std::size_t> shots(around_.problem->shots.size());
     for (std::size_t i = 0; i < shots.size(); ++i) shots[i] = i;
+    Ground ground{nullptr, nullptr, &around_, &final_};
     const auto expect = [&](const Sized& tried, int draws) {
       s.size = tried.size_of(shots);
       s.beyond = ratio(tried.share.back(), shots) > kBeyond;
-      s.expected = scatter_of(around_, final_.model, s.candidate, s.size, draws, Random(key)).whole;
+      if (ground.own_problem == nullptr) ground = ground_with(s.candidate, s.size);
+      s.expected = scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
       s.energy = s.expected.sum();
+      s.left = position_error_level(*ground.around, ground.final->r, s.expected);
     };
-    expect(sized(s.candidate, kLeastDraws, key), kLeastDraws);
+    expect(sized(ground, s.candidate, kLeastDraws, key), kLeastDraws);
     constexpr double kMargin = 1.2;  // for what few draws get wrong
-    if (position_error_level(around_, final_.r, s.expected) > kMargin * constants::kAdequate) return;
-    const Sized tried = sized(s.candidate, 2 * draws_, key);
+    if (s.left > kMargin * constants::kAdequate) return;
+    const Sized tried = sized(ground, s.candidate, 2 * draws_, key);
     expect(tried, draws_);
     std::vector<double> resampled;
     for (int b = 0; b < constants::kBootstrap; ++b) {
@@ -333,6 +371,14 @@ class Judge {
 };
 
 }  // namespace
+
+std::vector<double> jitter_of(const Problem& problem, const Library& library, const Model& model) {
+  SimParams params = problem.sources.front().nominal;
+  library.apply(model, params);
+  std::vector<double> out;
+  for (const JointParams& joint : params.joints) out.push_back(joint.jitter);
+  return out;
+}
 
 VectorXd rough_part(const Problem& problem, const VectorXd& x) {
   VectorXd out = VectorXd::Zero(x.size());

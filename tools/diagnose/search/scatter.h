@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "tools/diagnose/search/fit.h"
@@ -18,6 +19,7 @@ struct ScatterScore {
   double score = 0.0;        // correlation of squared error and expected scatter, in deviations under independence
   double p_family = 1.0;     // over all random candidates, the larger of two null laws; see judge_scatter
   double energy = 0.0;       // expected in the whole stacked error at `size`, starts eliminated
+  double left = INFINITY;    // noise levels in the position error with it, see position_error_level
   Eigen::VectorXd expected;  // the same by entry, whitened squares
 };
 
@@ -30,6 +32,9 @@ struct ScatterScore {
 /// leaves far more than noise even so has no interval.
 std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitResult& final, double least_energy,
                                         Random random);
+
+/// Standard deviation of the instants of readings in a model, s, by joint.
+std::vector<double> jitter_of(const Problem& problem, const Library& library, const Model& model);
 
 /// Second differences within every shot and channel, (x[k] - (x[k-1] + x[k+1]) / 2); 0 at a piece's ends.
 Eigen::VectorXd rough_part(const Problem& problem, const Eigen::VectorXd& x);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/losses.h"
 #include "tools/diagnose/search/scatter.h"
 #include "tools/diagnose/search/untie.h"
 
@@ -308,6 +309,7 @@ class Search {
   /// named only where no more than noise is left with it: an explanation that is complete, or none.
   void judge_random() {
     constexpr std::uint64_t kStream = 1000;
+    if (judge_losses()) return;
     if (left_level({}) <= constants::kAdequate) return;
     const std::vector<ScatterScore> scores =
         judge_scatter(*out_.around, out_.final, practical(), Random(options_.seed, kStream));
@@ -315,13 +317,55 @@ class Search {
     double closest = INFINITY;  // to noise alone: a chance that would scatter more than was seen is none either
     for (const ScatterScore& one : scores) {
       const bool measured = one.p_family < constants::kFamilyWise && one.energy > practical() && !one.beyond;
-      const double left = measured ? left_level(one.expected) : left_level({});
+      const double left = std::isfinite(one.left) ? one.left : left_level({});
       say(fmt::format("scatter: {}: score {:.1f}, p {:.3g}, size {:.3g} [{:.3g}, {:.3g}], {:.2f} noise levels left",
                       candidate(one.candidate).title(), one.score, one.p_family, one.size, one.low, one.high, left));
       const double from_noise = std::abs(std::log(std::max(left, 1e-3)));
       if (measured && one.low > 0.0 && from_noise < closest) best = &one, closest = from_noise;
     }
     if (best != nullptr && closest <= std::log(constants::kAdequate)) accept_random(*best);
+  }
+
+  /// Lost commands, one by one: named when what they explain matters and no more than noise is left with them. True
+  /// when they were.
+  bool judge_losses() {
+    const LossScore found = find_losses(*out_.around, out_.final);
+    if (found.candidate < 0) return false;
+    const CandidateParameter& parameter = candidate(found.candidate).parameters.front();
+    const char* refused = !found.blind ? "refused: chance does not choose what shows little"
+                          : found.misfit > constants::kStandardErrors ? "refused: losses are whole"
+                          : found.left > constants::kAdequate         ? "refused: more than noise is left"
+                          : found.energy <= practical()               ? "refused: changes less than what matters"
+                          : found.low <= parameter.null || found.size >= parameter.high ? "refused: ends at a bound"
+                                                                                        : "";
+    const bool named = *refused == 0;
+    say(
+        fmt::format("lost commands: {}: {} found, {} of {} that would show: {:.3g} [{:.3g}, {:.3g}], p {:.3g}, misfit "
+                    "{:.2f}, {:.2f} noise levels left, {}",
+                    candidate(found.candidate).title(), found.lost.size(), found.seen, found.visible, found.size,
+                    found.low, found.high, found.p_family, found.misfit, found.left, named ? "accepted" : refused));
+    if (!named) return false;
+    ScatterScore s;
+    s.candidate = found.candidate;
+    s.size = found.size;
+    s.low = found.low;
+    s.high = found.high;
+    s.p_family = found.p_family;
+    accept_random(s);
+    const Eigen::VectorXd projected = out_.around->starts.project(out_.final.r);
+    out_.expected_scatter += (projected.cwiseAbs2() - in_search_levels(found.repaired).cwiseAbs2()).cwiseMax(0.0);
+    return true;
+  }
+
+  /// Errors in noise levels, divided as the search divides them.
+  Eigen::VectorXd in_search_levels(Eigen::VectorXd r) const {
+    for (const Shot& shot : problem_.shots) {
+      for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
+        r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows)) *=
+            problem_.channels[c].floor / problem_.channels[c].sigma;
+      }
+    }
+    return r;
   }
 
   /// A random effect into the model; accepted effects that stood in for its mean leave it, where predictions lose
@@ -332,6 +376,8 @@ class Search {
     theta.front() = found.size;
     Model model = out_.final.model;
     model.effects.push_back({found.candidate, theta});
+    resmooth(problem_, jitter_of(problem_, library_, model));
+    out_.around = make_surroundings(problem_, library_, model);
     out_.final = fit(*out_.around, model, 4);
     out_.final_heldout = heldout_energy(*out_.around, out_.final);
     for (std::size_t i = 0; i < out_.accepted.size();) {
@@ -353,8 +399,8 @@ class Search {
     entry.low = found.low;
     entry.high = found.high;
     out_.accepted.push_back(std::move(entry));
-    if (out_.expected_scatter.size() == 0) out_.expected_scatter = Eigen::VectorXd::Zero(found.expected.size());
-    out_.expected_scatter += found.expected;
+    if (out_.expected_scatter.size() == 0) out_.expected_scatter = Eigen::VectorXd::Zero(out_.final.r.size());
+    if (found.expected.size() > 0) out_.expected_scatter += found.expected;
     relinearise();
     backward();
   }

@@ -32,14 +32,15 @@ struct Filtered {
 };
 
 /// Kalman filter over the rows [0, rows); keeps what the backward pass needs when `keep`.
-Filtered filter(std::span<const double> t, std::span<const double> q, double sigma, double density, std::size_t rows,
-                bool keep) {
+Filtered filter(std::span<const double> t, std::span<const double> q, std::span<const double> sigma, double density,
+                std::size_t rows, bool keep) {
   Filtered f;
   std::size_t first = 0;
   while (first < rows && !std::isfinite(q[first])) ++first;
   Vec3 x(first < rows ? q[first] : 0.0, 0.0, 0.0);
   // wide start: any velocity below ~100 rad/s and acceleration below ~1e4 rad/s^2 is within it
-  Mat3 P = Vec3(sigma * sigma + 1e-12, 1e4, 1e8).asDiagonal();
+  const double at_first = first < rows ? sigma[first] : 1.0;
+  Mat3 P = Vec3(at_first * at_first + 1e-12, 1e4, 1e8).asDiagonal();
   for (std::size_t k = 0; k < rows; ++k) {
     if (k > 0) {
       const double h = t[k] - t[k - 1];
@@ -49,12 +50,12 @@ Filtered filter(std::span<const double> t, std::span<const double> q, double sig
     }
     if (keep) f.x_prior.push_back(x), f.P_prior.push_back(P);
     if (std::isfinite(q[k])) {
-      const double S = P(0, 0) + sigma * sigma, e = q[k] - x[0];
+      const double variance = sigma[k] * sigma[k], S = P(0, 0) + variance, e = q[k] - x[0];
       const Vec3 gain = P.col(0) / S;
       x += gain * e;
       Mat3 A = Mat3::Identity();
       A.col(0) -= gain;
-      P = A * P * A.transpose() + sigma * sigma * gain * gain.transpose();  // Joseph form: stays symmetric, positive
+      P = A * P * A.transpose() + variance * gain * gain.transpose();  // Joseph form: stays symmetric, positive
       if (k > first + 3) f.log_likelihood -= 0.5 * (std::log(S) + e * e / S);
     }
     if (keep) f.x.push_back(x), f.P.push_back(P);
@@ -63,7 +64,7 @@ Filtered filter(std::span<const double> t, std::span<const double> q, double sig
 }
 
 /// Largest likelihood over two decades a step; the first rows suffice (the density is a property of the whole motion).
-double choose_density(std::span<const double> t, std::span<const double> q, double sigma) {
+double choose_density(std::span<const double> t, std::span<const double> q, std::span<const double> sigma) {
   constexpr std::size_t kRowsForLikelihood = 6000;  // chosen: 30 s at 200 Hz; more changes the choice by < 1 grid step
   const std::size_t rows = std::min(t.size(), kRowsForLikelihood);
   double best = -std::numeric_limits<double>::infinity(), density = 1.0;
@@ -78,6 +79,10 @@ double choose_density(std::span<const double> t, std::span<const double> q, doub
 }  // namespace
 
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma) {
+  return smooth_position(t, q, std::vector<double>(t.size(), sigma));
+}
+
+SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, std::span<const double> sigma) {
   const std::size_t n = t.size();
   SmoothedState out;
   for (auto* v : {&out.q, &out.dq, &out.ddq, &out.q_sigma, &out.dq_sigma}) v->resize(n);
