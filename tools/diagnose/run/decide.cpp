@@ -96,7 +96,9 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
                                    [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
   const bool described = std::any_of(selection.accepted.begin(), selection.accepted.end(),
                                      [](const Accepted& a) { return !a.contradicted.empty(); });
-  if (!inadequate && !stopped && !described) return std::nullopt;
+  // held-out predictions improved beyond chance: something is there, if not what was tried
+  const bool refuted = verdict.findings.empty() && !selection.refuted.empty();
+  if (!inadequate && !stopped && !described && !refuted) return std::nullopt;
   u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
   u.channel = "position";
   return u;
@@ -141,6 +143,8 @@ void decide(Verdict& verdict, const Problem& problem, const Library& library, co
   verdict.answer = answer(verdict);
   if (const std::string described = stand_ins(library, selection); !described.empty())
     verdict.answer += " Described, not explained, by " + described + ".";
+  if (verdict.findings.empty() && !selection.refuted.empty())
+    verdict.answer += " Not " + selection.refuted.front() + ", though predictions gain from it.";
 }
 
 }  // namespace sanso::diagnose

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tools/diagnose/constants.h"
+#include "tools/diagnose/search/events.h"
 #include "tools/diagnose/search/losses.h"
 #include "tools/diagnose/search/scatter.h"
 #include "tools/diagnose/search/untie.h"
@@ -72,18 +73,23 @@ class Search {
   double practical() const { return practical_energy(problem_); }
   double whole() const { return std::max(out_.nominal_heldout.sum(), 1e-9); }
 
-  /// What `effect` removes on held-out shots; one that acts at an instant is judged by its occurrences.
-  HeldoutGain gain_of(const Chosen& effect, const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+  /// By shot: which occurrence of an effect that acts at one instant it belongs to, one a recording; -1: none.
+  std::vector<int> occurrences(const Chosen& effect) const {
     const Candidate& c = candidate(effect.candidate);
-    std::vector<int> occurrence(problem_.shots.size(), -1);  // one a recording
+    std::vector<int> out(problem_.shots.size(), -1);
     for (std::size_t p = 0; p < c.parameters.size(); ++p) {
       if (c.parameters[p].role != Role::event) continue;
-      for (std::size_t s = 0; s < occurrence.size(); ++s) {
+      for (std::size_t s = 0; s < out.size(); ++s) {
         const Shot& shot = problem_.shots[s];
-        if (near_instant(problem_, shot, effect.theta[p])) occurrence[s] = shot.source;
+        if (near_instant(problem_, shot, effect.theta[p])) out[s] = shot.source;
       }
     }
-    return compare(without, with, occurrence);
+    return out;
+  }
+
+  /// What `effect` removes on held-out shots.
+  HeldoutGain gain_of(const Chosen& effect, const Eigen::VectorXd& without, const Eigen::VectorXd& with) const {
+    return compare(without, with, occurrences(effect));
   }
 
   /// Empty when the alternative may be accepted over the current model; else the gate that it fails. `refutable`: also
@@ -95,8 +101,21 @@ class Search {
     if (gain.total < constants::kMinimumShare * whole()) return "removes less than 1 % of the error";
     if (!leaves_null(library_, a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
+    if (!settles_its_event(a)) return "leaves errors far above noise at its instant";
     if (refutable) return options_.refuted_by(*out_.around, out_.final, a.fit);
     return "";
+  }
+
+  /// What acts at one instant only has to explain that instant: any blow takes something from any jerk.
+  bool settles_its_event(const Alternative& a) const {
+    const std::vector<int> occurrence = occurrences(a.fit.model.effects.back());
+    const auto energy = [&](const Eigen::VectorXd& r) {
+      double sum = 0.0;
+      for (const Event& e : find_events(problem_, out_.around->starts.project(r)))
+        sum += occurrence[e.shot] >= 0 ? e.excess : 0.0;
+      return sum;
+    };
+    return energy(a.fit.r) <= constants::kMinimumShare * energy(out_.final.r);
   }
 
   bool holds_on_conditions(const Alternative& a) const {
@@ -293,6 +312,7 @@ class Search {
         continue;
       }
       say("refuted: " + candidate(out_.accepted[i].candidate).title() + ", " + refuted);
+      out_.refuted.push_back(candidate(out_.accepted[i].candidate).title() + " (" + refuted + ")");
       out_.accepted.erase(out_.accepted.begin() + static_cast<std::ptrdiff_t>(i));
       out_.final = reduced;
       relinearise();

@@ -32,6 +32,7 @@ struct Selection {
   FitResult final;
   Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
   std::vector<Accepted> accepted;
+  std::vector<std::string> refuted;  // accepted for what they predict, then dropped: "effect at place (residual)"
   Eigen::VectorXd expected_scatter;  // squares by entry that accepted random effects explain; empty: none
   Screening first;                   // of the nominal model: the family on which detection rests
   std::vector<std::string> log;      // one line a step, for the report
