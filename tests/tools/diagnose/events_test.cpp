@@ -87,6 +87,8 @@ TEST(Events, APushIsPlacedOnlyWhereErrorsStandAlone) {
   ProblemOptions options;
   EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"}).candidates.empty());
   options.instants = {4.5};
+  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"}).candidates.empty());
+  options.struck = {0};
   const Placement placed = place_library(make_problem(sources(2), kNoise, options), {"external_push"});
   ASSERT_EQ(placed.candidates.size(), 1U);
   for (const std::vector<double>& probe : placed.candidates[0].probes) {

@@ -195,6 +195,7 @@ class Run {
     // three shots a recording and instant, as many in all as half the search's
     const std::size_t allowed = static_cast<std::size_t>(constants::kMaximumShots) / (2 * 3 * sources_.size());
     options.instants = instants_of(whole_, events, std::max<std::size_t>(1, allowed));
+    for (const Event& e : events) options.struck.push_back(e.joint);
     return true;
   }
 

@@ -55,12 +55,15 @@ void place_instants(Candidate& c, const Problem& problem) {
   }
 }
 
-/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of such a shot.
+/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of such a shot, and at
+/// one joint that is struck: a blow is no property of a pair.
 void place_events(Candidate& c, const Problem& problem) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::event) continue;
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
-    for (const double from : problem.instants) {
+    const bool struck = c.joints.size() == 1 && std::find(problem.struck.begin(), problem.struck.end(),
+                                                          c.joints.front()) != problem.struck.end();
+    for (const double from : struck ? problem.instants : std::vector<double>{}) {
       for (const double later : {0.0, 0.5 * constants::kShotSeconds}) {
         for (std::vector<double> probe : own) {
           probe[i] = from + later;

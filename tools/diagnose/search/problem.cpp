@@ -243,6 +243,7 @@ Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>&
   for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints) problem.joints.push_back(joint.name);
   problem.channels = observed_channels(problem, noise, options.secondary);
   problem.instants = options.instants;
+  problem.struck = options.struck;
   for (std::size_t i = 0; i < problem.sources.size(); ++i)
     add_shots(problem, static_cast<int>(i), options.shot_seconds);
   thin_shots(problem, options.maximum_rows, options.maximum_shots);

@@ -59,6 +59,7 @@ struct Problem {
       step_error;           // natural units, stacked: what the search's step adds to a prediction; empty: not known
   double used_share = 1.0;  // of the recorded time that the shots cover
   std::vector<double> instants;  // s on the recordings' clocks: around them all recordings' shots are compared
+  std::vector<int> struck;       // joints whose errors stand alone there
 };
 
 struct ProblemOptions {
@@ -67,6 +68,7 @@ struct ProblemOptions {
   int maximum_shots = std::numeric_limits<int>::max();
   bool secondary = true;              // also compare velocity, torque, current and duty where recorded
   std::vector<double> instants = {};  // Problem::instants: thinning leaves out no shot there
+  std::vector<int> struck = {};       // Problem::struck
 };
 
 /// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate. Throws
