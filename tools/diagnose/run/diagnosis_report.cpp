@@ -251,19 +251,54 @@ void add_limits(report::HtmlPage& page, const Verdict& v) {
   }
 }
 
-void add_next(report::HtmlPage& page, const Verdict& v) {
-  if (v.unexplained) {
-    page.heading("What stays without a name");
-    page.paragraph(fmt::format(
-        "At {}: {:.0f} % of the remaining missing torque can be predicted from the joint's state on data not used (p = "
-        "{:.3g}); "
-        "{:.0f} % of the first model's error beyond noise is still there. {}. Nearest name of the library: {} (a hint, "
-        "not a finding). "
-        "A formula describes the shape; it is no diagnosis.",
-        v.unexplained->where, 100 * v.unexplained->predictable, v.unexplained->p, 100 * v.unexplained->energy_share,
-        v.unexplained->formula.empty() ? "No short formula pays" : v.unexplained->formula,
-        v.unexplained->nearest_effect));
+/// How what is left shows, in words.
+std::string what_is_left(const Unexplained& u) {
+  if (u.channel == "torque") {
+    return fmt::format(
+        "{:.0f} % of the remaining missing torque can be predicted from the joint's state on data not used (p = "
+        "{:.3g}).",
+        100 * u.predictable, u.p);
   }
+  if (u.channel == "velocity channel") {
+    return fmt::format(
+        "The velocity channel tells another motion than the position channel: {:.0f} % of the difference can be "
+        "predicted from the "
+        "joint's state (p = {:.3g}).",
+        100 * u.predictable, u.p);
+  }
+  if (u.channel == "stretches") return "Errors far above noise stand alone in the stretches below, and they repeat.";
+  return "The position error is more than noise, or what describes it is not confirmed.";
+}
+
+void add_unexplained(report::HtmlPage& page, const Verdict& v) {
+  if (v.unexplained) {
+    const Unexplained& u = *v.unexplained;
+    page.heading("What stays without a name");
+    page.paragraph(
+        fmt::format("At {}: {} {:.0f} % of the first model's error beyond noise is still there. {}. Nearest name of "
+                    "the library: {} (a "
+                    "hint, not a finding). A formula describes the shape; it is no diagnosis.",
+                    u.where, what_is_left(u), 100 * u.energy_share,
+                    u.formula.empty() ? "No short formula pays" : u.formula, u.nearest_effect));
+  }
+  if (v.stretches.empty()) return;
+  constexpr std::size_t kRows = 20;
+  report::Table table{{"recording", "joint", "from, s", "until, s", "position error, noise levels"}, {}};
+  for (const Stretch& s : v.stretches) {
+    if (table.rows.size() == kRows) break;
+    table.rows.push_back({s.recording, s.where, fmt::format("{:.2f}", s.from), fmt::format("{:.2f}", s.until),
+                          fmt::format("{:.1f}", s.level)});
+  }
+  page.heading("Stretches that the last model misses");
+  page.paragraph(
+      fmt::format("One shot each, at least three times the joint's usual error: a blow, a breakaway, a lost "
+                  "command. A single one "
+                  "is taken for an accident. The strongest {} of {}.",
+                  table.rows.size(), v.stretches.size()));
+  page.table(table);
+}
+
+void add_next(report::HtmlPage& page, const Verdict& v) {
   page.heading("What to record next");
   if (!v.next_experiment) {
     page.paragraph("Nothing is open that a further recording of the menu would decide.");
@@ -293,6 +328,7 @@ std::string diagnosis_report(const Diagnosis& d) {
   for (const Finding& f : v.findings) add_finding(page, f);
   add_curves(page, d);
   add_proof(page, d);
+  add_unexplained(page, v);
   add_next(page, v);
   add_limits(page, v);
   page.heading("How it was found");
