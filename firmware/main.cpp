@@ -24,7 +24,8 @@ namespace {
 
 using namespace sanso;
 
-constexpr char kHelp[] = R"(sanso-firmware: the onboard controller of the OP3; a tick every 10 ms until SIGINT or SIGTERM
+constexpr char kHelp[] =
+    R"(sanso-firmware: the onboard controller of the OP3; a tick every 10 ms until SIGINT or SIGTERM
 
 usage: sanso-firmware --config FILE
 
@@ -32,7 +33,7 @@ Example of FILE, on the robot:
   [device]
   bus = "/dev/serial/by-id/usb-FTDI_USB__-__Serial_Converter-if00-port0"
   imu = "/dev/hidraw0"
-  key_file = "robot.key"          # 64 hexadecimal digits, the same on the host: openssl rand -hex 32 > robot.key
+  key_file = "robot.key"          # 64 hexadecimal digits, as on the host (openssl rand -hex 32)
   log_directory = "/var/log/sanso"
 
 Example against `sanso-emulator --dir /tmp/sanso-robot`:
@@ -61,7 +62,9 @@ void warn(const std::string& message) {
 }
 
 /// PATH of "unix:PATH"; empty when it is something else.
-std::string socket_path(const std::string& device) { return device.rfind("unix:", 0) == 0 ? device.substr(5) : std::string(); }
+std::string socket_path(const std::string& device) {
+  return device.rfind("unix:", 0) == 0 ? device.substr(5) : std::string();
+}
 
 bool read_key(const std::string& path, wire::Key& key, std::string& error) {
   std::ifstream file(path);
@@ -69,7 +72,9 @@ bool read_key(const std::string& path, wire::Key& key, std::string& error) {
   text << file.rdbuf();
   const std::string digits = text.str();
   const Result<wire::Key> read = wire::key_from_hex(digits);
-  if (!file || !read.ok()) error = "device.key_file = '" + path + "': expected a file of 64 hexadecimal digits (make one with: openssl rand -hex 32)";
+  if (!file || !read.ok())
+    error = "device.key_file = '" + path +
+            "': expected a file of 64 hexadecimal digits (make one with: openssl rand -hex 32)";
   key = *read;
   return error.empty();
 }
@@ -111,7 +116,8 @@ void run_ticks(firmware::Firmware& controller, int priority) {
   }
 }
 
-/// Calls `poll` with deadlines short enough to notice a stop. What the tick waits for must not wait for ordinary programs:
+/// Calls `poll` with deadlines short enough to notice a stop. What the tick waits for must not wait
+/// for ordinary programs:
 /// real-time too, below the tick. Where that is not allowed the tick's thread says so.
 template <class Poll>
 void run_poll(Poll poll, Nanoseconds wait, int priority) {
@@ -130,7 +136,8 @@ void run_log(firmware::Firmware& controller, const std::string& directory) {
   std::string complained;
   while (!stop_requested) {
     board::LinuxClock::sleep_until(board::LinuxClock().now() + 50 * kMillisecond);
-    if (recorder.poll()) std::fprintf(stderr, "sanso-firmware: flight record in %s\n", recorder.last_file().c_str());
+    if (recorder.poll())
+      std::fprintf(stderr, "sanso-firmware: flight record in %s\n", recorder.last_file().c_str());
     if (recorder.error() != complained) warn(complained = recorder.error());
     const firmware::LogRecord record = recorder.newest();
     if (record.observation.fault != told) {
@@ -159,18 +166,31 @@ int run(const std::string& config_path) {
   const auto pose = open_pose(config.device.pose, error);
   if (!error.empty()) return refuse(error);
   board::UdpSocket socket;
-  if (socket.open(config.device.listen, config.device.port, error) != Status::ok) return refuse(error);
+  if (socket.open(config.device.listen, config.device.port, error) != Status::ok)
+    return refuse(error);
 
-  const auto controller = std::make_unique<firmware::Firmware>(config.settings, key, firmware::Board{bus, *imu, pose.get(), socket, clock});
+  const auto controller = std::make_unique<firmware::Firmware>(
+      config.settings, key, firmware::Board{bus, *imu, pose.get(), socket, clock});
   warn(board::lock_memory());
-  std::fprintf(stderr, "sanso-firmware: bus %s, imu %s, pose %s, hosts on UDP port %d\n", config.device.bus.c_str(),
-               config.device.imu.c_str(), pose ? config.device.pose.c_str() : "none", socket.port());
+  std::fprintf(stderr, "sanso-firmware: bus %s, imu %s, pose %s, hosts on UDP port %d\n",
+               config.device.bus.c_str(), config.device.imu.c_str(),
+               pose ? config.device.pose.c_str() : "none", socket.port());
 
   const int priority = config.device.tick_priority;
   std::vector<std::thread> threads;
-  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_imu(deadline); }, 5 * kMillisecond, priority - 10); });
-  if (pose) threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_pose(deadline); }, 5 * kMillisecond, priority - 10); });
-  threads.emplace_back([&] { run_poll([&](Nanoseconds deadline) { controller->poll_link(deadline); }, kMillisecond, priority - 20); });
+  threads.emplace_back([&] {
+    run_poll([&](Nanoseconds deadline) { controller->poll_imu(deadline); }, 5 * kMillisecond,
+             priority - 10);
+  });
+  if (pose)
+    threads.emplace_back([&] {
+      run_poll([&](Nanoseconds deadline) { controller->poll_pose(deadline); }, 5 * kMillisecond,
+               priority - 10);
+    });
+  threads.emplace_back([&] {
+    run_poll([&](Nanoseconds deadline) { controller->poll_link(deadline); }, kMillisecond,
+             priority - 20);
+  });
   threads.emplace_back([&] { run_log(*controller, config.device.log_directory); });
   threads.emplace_back([&] { run_ticks(*controller, priority); });
   for (std::thread& thread : threads) thread.join();
@@ -184,7 +204,8 @@ int main(int argc, char** argv) {
     std::fputs(kHelp, stdout);
     return 0;
   }
-  if (argc != 3 || std::strcmp(argv[1], "--config") != 0) return refuse("expected --config FILE; sanso-firmware --help shows an example");
+  if (argc != 3 || std::strcmp(argv[1], "--config") != 0)
+    return refuse("expected --config FILE; sanso-firmware --help shows an example");
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   return run(argv[2]);

@@ -8,14 +8,19 @@
 namespace sanso::firmware {
 namespace {
 
-constexpr Nanoseconds kLateAfter = kTickPeriod / 2;       // a tick that begins this late counts as late
-constexpr Nanoseconds kImuStart = 3 * kSecond;            // the self-test waits this long for the first IMU sample
-constexpr int kTorqueSettleTicks = 150;                   // torque registers read before this may be from before
-constexpr int kLimpRepeats = 5;                           // a sync write has no reply: say it more than once
+// a tick that begins this late counts as late
+constexpr Nanoseconds kLateAfter = kTickPeriod / 2;
+// the self-test waits this long for the first IMU sample
+constexpr Nanoseconds kImuStart = 3 * kSecond;
+// torque registers read before this may be from before
+constexpr int kTorqueSettleTicks = 150;
+// a sync write has no reply: say it more than once
+constexpr int kLimpRepeats = 5;
 
 }  // namespace
 
-Controller::Controller(const Settings& settings, board::SerialPort& port, board::Clock& clock, Handover& handover)
+Controller::Controller(const Settings& settings, board::SerialPort& port, board::Clock& clock,
+                       Handover& handover)
     : settings_(settings),
       clock_(clock),
       handover_(handover),
@@ -38,7 +43,7 @@ void Controller::tick(Nanoseconds now) {
   publish(now, cpu_begin);
 }
 
-// --- requests --------------------------------------------------------------------------------------------------------
+// --- requests ------------------------------------------------------------------------------------
 
 void Controller::take_requests() {
   // Count first: what was uploaded before a command was sent is then seen before the command.
@@ -47,19 +52,26 @@ void Controller::take_requests() {
   wire::Command command;
   for (; commands > 0 && handover_.commands.pop(command); --commands) {
     const Refusal refusal = execute(command);
-    (void)handover_.acks.push({command.sequence, static_cast<std::uint8_t>(refusal == Refusal::none ? 1 : 0),
+    (void)handover_.acks.push({command.sequence,
+                               static_cast<std::uint8_t>(refusal == Refusal::none ? 1 : 0),
                                supervisor_.state(), static_cast<std::uint16_t>(refusal)});
   }
 }
 
 Refusal Controller::execute(const wire::Command& command) {
   switch (command.kind) {
-    case wire::CommandKind::none: return Refusal::none;
-    case wire::CommandKind::arm: return arm(command);
-    case wire::CommandKind::start_trial: return start_trial(command);
-    case wire::CommandKind::stop: return stop();
-    case wire::CommandKind::disarm: return disarm();
-    case wire::CommandKind::clear_fault: return clear_fault();
+    case wire::CommandKind::none:
+      return Refusal::none;
+    case wire::CommandKind::arm:
+      return arm(command);
+    case wire::CommandKind::start_trial:
+      return start_trial(command);
+    case wire::CommandKind::stop:
+      return stop();
+    case wire::CommandKind::disarm:
+      return disarm();
+    case wire::CommandKind::clear_fault:
+      return clear_fault();
   }
   return Refusal::wrong_state;
 }
@@ -120,7 +132,7 @@ void Controller::end_trial() {
   supervisor_.apply(Event::trial_over);
 }
 
-// --- sensors, judgement ----------------------------------------------------------------------------------------------
+// --- sensors, judgement --------------------------------------------------------------------------
 
 void Controller::note_lateness(Nanoseconds now) {
   const bool late = previous_due_ != 0 && now - previous_due_ > kTickPeriod + kLateAfter;
@@ -136,9 +148,11 @@ bool Controller::bus_in_use() const {
 
 void Controller::read_sensors(Nanoseconds now) {
   if (bus_in_use()) {
-    // arms and head are read until the robot stands; in a trial the legs have the bus for themselves
+    // arms and head are read until the robot stands; in a trial the legs have the bus for
+    // themselves
     const SupervisorState state = supervisor_.state();
-    const bool legs_only = state == SupervisorState::run || state == SupervisorState::hold || state == SupervisorState::soft_stop;
+    const bool legs_only = state == SupervisorState::run || state == SupervisorState::hold ||
+                           state == SupervisorState::soft_stop;
     bus_.read_feedback(legs_only ? model::kNumJoints : kNumServos, servos_);
   }
   handover_.imu.update();
@@ -167,14 +181,17 @@ void Controller::enter_fault(Fault fault, std::uint16_t detail) {
   supervisor_.raise(fault, detail);
 }
 
-// --- state -----------------------------------------------------------------------------------------------------------
+// --- state ---------------------------------------------------------------------------------------
 
 void Controller::self_test(Nanoseconds now) {
   if (self_test_begin_ == 0) self_test_begin_ = now;
   switch (setup_.step(bus_, now)) {
-    case BusSetup::Progress::running: return;
-    case BusSetup::Progress::failed: return enter_fault(setup_.fault(), setup_.fault_detail());
-    case BusSetup::Progress::done: break;
+    case BusSetup::Progress::running:
+      return;
+    case BusSetup::Progress::failed:
+      return enter_fault(setup_.fault(), setup_.fault_detail());
+    case BusSetup::Progress::done:
+      break;
   }
   const Nanoseconds heard = handover_.imu.front().time;
   const bool alive = heard != 0 && now - heard < from_seconds(settings_.imu.silent_s);
@@ -200,7 +217,8 @@ void Controller::advance_state(Nanoseconds now) {
       break;
     case SupervisorState::stand_up:
     case SupervisorState::soft_stop:
-      if (posture_.arrived() && arming_tick_ < 0) supervisor_.apply(posture_.lowering() ? Event::lowered : Event::arrived);
+      if (posture_.arrived() && arming_tick_ < 0)
+        supervisor_.apply(posture_.lowering() ? Event::lowered : Event::arrived);
       break;
     case SupervisorState::hold:
       if (start_pending_) {
@@ -222,7 +240,7 @@ bool Controller::host_silent(Nanoseconds now) const {
   return now - heard > from_seconds(settings_.supervisor.host_silent_s);
 }
 
-// --- output ----------------------------------------------------------------------------------------------------------
+// --- output --------------------------------------------------------------------------------------
 
 model::Input Controller::choose_target() {
   layers_ = policy::LayerOutputs{};
@@ -257,7 +275,8 @@ void Controller::command_servos(const model::Input& wanted) {
     write_goals(output_);
     ++torque_ticks_;
   }
-  if (++slow_read_tick_ % settings_.bus.slow_read_every_ticks == 0 && !servos_.port_gone) bus_.slow_read(servos_);
+  if (++slow_read_tick_ % settings_.bus.slow_read_every_ticks == 0 && !servos_.port_gone)
+    bus_.slow_read(servos_);
 }
 
 /// Goal = present first, then torque: nothing moves when the torque comes on.
@@ -275,7 +294,8 @@ void Controller::arm_step() {
 
 void Controller::write_goals(const model::Input& legs) {
   std::array<std::int32_t, kNumServos> goals{};
-  for (int j = 0; j < model::kNumJoints; ++j) goals[static_cast<std::size_t>(j)] = servo_bus::position_raw(legs[j]);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    goals[static_cast<std::size_t>(j)] = servo_bus::position_raw(legs[j]);
   std::size_t count = model::kNumJoints;
   if (supervisor_.state() == SupervisorState::stand_up) {
     const auto held = posture_.held_targets();
@@ -300,7 +320,7 @@ void Controller::react_to_fault() {
   }
 }
 
-// --- report ----------------------------------------------------------------------------------------------------------
+// --- report --------------------------------------------------------------------------------------
 
 void Controller::publish(Nanoseconds now, Nanoseconds cpu_begin) {
   wire::Observation& o = observation_;
@@ -328,7 +348,8 @@ void Controller::publish(Nanoseconds now, Nanoseconds cpu_begin) {
   o.late_ticks = late_ticks_;
   o.bus_lost = bus_.counters().lost;
   o.bus_corrupt = bus_.counters().corrupt;
-  o.datagrams_dropped = handover_.datagrams_dropped.load(std::memory_order_relaxed) + trial_.stale_policies();
+  o.datagrams_dropped =
+      handover_.datagrams_dropped.load(std::memory_order_relaxed) + trial_.stale_policies();
   o.tick_cpu_ns = static_cast<std::uint32_t>(clock_.thread_cpu() - cpu_begin);
   (void)handover_.observations.push(o);
   record_.observation = o;
@@ -340,7 +361,8 @@ void Controller::report_supply(wire::Observation& o) const {
   float voltage = 0;
   o.max_temperature_C = 0;
   for (const ServoHealth& health : servos_.health) {
-    if (health.voltage_V > 0) voltage = voltage > 0 ? std::min(voltage, health.voltage_V) : health.voltage_V;
+    if (health.voltage_V > 0)
+      voltage = voltage > 0 ? std::min(voltage, health.voltage_V) : health.voltage_V;
     o.max_temperature_C = std::max(o.max_temperature_C, health.temperature_C);
   }
   o.voltage_V = voltage;
@@ -359,7 +381,8 @@ void Controller::report_layers(Nanoseconds now, wire::Observation& o) {
   const bool wanted = trial_.upper_wanted();
   verdict_.limits.add_if(wanted && !trial_.has_upper(), Limit::upper_missing);
   verdict_.limits.add_if(wanted && trial_.has_upper() && layers_.weight < 1.0, Limit::upper_stale);
-  verdict_.limits.add_if(estimator_.pose_age_ticks() < 255 && estimator_.pose_age_ticks() > 10, Limit::pose_stale);
+  verdict_.limits.add_if(estimator_.pose_age_ticks() < 255 && estimator_.pose_age_ticks() > 10,
+                         Limit::pose_stale);
   verdict_.limits.add_if(host_silent(now), Limit::host_silent);
 }
 

@@ -1,6 +1,7 @@
-// The 10 ms tick. It reads the bus and the newest samples of the other threads, estimates the state, adds up the three
-// layers, guards the sum and sends it. Part of the real-time library: no heap, no exceptions, nothing that waits except
-// for servo replies, and for those only until their deadline.
+// The 10 ms tick. It reads the bus and the newest samples of the other threads, estimates the
+// state, adds up the three layers, guards the sum and sends it. Part of the real-time library: no
+// heap, no exceptions, nothing that waits except for servo replies, and for those only until their
+// deadline.
 #pragma once
 
 #include "firmware/app/posture.h"
@@ -18,10 +19,11 @@ namespace sanso::firmware {
 
 class Controller {
  public:
-  Controller(const Settings& settings, board::SerialPort& port, board::Clock& clock, Handover& handover);
+  Controller(const Settings& settings, board::SerialPort& port, board::Clock& clock,
+             Handover& handover);
 
-  /// One tick. `now` is the time at which it was due, on the board's clock. Call it every 10 ms; it returns after the
-  /// goals are on their way (about 2 ms of bus time later).
+  /// One tick. `now` is the time at which it was due, on the board's clock. Call it every 10 ms; it
+  /// returns after the goals are on their way (about 2 ms of bus time later).
   void tick(Nanoseconds now);
 
   /// What the last tick published.
@@ -84,9 +86,9 @@ class Controller {
   wire::Observation observation_;
   LogRecord record_;
 
-  bool start_pending_ = false;   // a start was accepted in this tick
-  int arming_tick_ = -1;         // 0..2 while torque is being switched on
-  int torque_ticks_ = 0;         // ticks since torque on; 0: off
+  bool start_pending_ = false;  // a start was accepted in this tick
+  int arming_tick_ = -1;        // 0..2 while torque is being switched on
+  int torque_ticks_ = 0;        // ticks since torque on; 0: off
   int limp_writes_ = 0;
   int slow_read_tick_ = 0;
   Nanoseconds self_test_begin_ = 0;

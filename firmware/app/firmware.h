@@ -1,5 +1,6 @@
-// The whole controller program without its threads: construct it on the heap (the tables of the layers take 7 MB) over a board and call the four poll functions, from
-// four threads on the robot (main.cpp) or one after the other in virtual time (in process). Not real-time as a whole:
+// The whole controller program without its threads: construct it on the heap (the tables of the
+// layers take 7 MB) over a board and call the four poll functions, from four threads on the robot
+// (main.cpp) or one after the other in virtual time (in process). Not real-time as a whole:
 // only tick() is.
 #pragma once
 
@@ -32,10 +33,12 @@ class Firmware {
 
   /// One tick, due at `now`: every 10 ms.
   void tick(Nanoseconds now) { controller_.tick(now); }
-  /// Takes the IMU's reports; waits for the first until `deadline`. In process: poll_imu(0) before every tick.
+  /// Takes the IMU's reports; waits for the first until `deadline`. In process: poll_imu(0) before
+  /// every tick.
   void poll_imu(Nanoseconds deadline) { imu_.poll(deadline); }
   void poll_pose(Nanoseconds deadline) { pose_.poll(deadline); }
-  /// Takes the host's datagrams and sends what the tick has published. In process: before and after every tick.
+  /// Takes the host's datagrams and sends what the tick has published. In process: before and after
+  /// every tick.
   void poll_link(Nanoseconds deadline) { link_.poll(deadline); }
 
   const Controller& controller() const { return controller_; }

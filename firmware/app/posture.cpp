@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kTick_s = to_seconds(kTickPeriod);
 constexpr double kBalanceRamp_s = 0.2;
-constexpr double kPoseRate_rad_s = 0.5;  // a newly uploaded first pose is approached at this speed while holding
+// a newly uploaded first pose is approached at this speed while holding
+constexpr double kPoseRate_rad_s = 0.5;
 
 /// Moves `weight` towards `goal` by at most one tick's share of `ramp_s`.
 void ramp(double& weight, double goal, double ramp_s) {
@@ -22,7 +23,8 @@ void ramp(double& weight, double goal, double ramp_s) {
 model::Input crouch_pose() {
   // right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll; left mirrored: q_left = -q_right
   constexpr double kThigh = 60.0 * kRadPerDeg;
-  constexpr double kLean = 14.0 * kRadPerDeg;  // trunk forward: brings the weight over the soles when the servos sag
+  // trunk forward: brings the weight over the soles when the servos sag
+  constexpr double kLean = 14.0 * kRadPerDeg;
   model::Input q = model::Input::Zero();
   q[2] = kThigh + kLean;
   q[3] = -2.0 * kThigh;
@@ -33,14 +35,16 @@ model::Input crouch_pose() {
 
 void Posture::begin_stand_up(const ServoReadings& servos, const model::Input& first_pose) {
   model::Input q;
-  for (int j = 0; j < model::kNumJoints; ++j) q[j] = servos.servo[static_cast<std::size_t>(j)].position_rad;
+  for (int j = 0; j < model::kNumJoints; ++j)
+    q[j] = servos.servo[static_cast<std::size_t>(j)].position_rad;
   through_crouch_ = (q - first_pose).cwiseAbs().maxCoeff() > settings_.near_pose_rad;
   lowering_ = false;
   held_ = first_pose;
   middle_weight_ = balance_weight_ = 0;
   const double duration = through_crouch_ ? settings_.stand_up_s : settings_.approach_s;
   blend_.start(q, duration);
-  for (std::size_t k = 0; k < kNumHeld; ++k) held_from_[k] = servos.servo[model::kNumJoints + k].position_rad;
+  for (std::size_t k = 0; k < kNumHeld; ++k)
+    held_from_[k] = servos.servo[model::kNumJoints + k].position_rad;
   held_fraction_ = 0;
   held_step_ = kTick_s / duration;
 }
@@ -58,7 +62,8 @@ void Posture::begin_lowering(const model::Input& output) {
 
 void Posture::follow_first_pose(const model::Input& first_pose) {
   const double step = kPoseRate_rad_s * kTick_s;
-  for (int j = 0; j < model::kNumJoints; ++j) held_[j] += std::clamp(first_pose[j] - held_[j], -step, step);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    held_[j] += std::clamp(first_pose[j] - held_[j], -step, step);
 }
 
 model::Input Posture::hold_target(Trial& trial, const model::State& x) {
@@ -85,7 +90,8 @@ model::Input Posture::step(Trial& trial, const model::State& x) {
 std::array<double, kNumHeld> Posture::held_targets() const {
   std::array<double, kNumHeld> targets{};
   const double s = minimum_jerk(held_fraction_);
-  for (std::size_t k = 0; k < kNumHeld; ++k) targets[k] = held_from_[k] + s * (kHeldServos[k].pose_rad - held_from_[k]);
+  for (std::size_t k = 0; k < kNumHeld; ++k)
+    targets[k] = held_from_[k] + s * (kHeldServos[k].pose_rad - held_from_[k]);
   return targets;
 }
 

@@ -1,5 +1,6 @@
-// The slow motions: standing up, holding the first pose, stopping softly, lowering. All are passages from where the
-// robot is to a pose that may itself move a little (reflex, middle layer, balance).
+// The slow motions: standing up, holding the first pose, stopping softly, lowering. All are
+// passages from where the robot is to a pose that may itself move a little (reflex, middle layer,
+// balance).
 #pragma once
 
 #include <array>
@@ -11,14 +12,16 @@
 
 namespace sanso::firmware {
 
-/// Deep crouch with the soles under the hips, knees inside their limit: the way from and to torque off [rad].
+/// Deep crouch with the soles under the hips, knees inside their limit: the way from and to torque
+/// off [rad].
 model::Input crouch_pose();
 
 class Posture {
  public:
   explicit Posture(const SupervisorSettings& settings) : settings_(settings) {}
 
-  /// From the joints as they are (`servos`) to the first pose: straight when near it, through the crouch when not.
+  /// From the joints as they are (`servos`) to the first pose: straight when near it, through the
+  /// crouch when not.
   void begin_stand_up(const ServoReadings& servos, const model::Input& first_pose);
   /// From the targets sent last to the first pose.
   void begin_soft_stop(const model::Input& output);
@@ -31,7 +34,9 @@ class Posture {
   bool arrived() const { return blend_.done() && !through_crouch_; }
   bool lowering() const { return lowering_; }
   /// The pose held is the one in which the uploaded motion begins.
-  bool at_first_pose(const model::Input& first_pose) const { return (held_ - first_pose).cwiseAbs().maxCoeff() < 1e-9; }
+  bool at_first_pose(const model::Input& first_pose) const {
+    return (held_ - first_pose).cwiseAbs().maxCoeff() < 1e-9;
+  }
 
   /// Targets for arms and head [rad], moving to their pose during stand-up.
   std::array<double, kNumHeld> held_targets() const;

@@ -1,5 +1,5 @@
-// What the robot is doing, and what may come next. All transitions stand in one table; everything that is not in it is
-// refused. A fault latches from any state.
+// What the robot is doing, and what may come next. All transitions stand in one table; everything
+// that is not in it is refused. A fault latches from any state.
 #pragma once
 
 #include <array>
@@ -13,13 +13,17 @@ using wire::SupervisorState;
 
 enum class Event : std::uint8_t {
   // commands
-  arm, start_trial, stop, disarm, clear_fault,
+  arm,
+  start_trial,
+  stop,
+  disarm,
+  clear_fault,
   // what happens by itself
-  powered,      // the program runs
-  setup_done,   // all servos there, registers set, IMU alive
-  arrived,      // a slow motion has reached its pose
-  lowered,      // the robot is down: torque may go
-  trial_over,   // duration reached or host silent
+  powered,     // the program runs
+  setup_done,  // all servos there, registers set, IMU alive
+  arrived,     // a slow motion has reached its pose
+  lowered,     // the robot is down: torque may go
+  trial_over,  // duration reached or host silent
 };
 
 struct Transition {
@@ -71,8 +75,8 @@ class Supervisor {
   }
   /// Torque is on and the robot is meant to be on its feet.
   bool standing() const {
-    return state_ == SupervisorState::stand_up || state_ == SupervisorState::hold || state_ == SupervisorState::run ||
-           state_ == SupervisorState::soft_stop;
+    return state_ == SupervisorState::stand_up || state_ == SupervisorState::hold ||
+           state_ == SupervisorState::run || state_ == SupervisorState::soft_stop;
   }
 
  private:

@@ -22,8 +22,10 @@ void Trial::take_upper(const policy::UpperPolicy& policy) {
     ++stale_policies_;
     return;
   }
-  if (any_sequence_ && has_next_ && next_.trial_id != policy.trial_id) any_sequence_ = false;  // for a later trial
-  const bool newer = !any_sequence_ || static_cast<std::int32_t>(policy.sequence - newest_sequence_) > 0;
+  // for a later trial
+  if (any_sequence_ && has_next_ && next_.trial_id != policy.trial_id) any_sequence_ = false;
+  const bool newer =
+      !any_sequence_ || static_cast<std::int32_t>(policy.sequence - newest_sequence_) > 0;
   if (!newer) {
     ++stale_policies_;
     return;
@@ -37,14 +39,16 @@ void Trial::take_upper(const policy::UpperPolicy& policy) {
 Refusal Trial::check(const wire::Command& command) const {
   if (!has_primitives_) return Refusal::no_primitives;
   const bool uses_middle = (command.layers & wire::kLayerMiddle) != 0;
-  if (uses_middle && middle_ != nullptr && middle_->trial_id != command.trial_id) return Refusal::stale_table;
+  if (uses_middle && middle_ != nullptr && middle_->trial_id != command.trial_id)
+    return Refusal::stale_table;
   return Refusal::none;
 }
 
 void Trial::start(const wire::Command& command) {
   id_ = command.trial_id;
   set_layers(command.layers);
-  duration_ticks_ = command.duration_ticks > 0 ? command.duration_ticks : primitives_->duration_ticks();
+  duration_ticks_ =
+      command.duration_ticks > 0 ? command.duration_ticks : primitives_->duration_ticks();
   player_.reset(*primitives_);
   has_upper_ = false;
   if (has_next_ && next_.trial_id != id_) {
@@ -73,8 +77,8 @@ policy::LayerOutputs Trial::layers(const model::State& x) {
     has_upper_ = true;
     has_next_ = false;
   }
-  return policy::layer_outputs(has_upper_ ? &upper_ : nullptr, middle_, player_.input(), first_pose_, tick_, x, on_,
-                               reflex_, scratch_);
+  return policy::layer_outputs(has_upper_ ? &upper_ : nullptr, middle_, player_.input(),
+                               first_pose_, tick_, x, on_, reflex_, scratch_);
 }
 
 model::Input Trial::middle_at_start(const model::State& x) {
@@ -85,14 +89,16 @@ model::Input Trial::middle_at_start(const model::State& x) {
   const double yaw = math::yaw_of(model::base_quat(x));
   const math::Quat quat_turn_back(std::cos(0.5 * yaw), 0.0, 0.0, -std::sin(0.5 * yaw));
   here.segment<4>(model::kXQuat) = math::quat_multiply(quat_turn_back, model::base_quat(x));
-  here.segment<3>(model::kXVel) = math::rotation_matrix(quat_turn_back) * x.segment<3>(model::kXVel);
+  here.segment<3>(model::kXVel) =
+      math::rotation_matrix(quat_turn_back) * x.segment<3>(model::kXVel);
   policy::sample_middle(*middle_, 0.0, scratch_);
   return policy::affine(scratch_, here);
 }
 
 std::int16_t Trial::upper_age_ticks() const {
   if (!has_upper_ || tick_ < 0) return -1;
-  return static_cast<std::int16_t>(std::clamp(tick_ - policy::last_tick(upper_), -30000.0, 30000.0));
+  return static_cast<std::int16_t>(
+      std::clamp(tick_ - policy::last_tick(upper_), -30000.0, 30000.0));
 }
 
 }  // namespace sanso::firmware

@@ -1,5 +1,6 @@
-// A trial: its clock, the uploaded layers, and their sum at every tick. Uploads of primitives and tables are taken up
-// between trials only; upper policies at any time, each used from its first tick on.
+// A trial: its clock, the uploaded layers, and their sum at every tick. Uploads of primitives and
+// tables are taken up between trials only; upper policies at any time, each used from its first
+// tick on.
 #pragma once
 
 #include "firmware/guard/faults.h"
@@ -33,9 +34,12 @@ class Trial {
   bool has_primitives() const { return has_primitives_; }
   /// Joint angles in which the uploaded motion begins [rad].
   const model::Input& first_pose() const { return first_pose_; }
-  /// What the middle layer adds at the start of the trial, for a robot that stands at x (place and heading ignored).
+  /// What the middle layer adds at the start of the trial, for a robot that stands at x (place and
+  /// heading ignored).
   model::Input middle_at_start(const model::State& x);
-  model::Input reflex(const model::State& x) const { return on_.reflex ? policy::reflex(x, reflex_) : model::Input::Zero(); }
+  model::Input reflex(const model::State& x) const {
+    return on_.reflex ? policy::reflex(x, reflex_) : model::Input::Zero();
+  }
   void set_layers(std::uint8_t mask) { on_ = policy::LayerSwitches::from_mask(mask); }
 
   // for the observation

@@ -1,5 +1,6 @@
-// The seam between the controller and the hardware. Everything that firmware/ knows of the world passes through these
-// five interfaces; on the robot they are Linux devices, in tests and in process they are simulated with a virtual clock.
+// The seam between the controller and the hardware. Everything that firmware/ knows of the world
+// passes through these five interfaces; on the robot they are Linux devices, in tests and in
+// process they are simulated with a virtual clock.
 // None of the calls allocates; none throws.
 #pragma once
 
@@ -15,12 +16,14 @@ namespace sanso::board {
 using Bytes = std::span<const std::uint8_t>;
 using Buffer = std::span<std::uint8_t>;
 
-/// Monotonic time since some fixed moment. In virtual time, sleeping and waiting for bytes are what makes it pass.
+/// Monotonic time since some fixed moment. In virtual time, sleeping and waiting for bytes are what
+/// makes it pass.
 class Clock {
  public:
   virtual ~Clock() = default;
   virtual Nanoseconds now() = 0;
-  /// CPU time that the calling thread has used. Virtual clocks say 0: results must not depend on the machine.
+  /// CPU time that the calling thread has used. Virtual clocks say 0: results must not depend on
+  /// the machine.
   virtual Nanoseconds thread_cpu() { return 0; }
 };
 
@@ -28,16 +31,20 @@ class Clock {
 class SerialPort {
  public:
   virtual ~SerialPort() = default;
-  /// Queues all bytes for sending. io_error: the device is gone (unplugged); it stays so until reopen().
+  /// Queues all bytes for sending. io_error: the device is gone (unplugged); it stays so until
+  /// reopen().
   virtual Status write(Bytes data) = 0;
-  /// Bytes that have arrived, as soon as there is at least one; waits for it until `deadline` at most (a deadline in the
-  /// past: takes what is there). Returns 0 at the deadline. io_error as for write().
+  /// Bytes that have arrived, as soon as there is at least one; waits for it until `deadline` at
+  /// most (a deadline in the past: takes what is there). Returns 0 at the deadline. io_error as for
+  /// write().
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
-  /// Tries to get a lost device back. May block for a while: called only while no torque command is running.
+  /// Tries to get a lost device back. May block for a while: called only while no torque command is
+  /// running.
   virtual Status reopen() = 0;
 };
 
-/// Input reports of a HID sensor, one at a time, each beginning with its report ID. Used by the IMU thread only.
+/// Input reports of a HID sensor, one at a time, each beginning with its report ID. Used by the IMU
+/// thread only.
 class HidSource {
  public:
   virtual ~HidSource() = default;
@@ -49,7 +56,8 @@ class HidSource {
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
 };
 
-/// Pose of the base from outside (tracking camera), as the bytes of shared/base/pose_report.h. May be absent.
+/// Pose of the base from outside (tracking camera), as the bytes of shared/base/pose_report.h. May
+/// be absent.
 class PoseSource {
  public:
   virtual ~PoseSource() = default;
@@ -62,7 +70,8 @@ struct Peer {
   std::uint8_t bytes[28] = {};
 };
 
-/// Datagrams to and from hosts. Used by the link thread only. Neither call blocks beyond `deadline`.
+/// Datagrams to and from hosts. Used by the link thread only. Neither call blocks beyond
+/// `deadline`.
 class Datagram {
  public:
   virtual ~Datagram() = default;

@@ -1,8 +1,8 @@
 #include "firmware/board/linux_clock.h"
 
+#include <poll.h>
 #include <cerrno>
 #include <ctime>
-#include <poll.h>
 
 namespace sanso::board {
 namespace {
@@ -13,7 +13,9 @@ Nanoseconds read_clock(clockid_t id) {
   return static_cast<Nanoseconds>(t.tv_sec) * kSecond + t.tv_nsec;
 }
 
-timespec to_timespec(Nanoseconds t) { return {static_cast<time_t>(t / kSecond), static_cast<long>(t % kSecond)}; }
+timespec to_timespec(Nanoseconds t) {
+  return {static_cast<time_t>(t / kSecond), static_cast<long>(t % kSecond)};
+}
 
 }  // namespace
 
@@ -22,7 +24,8 @@ Nanoseconds LinuxClock::thread_cpu() { return read_clock(CLOCK_THREAD_CPUTIME_ID
 
 void LinuxClock::sleep_until(Nanoseconds time) {
   const timespec t = to_timespec(time);
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {}
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
+  }
 }
 
 int wait_readable(int descriptor, Nanoseconds deadline) {

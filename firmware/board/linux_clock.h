@@ -13,7 +13,8 @@ class LinuxClock : public Clock {
   static void sleep_until(Nanoseconds time);
 };
 
-/// Waits until `descriptor` is readable or `deadline` has passed. 1 readable, 0 deadline, -1 error or hang-up.
+/// Waits until `descriptor` is readable or `deadline` has passed. 1 readable, 0 deadline, -1 error
+/// or hang-up.
 int wait_readable(int descriptor, Nanoseconds deadline);
 
 }  // namespace sanso::board

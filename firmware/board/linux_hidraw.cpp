@@ -23,7 +23,8 @@ Status LinuxHidraw::open(std::string& message) {
   if (file_ < 0) {
     message = path_ + ": " + std::strerror(errno);
     if (errno == EACCES) message += "; a udev rule has to give this user the device";
-    if (errno == ENOENT) message += "; is the sensor plugged in, and hid-sensor-hub kept from claiming it?";
+    if (errno == ENOENT)
+      message += "; is the sensor plugged in, and hid-sensor-hub kept from claiming it?";
     return Status::io_error;
   }
   int size = 0;
@@ -37,7 +38,8 @@ Status LinuxHidraw::open(std::string& message) {
     message = path_ + ": cannot read the report descriptor: " + std::strerror(errno);
     return Status::io_error;
   }
-  descriptor_size_ = std::min<std::size_t>(static_cast<std::size_t>(size), descriptor_bytes_.size());
+  descriptor_size_ =
+      std::min<std::size_t>(static_cast<std::size_t>(size), descriptor_bytes_.size());
   std::copy_n(report.value, descriptor_size_, descriptor_bytes_.begin());
   return Status::ok;
 }
@@ -46,7 +48,8 @@ Status LinuxHidraw::set_feature(Bytes report) {
   if (file_ < 0 || report.size() > 256) return Status::io_error;
   std::array<std::uint8_t, 256> copy{};
   std::copy(report.begin(), report.end(), copy.begin());
-  return ioctl(file_, HIDIOCSFEATURE(report.size()), copy.data()) >= 0 ? Status::ok : Status::io_error;
+  return ioctl(file_, HIDIOCSFEATURE(report.size()), copy.data()) >= 0 ? Status::ok
+                                                                       : Status::io_error;
 }
 
 Result<std::size_t> LinuxHidraw::read(Buffer buffer, Nanoseconds deadline) {

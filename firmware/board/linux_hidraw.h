@@ -1,5 +1,5 @@
-// A HID sensor through /dev/hidrawN: plain reads, no library that allocates. Devices with a sensor collection need the
-// kernel's sensor hub kept away; docs/howto/robot.md says how.
+// A HID sensor through /dev/hidrawN: plain reads, no library that allocates. Devices with a sensor
+// collection need the kernel's sensor hub kept away; docs/howto/robot.md says how.
 #pragma once
 
 #include <array>

@@ -28,12 +28,14 @@ Status LinuxSerial::open(std::string& message) {
   if (descriptor_ < 0) {
     message = path_ + ": " + std::strerror(errno);
     if (errno == EACCES) message += "; add the user to the group dialout";
-    if (errno == EBUSY) message += "; another program holds the bus, stop it first (on an OP3: the OP3-demo service)";
+    if (errno == EBUSY)
+      message += "; another program holds the bus, stop it first (on an OP3: the OP3-demo service)";
     return Status::io_error;
   }
   // two masters on one bus destroy each other's packets
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 || ioctl(descriptor_, TIOCEXCL) != 0) {
-    message = path_ + ": in use by another program; stop it first (on an OP3: the OP3-demo service)";
+    message =
+        path_ + ": in use by another program; stop it first (on an OP3: the OP3-demo service)";
     close();
     return Status::io_error;
   }
@@ -64,20 +66,26 @@ bool LinuxSerial::configure(std::string& message) {
   }
   termios2 back{};
   if (ioctl(descriptor_, TCGETS2, &back) == 0 && back.c_ospeed != t.c_ospeed)
-    warning_ = path_ + ": asked for " + std::to_string(baud_) + " baud, got " + std::to_string(back.c_ospeed);
+    warning_ = path_ + ": asked for " + std::to_string(baud_) + " baud, got " +
+               std::to_string(back.c_ospeed);
   ioctl(descriptor_, TCFLSH, TCIOFLUSH);
   return true;
 }
 
 void LinuxSerial::ask_low_latency() {
-  // On FTDI adapters this flag sets the latency timer to 1 ms; its default of 16 ms is longer than a tick.
+  // On FTDI adapters this flag sets the latency timer to 1 ms; its default of 16 ms is longer than
+  // a tick.
   serial_struct s{};
   if (ioctl(descriptor_, TIOCGSERIAL, &s) != 0) return;  // a pty or a driver without the notion
   s.flags |= ASYNC_LOW_LATENCY;
-  if (ioctl(descriptor_, TIOCSSERIAL, &s) == 0 && ioctl(descriptor_, TIOCGSERIAL, &s) == 0 && (s.flags & ASYNC_LOW_LATENCY) != 0)
+  if (ioctl(descriptor_, TIOCSSERIAL, &s) == 0 && ioctl(descriptor_, TIOCGSERIAL, &s) == 0 &&
+      (s.flags & ASYNC_LOW_LATENCY) != 0)
     return;
-  warning_ = path_ + ": the driver did not grant low latency; with an FTDI adapter replies may take 16 ms (write 1 to "
-                     "/sys/bus/usb-serial/devices/<tty>/latency_timer)";
+  warning_ =
+      path_ +
+      ": the driver did not grant low latency; with an FTDI adapter replies may take 16 ms (write "
+      "1 to "
+      "/sys/bus/usb-serial/devices/<tty>/latency_timer)";
 }
 
 Status LinuxSerial::write(Bytes data) {

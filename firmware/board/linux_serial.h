@@ -1,5 +1,5 @@
-// The servo bus on a Linux tty: any speed (termios2), exclusive, raw, low latency where the driver knows it. A pty
-// works too; it paces nothing and knows none of the optional calls.
+// The servo bus on a Linux tty: any speed (termios2), exclusive, raw, low latency where the driver
+// knows it. A pty works too; it paces nothing and knows none of the optional calls.
 #pragma once
 
 #include <string>

@@ -18,7 +18,7 @@ namespace {
 static_assert(sizeof(sockaddr_in6) <= sizeof(Peer::bytes), "a peer holds an IPv6 address");
 }
 
-// --- UDP ---------------------------------------------------------------------------------------------------------------
+// --- UDP -----------------------------------------------------------------------------------------
 
 UdpSocket::~UdpSocket() {
   if (socket_ >= 0) ::close(socket_);
@@ -49,14 +49,16 @@ int UdpSocket::port() const {
 }
 
 Status UdpSocket::send(Bytes data, const Peer& to) {
-  const ssize_t n = ::sendto(socket_, data.data(), data.size(), MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(to.bytes), to.size);
+  const ssize_t n = ::sendto(socket_, data.data(), data.size(), MSG_DONTWAIT,
+                             reinterpret_cast<const sockaddr*>(to.bytes), to.size);
   return n == static_cast<ssize_t>(data.size()) ? Status::ok : Status::io_error;
 }
 
 Result<std::size_t> UdpSocket::receive(Buffer buffer, Peer& from, Nanoseconds deadline) {
   for (;;) {
     socklen_t size = sizeof from.bytes;
-    const ssize_t n = ::recvfrom(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(from.bytes), &size);
+    const ssize_t n = ::recvfrom(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT,
+                                 reinterpret_cast<sockaddr*>(from.bytes), &size);
     if (n >= 0) {
       from.size = static_cast<std::uint8_t>(size);
       if (n > 0) return static_cast<std::size_t>(n);
@@ -68,7 +70,7 @@ Result<std::size_t> UdpSocket::receive(Buffer buffer, Peer& from, Nanoseconds de
   }
 }
 
-// --- packets on a path ---------------------------------------------------------------------------------------------------
+// --- packets on a path ---------------------------------------------------------------------------
 
 PacketConnection::~PacketConnection() { close(); }
 
@@ -87,7 +89,8 @@ Status PacketConnection::connect(std::string& message) {
   }
   std::copy(path_.begin(), path_.end(), address.sun_path);
   socket_ = ::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
-  if (socket_ < 0 || ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  if (socket_ < 0 ||
+      ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     message = path_ + ": " + std::strerror(errno) + "; is the emulator running?";
     close();
     return Status::io_error;
@@ -97,7 +100,10 @@ Status PacketConnection::connect(std::string& message) {
 
 Status PacketConnection::send(Bytes data) {
   if (socket_ < 0) return Status::io_error;
-  return ::send(socket_, data.data(), data.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(data.size()) ? Status::ok : Status::io_error;
+  return ::send(socket_, data.data(), data.size(), MSG_NOSIGNAL) ==
+                 static_cast<ssize_t>(data.size())
+             ? Status::ok
+             : Status::io_error;
 }
 
 Result<std::size_t> PacketConnection::receive(Buffer buffer, Nanoseconds deadline) {

@@ -1,8 +1,9 @@
 // Sockets: UDP for the hosts, and Unix SOCK_SEQPACKET connections that stand in for devices.
 //
-// An emulated HID sensor listens on a path. After the connection its first packet is the report descriptor; every later
-// packet is one input report; packets towards it are feature reports. A pose source sends one pose report a packet
-// (shared/base/pose_report.h). The same bytes as from the devices.
+// An emulated HID sensor listens on a path. After the connection its first packet is the report
+// descriptor; every later packet is one input report; packets towards it are feature reports. A
+// pose source sends one pose report a packet (shared/base/pose_report.h). The same bytes as from
+// the devices.
 #pragma once
 
 #include <array>
@@ -58,7 +59,9 @@ class SocketHid : public HidSource {
   Status open(std::string& message);
   Bytes descriptor() override { return {descriptor_bytes_.data(), descriptor_size_}; }
   Status set_feature(Bytes report) override { return connection_.send(report); }
-  Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override { return connection_.receive(buffer, deadline); }
+  Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override {
+    return connection_.receive(buffer, deadline);
+  }
 
  private:
   PacketConnection connection_;
@@ -71,7 +74,9 @@ class SocketPose : public PoseSource {
  public:
   explicit SocketPose(std::string path) : connection_(std::move(path)) {}
   Status open(std::string& message) { return connection_.connect(message); }
-  Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override { return connection_.receive(buffer, deadline); }
+  Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override {
+    return connection_.receive(buffer, deadline);
+  }
 
  private:
   PacketConnection connection_;

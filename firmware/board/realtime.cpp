@@ -32,7 +32,8 @@ std::string set_realtime_priority(int priority) {
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
   if (error == 0) return {};
   return std::string("no real-time priority (") + std::strerror(error) +
-         "): ticks may be late under load; set 'rtprio 99' for this user in /etc/security/limits.conf";
+         "): ticks may be late under load; set 'rtprio 99' for this user in "
+         "/etc/security/limits.conf";
 }
 
 }  // namespace sanso::board

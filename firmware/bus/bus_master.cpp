@@ -8,9 +8,11 @@ namespace sanso::firmware {
 namespace bus = servo_bus;
 namespace {
 
-constexpr Nanoseconds kSingleTimeout = 4 * kMillisecond;  // ping or register: under 50 bytes, plus USB latency
-constexpr std::uint16_t kSupplyAddress = 144, kSupplyBytes = 3;   // voltage u16, temperature u8
-constexpr std::uint16_t kTorqueAddress = 64, kTorqueBytes = 7;    // torque enable .. hardware error status
+// ping or register: under 50 bytes, plus USB latency
+constexpr Nanoseconds kSingleTimeout = 4 * kMillisecond;
+constexpr std::uint16_t kSupplyAddress = 144, kSupplyBytes = 3;  // voltage u16, temperature u8
+// torque enable .. hardware error status
+constexpr std::uint16_t kTorqueAddress = 64, kTorqueBytes = 7;
 
 }  // namespace
 
@@ -19,10 +21,11 @@ BusMaster::BusMaster(const BusSettings& settings, board::SerialPort& port, board
   for (std::size_t s = 0; s < order_.size(); ++s) order_[s] = static_cast<std::uint8_t>(s);
 }
 
-// --- requests and replies ----------------------------------------------------------------------------------------
+// --- requests and replies ------------------------------------------------------------------------
 
 void BusMaster::drain() {
-  // Late replies and noise belong to no request: they must not be taken for an answer to the next one.
+  // Late replies and noise belong to no request: they must not be taken for an answer to the next
+  // one.
   std::array<std::uint8_t, 256> waste;
   for (int i = 0; i < 16; ++i) {
     const Result<std::size_t> n = port_.read(waste, 0);
@@ -36,7 +39,10 @@ Status BusMaster::send(Nanoseconds timeout) {
   drain();
   raw_.clear();
   const Status status = port_.write(request_.view());
-  deadline_ = clock_.now() + bus::wire_time_ns(request_.size(), static_cast<std::int64_t>(settings_.byte_rate_baud)) + timeout;
+  deadline_ =
+      clock_.now() +
+      bus::wire_time_ns(request_.size(), static_cast<std::int64_t>(settings_.byte_rate_baud)) +
+      timeout;
   return status;
 }
 
@@ -72,12 +78,14 @@ Status BusMaster::transact(std::uint8_t id) {
   });
 }
 
-// --- cyclic read ---------------------------------------------------------------------------------------------------
+// --- cyclic read ---------------------------------------------------------------------------------
 
-void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data, ServoReadings& readings) {
+void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
+                      ServoReadings& readings) {
   ServoReading& reading = readings.servo[static_cast<std::size_t>(slot)];
   reading.alert = (error & bus::kAlertBit) != 0;
-  if (data.size() < bus::xm430::kFeedbackBytes) return;  // a status without data happens; its error byte still counts
+  // a status without data happens; its error byte still counts
+  if (data.size() < bus::xm430::kFeedbackBytes) return;
   const bus::xm430::Feedback raw = bus::xm430::decode_feedback(data);
   reading.position_raw = raw.position_raw;
   reading.current_raw = raw.current_raw;
@@ -96,8 +104,8 @@ bool BusMaster::take_status(int slots, ServoReadings& readings) {
   return true;
 }
 
-/// The merged reply, from the raw bytes: every block has its own CRC, so a reply that is damaged or cut short still
-/// gives the servos before the damage.
+/// The merged reply, from the raw bytes: every block has its own CRC, so a reply that is damaged or
+/// cut short still gives the servos before the damage.
 void BusMaster::take_fast_reply(int slots, ServoReadings& readings) {
   constexpr std::array<std::uint8_t, 5> kHeader = {0xFF, 0xFF, 0xFD, 0x00, bus::kBroadcastId};
   const auto begin = std::search(raw_.begin(), raw_.end(), kHeader.begin(), kHeader.end());
@@ -121,9 +129,11 @@ void BusMaster::read_feedback(int slots, ServoReadings& readings) {
     if (slot < slots) ids[static_cast<std::size_t>(count++)] = kServoIds[slot];
   const std::span<const std::uint8_t> asked(ids.data(), static_cast<std::size_t>(count));
   if (fast_)
-    (void)bus::encode_fast_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes, asked);
+    (void)bus::encode_fast_sync_read(request_, bus::xm430::kFeedbackAddress,
+                                     bus::xm430::kFeedbackBytes, asked);
   else
-    (void)bus::encode_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes, asked);
+    (void)bus::encode_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes,
+                                asked);
 
   Status status = send(from_seconds(settings_.reply_timeout_s));
   if (status == Status::ok) {
@@ -153,17 +163,20 @@ void BusMaster::age_the_silent(int slots, ServoReadings& readings) {
 void BusMaster::order_silent_last(int slots, const ServoReadings& readings) {
   if (readings.answered == 0) return;
   // The first silent one in the order is the suspect; the others may only have been behind it.
-  const auto suspect = std::find_if(order_.begin(), order_.end(), [&](std::uint8_t s) { return s < slots && !got_[s]; });
+  const auto suspect = std::find_if(order_.begin(), order_.end(),
+                                    [&](std::uint8_t s) { return s < slots && !got_[s]; });
   if (suspect != order_.end()) std::rotate(suspect, suspect + 1, order_.end());
 }
 
-// --- goals, torque -------------------------------------------------------------------------------------------------
+// --- goals, torque -------------------------------------------------------------------------------
 
 Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
   std::array<std::uint8_t, 4 * kNumServos> data;
-  for (std::size_t s = 0; s < goals_raw.size(); ++s) bus::put_le(data.data() + 4 * s, 4, goals_raw[s]);
+  for (std::size_t s = 0; s < goals_raw.size(); ++s)
+    bus::put_le(data.data() + 4 * s, 4, goals_raw[s]);
   (void)bus::encode_sync_write(request_, bus::xm430::kGoalPosition.address, 4,
-                               std::span(kServoIds).first(goals_raw.size()), std::span(data).first(4 * goals_raw.size()));
+                               std::span(kServoIds).first(goals_raw.size()),
+                               std::span(data).first(4 * goals_raw.size()));
   return port_.write(request_.view());
 }
 
@@ -175,7 +188,7 @@ Status BusMaster::write_torque(bool on, ServoReadings& readings) {
   return port_.write(request_.view());
 }
 
-// --- slow reads ----------------------------------------------------------------------------------------------------
+// --- slow reads ----------------------------------------------------------------------------------
 
 void BusMaster::slow_read_supply(int slot, ServoReadings& readings) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot)];
@@ -200,7 +213,8 @@ void BusMaster::slow_read_torque(int slot, ServoReadings& readings) {
 void BusMaster::slow_read(ServoReadings& readings) {
   for (int s = 0; s < kNumServos; ++s) {
     const bool explained = readings.health[static_cast<std::size_t>(s)].hardware_error != 0;
-    if (readings.servo[static_cast<std::size_t>(s)].alert && !explained) return slow_read_torque(s, readings);
+    if (readings.servo[static_cast<std::size_t>(s)].alert && !explained)
+      return slow_read_torque(s, readings);
   }
   const int slot = slow_turn_ / 2;
   if (slow_turn_ % 2 == 0)
@@ -210,7 +224,7 @@ void BusMaster::slow_read(ServoReadings& readings) {
   slow_turn_ = (slow_turn_ + 1) % (2 * kNumServos);
 }
 
-// --- single transactions -------------------------------------------------------------------------------------------
+// --- single transactions -------------------------------------------------------------------------
 
 Result<BusMaster::Identity> BusMaster::ping(std::uint8_t id) {
   (void)bus::encode_ping(request_, id);
@@ -219,18 +233,22 @@ Result<BusMaster::Identity> BusMaster::ping(std::uint8_t id) {
   return Identity{bus::get_u16(packet_.parameters.view()), packet_.parameters[2]};
 }
 
-Result<std::int64_t> BusMaster::read_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, bool is_signed) {
+Result<std::int64_t> BusMaster::read_register(std::uint8_t id, std::uint16_t address,
+                                              std::uint8_t size, bool is_signed) {
   (void)bus::encode_read(request_, id, address, size);
   if (const Status status = transact(id); status != Status::ok) return status;
-  if (packet_.status_error() != bus::StatusError::none || packet_.parameters.size() != size) return Status::rejected;
+  if (packet_.status_error() != bus::StatusError::none || packet_.parameters.size() != size)
+    return Status::rejected;
   std::uint64_t value = 0;
   for (std::size_t i = size; i-- > 0;) value = (value << 8) | packet_.parameters[i];
   const std::uint64_t sign = std::uint64_t{1} << (8 * size - 1);
-  if (is_signed && (value & sign) != 0) return static_cast<std::int64_t>(value) - static_cast<std::int64_t>(sign << 1);
+  if (is_signed && (value & sign) != 0)
+    return static_cast<std::int64_t>(value) - static_cast<std::int64_t>(sign << 1);
   return static_cast<std::int64_t>(value);
 }
 
-Status BusMaster::write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::int64_t value) {
+Status BusMaster::write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size,
+                                 std::int64_t value) {
   std::array<std::uint8_t, 4> data{};
   bus::put_le(data.data(), size, value);
   (void)bus::encode_write(request_, id, address, std::span(data).first(size));

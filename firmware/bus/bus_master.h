@@ -1,6 +1,7 @@
-// Master of the servo bus. Cyclic part: one (fast) sync read of current, velocity and position, one sync write of
-// goals, and one slow read of a single servo. Single transactions serve the start-up (bus_setup.h). Every wait has a
-// deadline; what arrives too late is drained before the next request.
+// Master of the servo bus. Cyclic part: one (fast) sync read of current, velocity and position, one
+// sync write of goals, and one slow read of a single servo. Single transactions serve the start-up
+// (bus_setup.h). Every wait has a deadline; what arrives too late is drained before the next
+// request.
 #pragma once
 
 #include <span>
@@ -20,12 +21,13 @@ class BusMaster {
   BusMaster(const BusSettings& settings, board::SerialPort& port, board::Clock& clock);
 
   // --- cyclic ---
-  /// Reads the first `slots` servos (12: legs; 20: all) and updates readings; a servo that does not answer keeps its last
-  /// values and grows older.
+  /// Reads the first `slots` servos (12: legs; 20: all) and updates readings; a servo that does not
+  /// answer keeps its last values and grows older.
   void read_feedback(int slots, ServoReadings& readings);
   /// Sends goals to slots 0 .. goals_raw.size()-1.
   Status write_goals(std::span<const std::int32_t> goals_raw);
-  /// Reads voltage, temperature, torque state and hardware error of one servo, taking turns; servos with an alert first.
+  /// Reads voltage, temperature, torque state and hardware error of one servo, taking turns; servos
+  /// with an alert first.
   void slow_read(ServoReadings& readings);
   /// Switches the torque of all servos by one sync write (no reply).
   Status write_torque(bool on, ServoReadings& readings);
@@ -36,9 +38,12 @@ class BusMaster {
     std::uint8_t firmware = 0;
   };
   Result<Identity> ping(std::uint8_t id);
-  /// Register value, sign-extended. timeout, io_error, or rejected (the device answered with an error).
-  Result<std::int64_t> read_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, bool is_signed = false);
-  Status write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size, std::int64_t value);
+  /// Register value, sign-extended. timeout, io_error, or rejected (the device answered with an
+  /// error).
+  Result<std::int64_t> read_register(std::uint8_t id, std::uint16_t address, std::uint8_t size,
+                                     bool is_signed = false);
+  Status write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size,
+                        std::int64_t value);
 
   /// Fast sync read from now on (all servos are known to understand it).
   void use_fast_read(bool on) { fast_ = on; }
@@ -57,7 +62,8 @@ class BusMaster {
   void drain();
   bool take_status(int slots, ServoReadings& readings);
   void take_fast_reply(int slots, ServoReadings& readings);
-  void store(int slot, std::uint8_t error, std::span<const std::uint8_t> data, ServoReadings& readings);
+  void store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
+             ServoReadings& readings);
   void age_the_silent(int slots, ServoReadings& readings);
   void order_silent_last(int slots, const ServoReadings& readings);
   void slow_read_supply(int slot, ServoReadings& readings);

@@ -8,8 +8,9 @@ namespace sanso::firmware {
 namespace {
 
 namespace xm430 = servo_bus::xm430;
-constexpr int kTries = 5;        // a register that answers with something else
-constexpr int kFindTries = 200;  // silence, 2 s: lost replies and a servo that takes its time to boot must not stop the start-up
+constexpr int kTries = 5;  // a register that answers with something else
+// silence, 2 s: lost replies and a servo that takes its time to boot must not stop the start-up
+constexpr int kFindTries = 200;
 
 struct Wanted {
   const servo_bus::Register& reg;
@@ -36,7 +37,9 @@ Status ensure(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   Result<std::int64_t> value = bus.read_register(id, r.address, r.size, r.is_signed);
   if (!value.ok()) return value.status();
   if (*value == wanted.value) return Status::ok;
-  if (const Status status = bus.write_register(id, r.address, r.size, wanted.value); status != Status::ok) return status;
+  if (const Status status = bus.write_register(id, r.address, r.size, wanted.value);
+      status != Status::ok)
+    return status;
   value = bus.read_register(id, r.address, r.size, r.is_signed);
   if (!value.ok()) return value.status();
   return *value == wanted.value ? Status::ok : Status::rejected;
@@ -52,13 +55,17 @@ BusSetup::Progress BusSetup::failed(Fault fault, std::uint8_t id) {
 
 BusSetup::Progress BusSetup::step(BusMaster& bus, Nanoseconds now) {
   switch (stage_) {
-    case Stage::power: return switch_power(bus, now);
+    case Stage::power:
+      return switch_power(bus, now);
     case Stage::wait:
       if (now - power_time_ >= from_seconds(settings_.power_up_wait_s)) stage_ = Stage::find;
       return Progress::running;
-    case Stage::find: return find_servo(bus);
-    case Stage::registers: return set_registers(bus);
-    case Stage::finish: return Progress::done;
+    case Stage::find:
+      return find_servo(bus);
+    case Stage::registers:
+      return set_registers(bus);
+    case Stage::finish:
+      return Progress::done;
   }
   return Progress::done;
 }
@@ -86,7 +93,8 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
 BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const Result<BusMaster::Identity> identity = bus.ping(id);
-  if (!identity.ok()) return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
+  if (!identity.ok())
+    return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
   if (identity->model != xm430::kModel) return failed(Fault::servo_model, id);
   all_fast_ = all_fast_ && identity->firmware >= xm430::kFirmwareWithFastRead;
   tries_ = 0;
@@ -101,8 +109,10 @@ BusSetup::Progress BusSetup::set_registers(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const auto wanted = wanted_registers(settings_);
   const Status status = ensure(bus, id, wanted[register_]);
-  if (status == Status::timeout) return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
-  if (status != Status::ok) return ++tries_ < kTries ? Progress::running : failed(Fault::servo_register, id);
+  if (status == Status::timeout)
+    return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
+  if (status != Status::ok)
+    return ++tries_ < kTries ? Progress::running : failed(Fault::servo_register, id);
   tries_ = 0;
   if (++register_ < wanted.size()) return Progress::running;
   register_ = 0;

@@ -1,5 +1,6 @@
-// Start-up of the bus, one small step a tick: supply on, every servo there and an XM430, torque off, registers as the
-// controller needs them and read back. Leaves a servo's EEPROM alone when it already holds what is needed.
+// Start-up of the bus, one small step a tick: supply on, every servo there and an XM430, torque
+// off, registers as the controller needs them and read back. Leaves a servo's EEPROM alone when it
+// already holds what is needed.
 #pragma once
 
 #include "firmware/bus/bus_master.h"

@@ -1,5 +1,5 @@
-// The twenty servos: slots 0..11 are the leg joints in joint order, 12..19 arms and head, which the controller holds
-// in the maker's walkready pose (action page 9; head level).
+// The twenty servos: slots 0..11 are the leg joints in joint order, 12..19 arms and head, which the
+// controller holds in the maker's walkready pose (action page 9; head level).
 #pragma once
 
 #include <array>
@@ -48,8 +48,9 @@ constexpr int slot_of(std::uint8_t id) {
 }
 
 constexpr const char* servo_name(int slot) {
-  return slot < model::kNumJoints ? model::kJoints[static_cast<std::size_t>(slot)].name
-                                  : kHeldServos[static_cast<std::size_t>(slot - model::kNumJoints)].name;
+  return slot < model::kNumJoints
+             ? model::kJoints[static_cast<std::size_t>(slot)].name
+             : kHeldServos[static_cast<std::size_t>(slot - model::kNumJoints)].name;
 }
 
 }  // namespace sanso::firmware

@@ -38,7 +38,8 @@ class TableReader {
     } else {
       if (std::is_same_v<T, double> || node->is_integer()) v = node->value<T>();
       std::ostringstream range;
-      range << (std::is_same_v<T, int> ? "a whole number" : "a number") << " from " << low << " to " << high;
+      range << (std::is_same_v<T, int> ? "a whole number" : "a number") << " from " << low << " to "
+            << high;
       if (!v || !(*v >= low && *v <= high)) return fail(*node, key, range.str());
     }
     value = *v;
@@ -86,7 +87,8 @@ void read_devices(TableReader reader, DeviceConfig& device) {
 
 }  // namespace
 
-bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config, std::string& error) {
+bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config,
+                          std::string& error) {
   error.clear();
   if (const auto defect = first_toml_defect(text)) {
     error = name + ":" + describe(*defect);
@@ -95,7 +97,8 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
   const toml::parse_result parsed = toml::parse(text, name);
   if (!parsed) {
     std::ostringstream message;
-    message << name << ":" << parsed.error().source().begin.line << ": " << parsed.error().description();
+    message << name << ":" << parsed.error().source().begin.line << ": "
+            << parsed.error().description();
     error = message.str();
     return false;
   }
@@ -105,14 +108,15 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
   config.settings.visit([&](const char* section, auto& group) {
     sections.insert(section);
     TableReader reader(root[section].as_table(), section, name, error);
-    group.visit(
-        [&](const char* key, auto& value, auto low, auto high, const char*) { reader.read(key, value, low, high); });
+    group.visit([&](const char* key, auto& value, auto low, auto high, const char*) {
+      reader.read(key, value, low, high);
+    });
     reader.reject_unknown();
   });
   for (const auto& [key, node] : root) {
     if (error.empty() && (!sections.contains(std::string(key.str())) || !node.is_table()))
-      error = name + ":" + std::to_string(node.source().begin.line) + ": [" + std::string(key.str()) +
-              "]: no such section; docs/settings.md lists them";
+      error = name + ":" + std::to_string(node.source().begin.line) + ": [" +
+              std::string(key.str()) + "]: no such section; docs/settings.md lists them";
   }
   return error.empty();
 }

@@ -1,5 +1,6 @@
-// The controller program's configuration file: devices and addresses, and every setting of settings.h by name. Read
-// once at start; an unknown key, a wrong type or a value out of range is an error that names it. Not real-time.
+// The controller program's configuration file: devices and addresses, and every setting of
+// settings.h by name. Read once at start; an unknown key, a wrong type or a value out of range is
+// an error that names it. Not real-time.
 #pragma once
 
 #include <string>
@@ -9,14 +10,14 @@
 namespace sanso::firmware {
 
 struct DeviceConfig {
-  std::string bus = "/dev/ttyUSB0";           // serial device of the servo bus
-  std::string imu = "/dev/hidraw0";           // /dev/hidrawN, or unix:PATH for an emulated sensor
-  std::string pose;                           // unix:PATH of a pose bridge; empty: none
-  std::string listen = "0.0.0.0";             // address for hosts
-  int port = 7531;                            // UDP port for hosts
-  std::string key_file;                       // 64 hexadecimal digits, the pre-shared key
-  std::string log_directory;                  // flight records; empty: none are written
-  int tick_priority = 80;                     // SCHED_FIFO
+  std::string bus = "/dev/ttyUSB0";  // serial device of the servo bus
+  std::string imu = "/dev/hidraw0";  // /dev/hidrawN, or unix:PATH for an emulated sensor
+  std::string pose;                  // unix:PATH of a pose bridge; empty: none
+  std::string listen = "0.0.0.0";    // address for hosts
+  int port = 7531;                   // UDP port for hosts
+  std::string key_file;              // 64 hexadecimal digits, the pre-shared key
+  std::string log_directory;         // flight records; empty: none are written
+  int tick_priority = 80;            // SCHED_FIFO
 };
 
 struct ProgramConfig {
@@ -24,9 +25,11 @@ struct ProgramConfig {
   Settings settings;
 };
 
-/// Reads `path`. On failure returns false and `error` says file, line, key, value and what was expected.
+/// Reads `path`. On failure returns false and `error` says file, line, key, value and what was
+/// expected.
 bool read_program_config(const std::string& path, ProgramConfig& config, std::string& error);
 /// The same from text; `name` stands for the file in messages.
-bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config, std::string& error);
+bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config,
+                          std::string& error);
 
 }  // namespace sanso::firmware

@@ -1,5 +1,5 @@
-// Every setting of the controller, declared once: name, unit (suffix), default, range, meaning. The TOML reader and
-// docs/settings.md walk the same visit(). Angles in rad, times in s, in every file.
+// Every setting of the controller, declared once: name, unit (suffix), default, range, meaning. The
+// TOML reader and docs/settings.md walk the same visit(). Angles in rad, times in s, in every file.
 #pragma once
 
 namespace sanso::firmware {
@@ -16,15 +16,22 @@ struct BusSettings {
   int silent_ticks = 10;
   template <class Field>
   void visit(Field&& field) {
-    field("reply_timeout_s", reply_timeout_s, 0.001, 0.008, "replies to the cyclic read are waited for this long");
+    field("reply_timeout_s", reply_timeout_s, 0.001, 0.008,
+          "replies to the cyclic read are waited for this long");
     field("byte_rate_baud", byte_rate_baud, 57'600.0, 4'500'000.0, "speed of the servo bus");
-    field("slow_read_every_ticks", slow_read_every_ticks, 1, 100, "one servo's voltage and temperature is read every so many ticks");
-    field("position_p_gain_raw", position_p_gain_raw, 100, 1600, "position P gain register of every servo (560: 70 % of the default)");
+    field("slow_read_every_ticks", slow_read_every_ticks, 1, 100,
+          "one servo's voltage and temperature is read every so many ticks");
+    field("position_p_gain_raw", position_p_gain_raw, 100, 1600,
+          "position P gain register of every servo (560: 70 % of the default)");
     field("return_delay_raw", return_delay_raw, 0, 10, "return delay register, 2 us a unit");
-    field("fast_sync_read", fast_sync_read, false, true, "use the fast sync read when all servos know it");
-    field("require_opencr", require_opencr, false, true, "switch the servo supply on through the OpenCR board at start");
-    field("power_up_wait_s", power_up_wait_s, 0.0, 5.0, "time between supply on and the first ping");
-    field("silent_ticks", silent_ticks, 2, 100, "a leg servo without a good reply for so many ticks is a fault");
+    field("fast_sync_read", fast_sync_read, false, true,
+          "use the fast sync read when all servos know it");
+    field("require_opencr", require_opencr, false, true,
+          "switch the servo supply on through the OpenCR board at start");
+    field("power_up_wait_s", power_up_wait_s, 0.0, 5.0,
+          "time between supply on and the first ping");
+    field("silent_ticks", silent_ticks, 2, 100,
+          "a leg servo without a good reply for so many ticks is a fault");
   }
 };
 
@@ -43,7 +50,8 @@ struct ImuSettings {
     field("silent_s", silent_s, 0.02, 0.5, "no complete sample for so long is a fault");
     field("frozen_s", frozen_s, 0.03, 1.0, "bit-identical samples for so long are a fault");
     field("late_s", late_s, 0.01, 0.5, "a sample older than this sets the limit imu_late");
-    field("quat_base_sensor_w", quat_base_sensor_w, -1.0, 1.0, "mounting of the sensor: rotation that turns its axes into base axes, w");
+    field("quat_base_sensor_w", quat_base_sensor_w, -1.0, 1.0,
+          "mounting of the sensor: rotation that turns its axes into base axes, w");
     field("quat_base_sensor_x", quat_base_sensor_x, -1.0, 1.0, "same, x");
     field("quat_base_sensor_y", quat_base_sensor_y, -1.0, 1.0, "same, y");
     field("quat_base_sensor_z", quat_base_sensor_z, -1.0, 1.0, "same, z");
@@ -65,18 +73,27 @@ struct EstimatorSettings {
   double joint_rate_filter_s = 0.0;
   template <class Field>
   void visit(Field&& field) {
-    field("accel_noise", accel_noise, 0.01, 10.0, "white noise of the base acceleration, m/s^2 in one tick");
+    field("accel_noise", accel_noise, 0.01, 10.0,
+          "white noise of the base acceleration, m/s^2 in one tick");
     field("foot_slip_noise", foot_slip_noise, 1e-4, 1.0, "random walk of a loaded foot, m/s");
-    field("foot_swing_noise", foot_swing_noise, 0.1, 1000.0, "random walk of a foot in the air, m/s");
-    field("foot_position_noise_m", foot_position_noise_m, 1e-4, 0.05, "error of the leg kinematics");
-    field("foot_velocity_noise", foot_velocity_noise, 0.005, 1.0, "error of the velocity of a loaded foot from joint rates, m/s");
-    field("contact_height_m", contact_height_m, 0.001, 0.03, "a sole this far above the lower one counts as unloaded");
+    field("foot_swing_noise", foot_swing_noise, 0.1, 1000.0,
+          "random walk of a foot in the air, m/s");
+    field("foot_position_noise_m", foot_position_noise_m, 1e-4, 0.05,
+          "error of the leg kinematics");
+    field("foot_velocity_noise", foot_velocity_noise, 0.005, 1.0,
+          "error of the velocity of a loaded foot from joint rates, m/s");
+    field("contact_height_m", contact_height_m, 0.001, 0.03,
+          "a sole this far above the lower one counts as unloaded");
     field("pose_noise_m", pose_noise_m, 1e-4, 0.1, "noise of the external position");
-    field("pose_velocity_noise", pose_velocity_noise, 0.005, 1.0, "noise of the external velocity, m/s");
-    field("pose_max_age_s", pose_max_age_s, 0.02, 1.0, "external poses older than this are not used");
-    field("pose_min_confidence", pose_min_confidence, 0, 3, "external poses of less confidence are not used");
+    field("pose_velocity_noise", pose_velocity_noise, 0.005, 1.0,
+          "noise of the external velocity, m/s");
+    field("pose_max_age_s", pose_max_age_s, 0.02, 1.0,
+          "external poses older than this are not used");
+    field("pose_min_confidence", pose_min_confidence, 0, 3,
+          "external poses of less confidence are not used");
     field("flat_ground", flat_ground, false, true, "loaded soles are at height 0");
-    field("joint_rate_filter_s", joint_rate_filter_s, 0.0, 0.1, "time constant of the low-pass on joint rates");
+    field("joint_rate_filter_s", joint_rate_filter_s, 0.0, 0.1,
+          "time constant of the low-pass on joint rates");
   }
 };
 
@@ -98,19 +115,25 @@ struct GuardSettings {
   int overrun_ticks = 10;
   template <class Field>
   void visit(Field&& field) {
-    field("joint_margin_rad", joint_margin_rad, 0.0, 0.3, "targets stay this far inside the joint limits");
-    field("max_target_rate_rad_s", max_target_rate_rad_s, 1.0, 60.0, "targets change at most this fast");
-    field("max_target_offset_rad", max_target_offset_rad, 0.1, 1.5, "distance of a target from the joint; full duty is reached at 0.31 rad");
+    field("joint_margin_rad", joint_margin_rad, 0.0, 0.3,
+          "targets stay this far inside the joint limits");
+    field("max_target_rate_rad_s", max_target_rate_rad_s, 1.0, 60.0,
+          "targets change at most this fast");
+    field("max_target_offset_rad", max_target_offset_rad, 0.1, 1.5,
+          "distance of a target from the joint; full duty is reached at 0.31 rad");
     field("max_current_A", max_current_A, 0.5, 3.2, "motor current that sets the limit current");
-    field("warm_temperature_C", warm_temperature_C, 40.0, 80.0, "servo temperature that sets the limit temperature");
+    field("warm_temperature_C", warm_temperature_C, 40.0, 80.0,
+          "servo temperature that sets the limit temperature");
     field("max_temperature_C", max_temperature_C, 50.0, 85.0, "servo temperature that is a fault");
     field("low_voltage_V", low_voltage_V, 9.0, 14.0, "supply that sets the limit voltage");
     field("min_voltage_V", min_voltage_V, 8.0, 12.0, "supply that is a fault");
     field("max_voltage_V", max_voltage_V, 12.6, 16.0, "supply that is a fault");
     field("voltage_time_s", voltage_time_s, 0.05, 5.0, "supply has to be outside for so long");
-    field("tilt_limit_rad", tilt_limit_rad, 0.1, 1.5, "tilt that sets the limit tilt, and above which arm is refused");
+    field("tilt_limit_rad", tilt_limit_rad, 0.1, 1.5,
+          "tilt that sets the limit tilt, and above which arm is refused");
     field("fall_tilt_rad", fall_tilt_rad, 0.3, 1.6, "tilt that is a fall");
-    field("fall_height_m", fall_height_m, 0.0, 0.25, "base height above the lower sole that is a fall");
+    field("fall_height_m", fall_height_m, 0.0, 0.25,
+          "base height above the lower sole that is a fall");
     field("fall_time_s", fall_time_s, 0.01, 0.5, "a fall has to last so long");
     field("overrun_ticks", overrun_ticks, 2, 1000, "so many late ticks in a row are a fault");
   }
@@ -130,17 +153,27 @@ struct SupervisorSettings {
   double balance_roll_rate_s = 0.0;
   template <class Field>
   void visit(Field&& field) {
-    field("stand_up_s", stand_up_s, 1.0, 20.0, "time from the present pose to the crouch, and from the crouch to the first pose");
-    field("approach_s", approach_s, 0.3, 10.0, "time to the first pose when the robot is near it already");
-    field("near_pose_rad", near_pose_rad, 0.05, 2.0, "largest joint error that counts as near the first pose");
-    field("soft_stop_s", soft_stop_s, 0.3, 10.0, "time of the blend from a stopped trial to the first pose");
+    field("stand_up_s", stand_up_s, 1.0, 20.0,
+          "time from the present pose to the crouch, and from the crouch to the first pose");
+    field("approach_s", approach_s, 0.3, 10.0,
+          "time to the first pose when the robot is near it already");
+    field("near_pose_rad", near_pose_rad, 0.05, 2.0,
+          "largest joint error that counts as near the first pose");
+    field("soft_stop_s", soft_stop_s, 0.3, 10.0,
+          "time of the blend from a stopped trial to the first pose");
     field("lower_s", lower_s, 1.0, 20.0, "time to lower into the crouch before torque off");
-    field("host_silent_s", host_silent_s, 0.05, 5.0, "a host silent for so long in a trial ends it by a soft stop");
-    field("middle_ramp_s", middle_ramp_s, 0.0, 5.0, "the middle layer's first knot comes in over this time while holding");
-    field("balance_pitch_gain", balance_pitch_gain, 0.0, 2.0, "ankle answer to pitch while holding, rad/rad");
-    field("balance_roll_gain", balance_roll_gain, 0.0, 2.0, "ankle answer to roll while holding, rad/rad");
-    field("balance_pitch_rate_s", balance_pitch_rate_s, 0.0, 0.5, "ankle answer to pitch rate while holding");
-    field("balance_roll_rate_s", balance_roll_rate_s, 0.0, 0.5, "ankle answer to roll rate while holding");
+    field("host_silent_s", host_silent_s, 0.05, 5.0,
+          "a host silent for so long in a trial ends it by a soft stop");
+    field("middle_ramp_s", middle_ramp_s, 0.0, 5.0,
+          "the middle layer's first knot comes in over this time while holding");
+    field("balance_pitch_gain", balance_pitch_gain, 0.0, 2.0,
+          "ankle answer to pitch while holding, rad/rad");
+    field("balance_roll_gain", balance_roll_gain, 0.0, 2.0,
+          "ankle answer to roll while holding, rad/rad");
+    field("balance_pitch_rate_s", balance_pitch_rate_s, 0.0, 0.5,
+          "ankle answer to pitch rate while holding");
+    field("balance_roll_rate_s", balance_roll_rate_s, 0.0, 0.5,
+          "ankle answer to roll rate while holding");
   }
 };
 
@@ -149,7 +182,8 @@ struct ReflexConfig {
   double sharpness = 10.0;
   template <class Field>
   void visit(Field&& field) {
-    field("gain_rad", gain_rad, 0.0, 0.5, "largest push of the stretch reflex away from a joint limit");
+    field("gain_rad", gain_rad, 0.0, 0.5,
+          "largest push of the stretch reflex away from a joint limit");
     field("sharpness", sharpness, 1.0, 100.0, "sigmoid gain of the stretch reflex, 1/rad");
   }
 };

@@ -9,17 +9,22 @@ namespace sanso::firmware {
 std::string settings_page() {
   std::ostringstream page;
   page << "# Settings of the onboard controller\n\n"
-          "Made from `firmware/config/settings.h` by `sanso-settings-page`; a test compares. All of them may stand in the file "
-          "given to\n`sanso-firmware --config FILE` (TOML, one section a group); what is missing keeps its default. A unit "
-          "ends the name; rates\nand noises say theirs in the text. An unknown name or a value outside its range stops the "
+          "Made from `firmware/config/settings.h` by `sanso-settings-page`; a test compares. All "
+          "of them may stand in the file "
+          "given to\n`sanso-firmware --config FILE` (TOML, one section a group); what is missing "
+          "keeps its default. A unit "
+          "ends the name; rates\nand noises say theirs in the text. An unknown name or a value "
+          "outside its range stops the "
           "program with file, line and value.\n\n"
-          "The section `[device]` names devices and addresses: `bus`, `imu`, `pose`, `listen`, `port`, `key_file`, "
+          "The section `[device]` names devices and addresses: `bus`, `imu`, `pose`, `listen`, "
+          "`port`, `key_file`, "
           "`log_directory`,\n`tick_priority` (`firmware/config/program_config.h`).\n";
   Settings settings;
   settings.visit([&](const char* section, auto& group) {
     page << "\n## [" << section << "]\n\n| name | default | range | meaning |\n|---|---|---|---|\n";
     group.visit([&](const char* key, auto& value, auto low, auto high, const char* meaning) {
-      page << std::boolalpha << "| `" << key << "` | " << value << " | " << low << " .. " << high << " | " << meaning << " |\n";
+      page << std::boolalpha << "| `" << key << "` | " << value << " | " << low << " .. " << high
+           << " | " << meaning << " |\n";
     });
   });
   return page.str();

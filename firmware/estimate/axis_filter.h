@@ -1,5 +1,6 @@
-// Kalman filter of one world axis: base position and velocity, and where the two soles stand. Linear, fixed size,
-// corrected by one number at a time. The three axes are independent because orientation comes from the IMU.
+// Kalman filter of one world axis: base position and velocity, and where the two soles stand.
+// Linear, fixed size, corrected by one number at a time. The three axes are independent because
+// orientation comes from the IMU.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +20,8 @@ class AxisFilter {
   }
 
   /// x' = F x + B a over dt [s]: constant acceleration a [m/s^2]; soles walk at random.
-  /// accel_noise [m/s^2] for this step, sole noises [m/s] (per square root of second would differ only by a constant).
+  /// accel_noise [m/s^2] for this step, sole noises [m/s] (per square root of second would differ
+  /// only by a constant).
   void predict(double a, double dt, double accel_noise, double right_noise, double left_noise) {
     x_[kPosition] += dt * x_[kVelocity] + 0.5 * dt * dt * a;
     x_[kVelocity] += dt * a;
@@ -44,7 +46,9 @@ class AxisFilter {
     P_ -= K * Ph.transpose();
     P_ = 0.5 * (P_ + P_.transpose()).eval();  // rounding must not make it lose symmetry
   }
-  void measure(const Vec4& h, double measured, double sigma) { correct(h, measured - h.dot(x_), sigma); }
+  void measure(const Vec4& h, double measured, double sigma) {
+    correct(h, measured - h.dot(x_), sigma);
+  }
 
   double position() const { return x_[kPosition]; }
   double velocity() const { return x_[kVelocity]; }

@@ -13,10 +13,12 @@ using Vec4 = AxisFilter::Vec4;
 
 constexpr double kDt = 0.01;
 constexpr double kGravity = 9.81;
-constexpr double kStartSigma = 0.02;       // m and m/s: a robot at rest
-constexpr double kPoseJump_m = 0.15;       // a larger innovation is a jump of the tracker, not of the robot
-constexpr double kHeightFollow = 0.05;     // share of the tracker's height error removed at each sample while standing
-constexpr int kMaxExtrapolatedTicks = 3;   // beyond that a silent servo's angle is held
+constexpr double kStartSigma = 0.02;  // m and m/s: a robot at rest
+// a larger innovation is a jump of the tracker, not of the robot
+constexpr double kPoseJump_m = 0.15;
+// share of the tracker's height error removed at each sample while standing
+constexpr double kHeightFollow = 0.05;
+constexpr int kMaxExtrapolatedTicks = 3;  // beyond that a silent servo's angle is held
 
 Mat3 yaw_rotation(double yaw) {
   Mat3 R = Mat3::Identity();
@@ -32,10 +34,11 @@ Vec4 unit(int index) { return Vec4::Unit(index); }
 
 Estimator::Estimator(const EstimatorSettings& settings) : settings_(settings) {}
 
-const model::State& Estimator::update(Nanoseconds now, const ServoReadings& servos, const ImuSample& imu,
-                                      const PoseSample& pose) {
-  const bool heard = imu.time != 0 && std::all_of(servos.servo.begin(), servos.servo.begin() + model::kNumJoints,
-                                                  [](const ServoReading& r) { return r.known; });
+const model::State& Estimator::update(Nanoseconds now, const ServoReadings& servos,
+                                      const ImuSample& imu, const PoseSample& pose) {
+  const bool heard =
+      imu.time != 0 && std::all_of(servos.servo.begin(), servos.servo.begin() + model::kNumJoints,
+                                   [](const ServoReading& r) { return r.known; });
   if (!heard) return x_;
   read_joints(servos);
   read_imu(imu);
@@ -76,7 +79,8 @@ void Estimator::read_imu(const ImuSample& imu) {
 void Estimator::judge_contacts() {
   for (const Leg leg : {kRightLeg, kLeftLeg}) {
     const auto i = static_cast<std::size_t>(leg);
-    sole_[i] = sole_kinematics(leg, q_.data() + leg * kJointsPerLeg, dq_.data() + leg * kJointsPerLeg);
+    sole_[i] =
+        sole_kinematics(leg, q_.data() + leg * kJointsPerLeg, dq_.data() + leg * kJointsPerLeg);
     corner_height_[i] = lowest_corner(leg, sole_[i], R_world_base_);
   }
   const double ground = std::min(corner_height_[0], corner_height_[1]);
@@ -90,8 +94,10 @@ void Estimator::judge_contacts() {
 
 void Estimator::start_filter() {
   const Vec3 p(0.0, 0.0, height_);
-  const Vec3 right = p + R_world_base_ * sole_[0].p_base_sole, left = p + R_world_base_ * sole_[1].p_base_sole;
-  for (int a = 0; a < 3; ++a) axis_[static_cast<std::size_t>(a)].reset(p[a], right[a], left[a], kStartSigma);
+  const Vec3 right = p + R_world_base_ * sole_[0].p_base_sole,
+             left = p + R_world_base_ * sole_[1].p_base_sole;
+  for (int a = 0; a < 3; ++a)
+    axis_[static_cast<std::size_t>(a)].reset(p[a], right[a], left[a], kStartSigma);
   past_position_.fill(p);
   ready_ = true;
 }
@@ -100,22 +106,27 @@ void Estimator::predict() {
   const double right = loaded_[0] ? settings_.foot_slip_noise : settings_.foot_swing_noise;
   const double left = loaded_[1] ? settings_.foot_slip_noise : settings_.foot_swing_noise;
   for (int a = 0; a < 3; ++a)
-    axis_[static_cast<std::size_t>(a)].predict(a_base_in_world_[a], kDt, settings_.accel_noise, right, left);
+    axis_[static_cast<std::size_t>(a)].predict(a_base_in_world_[a], kDt, settings_.accel_noise,
+                                               right, left);
 }
 
 void Estimator::correct_by_legs() {
   for (std::size_t i = 0; i < 2; ++i) {
     const Vec3 p_base_sole_in_world = R_world_base_ * sole_[i].p_base_sole;
     // a loaded sole stands still: 0 = v_base + R (w x p + v_sole)
-    const Vec3 v_base = -(R_world_base_ * (math::skew(w_base_in_base_) * sole_[i].p_base_sole + sole_[i].v_sole_in_base));
+    const Vec3 v_base = -(R_world_base_ * (math::skew(w_base_in_base_) * sole_[i].p_base_sole +
+                                           sole_[i].v_sole_in_base));
     const int sole = AxisFilter::kRightSole + static_cast<int>(i);
     for (int a = 0; a < 3; ++a) {
       AxisFilter& axis = axis_[static_cast<std::size_t>(a)];
-      axis.measure(unit(sole) - unit(AxisFilter::kPosition), p_base_sole_in_world[a], settings_.foot_position_noise_m);
-      if (loaded_[i]) axis.measure(unit(AxisFilter::kVelocity), v_base[a], settings_.foot_velocity_noise);
+      axis.measure(unit(sole) - unit(AxisFilter::kPosition), p_base_sole_in_world[a],
+                   settings_.foot_position_noise_m);
+      if (loaded_[i])
+        axis.measure(unit(AxisFilter::kVelocity), v_base[a], settings_.foot_velocity_noise);
     }
     if (loaded_[i] && settings_.flat_ground)
-      axis_[2].measure(unit(AxisFilter::kPosition), -corner_height_[i], settings_.foot_position_noise_m);
+      axis_[2].measure(unit(AxisFilter::kPosition), -corner_height_[i],
+                       settings_.foot_position_noise_m);
   }
 }
 
@@ -132,7 +143,8 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
   Vec3 p_then = filter_position();
   Nanoseconds nearest = age < 0 ? -age : age;
   for (std::size_t k = 0; k < past_time_.size(); ++k) {
-    const Nanoseconds distance = past_time_[k] > pose.time ? past_time_[k] - pose.time : pose.time - past_time_[k];
+    const Nanoseconds distance =
+        past_time_[k] > pose.time ? past_time_[k] - pose.time : pose.time - past_time_[k];
     if (past_time_[k] != 0 && distance < nearest) {
       nearest = distance;
       p_then = past_position_[k];
@@ -160,7 +172,9 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
   }
 }
 
-Vec3 Estimator::filter_position() const { return {axis_[0].position(), axis_[1].position(), axis_[2].position()}; }
+Vec3 Estimator::filter_position() const {
+  return {axis_[0].position(), axis_[1].position(), axis_[2].position()};
+}
 
 void Estimator::set_origin_here() {
   if (!ready_) return;
@@ -171,10 +185,12 @@ void Estimator::set_origin_here() {
 
 void Estimator::compose_state() {
   const Mat3 R_trial_filter = yaw_rotation(-origin_yaw_);
-  const math::Quat quat_trial_filter(std::cos(0.5 * origin_yaw_), 0.0, 0.0, -std::sin(0.5 * origin_yaw_));
+  const math::Quat quat_trial_filter(std::cos(0.5 * origin_yaw_), 0.0, 0.0,
+                                     -std::sin(0.5 * origin_yaw_));
   const Vec3 v(axis_[0].velocity(), axis_[1].velocity(), axis_[2].velocity());
   x_.segment<3>(model::kXPos) = R_trial_filter * (filter_position() - origin_);
-  x_.segment<4>(model::kXQuat) = math::quat_normalized(math::quat_multiply(quat_trial_filter, quat_world_base_));
+  x_.segment<4>(model::kXQuat) =
+      math::quat_normalized(math::quat_multiply(quat_trial_filter, quat_world_base_));
   x_.segment<model::kNumJoints>(model::kXJoint) = q_;
   x_.segment<3>(model::kXVel) = R_trial_filter * v;
   x_.segment<3>(model::kXOmega) = w_base_in_base_;
@@ -184,7 +200,8 @@ void Estimator::compose_state() {
 double Estimator::tilt() const { return std::acos(std::clamp(R_world_base_(2, 2), -1.0, 1.0)); }
 
 bool Estimator::healthy() const {
-  return x_.allFinite() && x_.segment<3>(model::kXPos).norm() < 100.0 && x_.segment<3>(model::kXVel).norm() < 20.0;
+  return x_.allFinite() && x_.segment<3>(model::kXPos).norm() < 100.0 &&
+         x_.segment<3>(model::kXVel).norm() < 20.0;
 }
 
 }  // namespace sanso::firmware

@@ -1,6 +1,7 @@
-// The state x of the robot at every tick: orientation and rate from the IMU, joints from the servos, base position and
-// velocity from a contact-aided filter (IMU acceleration, leg kinematics of the loaded soles, flat ground), corrected by
-// an external pose while that is fresh. Fixed size; never waits.
+// The state x of the robot at every tick: orientation and rate from the IMU, joints from the
+// servos, base position and velocity from a contact-aided filter (IMU acceleration, leg kinematics
+// of the loaded soles, flat ground), corrected by an external pose while that is fresh. Fixed size;
+// never waits.
 #pragma once
 
 #include <array>
@@ -18,8 +19,10 @@ class Estimator {
  public:
   explicit Estimator(const EstimatorSettings& settings);
 
-  /// One tick. Until the IMU and all leg servos have been heard once, ready() is false and the state is neutral.
-  const model::State& update(Nanoseconds now, const ServoReadings& servos, const ImuSample& imu, const PoseSample& pose);
+  /// One tick. Until the IMU and all leg servos have been heard once, ready() is false and the
+  /// state is neutral.
+  const model::State& update(Nanoseconds now, const ServoReadings& servos, const ImuSample& imu,
+                             const PoseSample& pose);
 
   /// From now on the world's x, y and heading are those of the robot at this moment.
   void set_origin_here();
@@ -27,7 +30,9 @@ class Estimator {
   bool ready() const { return ready_; }
   const model::State& state() const { return x_; }
   /// Bit 0 right, bit 1 left sole believed loaded.
-  std::uint8_t contact_bits() const { return static_cast<std::uint8_t>((loaded_[0] ? 1 : 0) | (loaded_[1] ? 2 : 0)); }
+  std::uint8_t contact_bits() const {
+    return static_cast<std::uint8_t>((loaded_[0] ? 1 : 0) | (loaded_[1] ? 2 : 0));
+  }
   /// Base origin above the lower sole's lowest corner, along world z [m].
   double height_above_soles() const { return height_; }
   /// Angle between base z and world z [rad].

@@ -23,7 +23,8 @@ Mat3 axis_rotation(int axis, double angle) {
   return R;
 }
 
-double inward(Leg leg) { return leg == kLeftLeg ? 1.0 : -1.0; }  // sign of y of the left foot's figures
+// sign of y of the left foot's figures
+double inward(Leg leg) { return leg == kLeftLeg ? 1.0 : -1.0; }
 
 }  // namespace
 
@@ -40,11 +41,13 @@ SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
     R = R * axis_rotation(joint.axis, joint.sign * q[j]);
   }
   const Vec3 p_foot_sole(0.5 * (model::kSoleFront + model::kSoleBack),
-                         inward(leg) * 0.5 * (model::kSoleOuter + model::kSoleInner), model::kSoleHeight);
+                         inward(leg) * 0.5 * (model::kSoleOuter + model::kSoleInner),
+                         model::kSoleHeight);
   sole.p_base_sole = p + R * p_foot_sole;
   sole.R_base_sole = R;
   for (std::size_t j = 0; j < kJointsPerLeg; ++j)
-    sole.v_sole_in_base += dq[j] * (math::skew(axis_in_base[j]) * (sole.p_base_sole - p_base_joint[j]));
+    sole.v_sole_in_base +=
+        dq[j] * (math::skew(axis_in_base[j]) * (sole.p_base_sole - p_base_joint[j]));
   return sole;
 }
 
@@ -53,7 +56,8 @@ double lowest_corner(Leg, const SoleKinematics& sole, const Mat3& R_world_base) 
   const double half_width = 0.5 * (model::kSoleOuter - model::kSoleInner);
   const Eigen::RowVector3d z_world = R_world_base.row(2);
   const Eigen::RowVector3d z_in_sole = z_world * sole.R_base_sole;
-  return z_world.dot(sole.p_base_sole) - half_length * std::abs(z_in_sole[0]) - half_width * std::abs(z_in_sole[1]);
+  return z_world.dot(sole.p_base_sole) - half_length * std::abs(z_in_sole[0]) -
+         half_width * std::abs(z_in_sole[1]);
 }
 
 }  // namespace sanso::firmware

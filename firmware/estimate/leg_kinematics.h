@@ -1,5 +1,6 @@
-// Where a sole is and how it moves, seen from the base. Only what the estimator needs of the robot model; geometry from
-// shared/model/op3_table.h. tests/firmware compares it with the general kinematics.
+// Where a sole is and how it moves, seen from the base. Only what the estimator needs of the robot
+// model; geometry from shared/model/op3_table.h. tests/firmware compares it with the general
+// kinematics.
 #pragma once
 
 #include "shared/math/so3.h"
@@ -11,9 +12,10 @@ enum Leg : int { kRightLeg = 0, kLeftLeg = 1 };
 inline constexpr int kJointsPerLeg = 6;
 
 struct SoleKinematics {
-  math::Vec3 p_base_sole = math::Vec3::Zero();   // sole centre, base axes  m
+  math::Vec3 p_base_sole = math::Vec3::Zero();  // sole centre, base axes  m
   math::Mat3 R_base_sole = math::Mat3::Identity();
-  math::Vec3 v_sole_in_base = math::Vec3::Zero();  // velocity relative to the base by joint rates, base axes  m/s
+  // velocity relative to the base by joint rates, base axes  m/s
+  math::Vec3 v_sole_in_base = math::Vec3::Zero();
 };
 
 /// q, dq: the six angles and rates of the leg, hip_yaw .. ank_roll.

@@ -1,5 +1,6 @@
-// The numbers of faults, limits and refusals. A fault latches and ends what the robot is doing; a limit informs and the
-// robot carries on; a refusal answers a command or an upload. Each has a heading in docs/faults.md (a test compares).
+// The numbers of faults, limits and refusals. A fault latches and ends what the robot is doing; a
+// limit informs and the robot carries on; a refusal answers a command or an upload. Each has a
+// heading in docs/faults.md (a test compares).
 #pragma once
 
 #include <array>
@@ -86,13 +87,20 @@ struct LimitInfo {
 };
 
 inline constexpr std::array kLimits{
-    LimitInfo{Limit::joint_range, "joint_range"},   LimitInfo{Limit::joint_rate, "joint_rate"},
-    LimitInfo{Limit::servo_torque, "servo_torque"}, LimitInfo{Limit::current, "current"},
-    LimitInfo{Limit::temperature, "temperature"},   LimitInfo{Limit::voltage, "voltage"},
-    LimitInfo{Limit::upper_stale, "upper_stale"},   LimitInfo{Limit::host_silent, "host_silent"},
-    LimitInfo{Limit::bus_loss, "bus_loss"},         LimitInfo{Limit::pose_stale, "pose_stale"},
-    LimitInfo{Limit::imu_late, "imu_late"},         LimitInfo{Limit::tilt, "tilt"},
-    LimitInfo{Limit::late_tick, "late_tick"},       LimitInfo{Limit::upper_missing, "upper_missing"},
+    LimitInfo{Limit::joint_range, "joint_range"},
+    LimitInfo{Limit::joint_rate, "joint_rate"},
+    LimitInfo{Limit::servo_torque, "servo_torque"},
+    LimitInfo{Limit::current, "current"},
+    LimitInfo{Limit::temperature, "temperature"},
+    LimitInfo{Limit::voltage, "voltage"},
+    LimitInfo{Limit::upper_stale, "upper_stale"},
+    LimitInfo{Limit::host_silent, "host_silent"},
+    LimitInfo{Limit::bus_loss, "bus_loss"},
+    LimitInfo{Limit::pose_stale, "pose_stale"},
+    LimitInfo{Limit::imu_late, "imu_late"},
+    LimitInfo{Limit::tilt, "tilt"},
+    LimitInfo{Limit::late_tick, "late_tick"},
+    LimitInfo{Limit::upper_missing, "upper_missing"},
 };
 
 /// A set of limits, as it travels in Observation::limits.
@@ -128,10 +136,14 @@ struct RefusalInfo {
 };
 
 inline constexpr std::array kRefusals{
-    RefusalInfo{Refusal::wrong_state, "wrong_state"},         RefusalInfo{Refusal::no_primitives, "no_primitives"},
-    RefusalInfo{Refusal::stale_table, "stale_table"},         RefusalInfo{Refusal::not_upright, "not_upright"},
-    RefusalInfo{Refusal::start_pose, "start_pose"},           RefusalInfo{Refusal::upload_checksum, "upload_checksum"},
-    RefusalInfo{Refusal::upload_contents, "upload_contents"}, RefusalInfo{Refusal::upload_size, "upload_size"},
+    RefusalInfo{Refusal::wrong_state, "wrong_state"},
+    RefusalInfo{Refusal::no_primitives, "no_primitives"},
+    RefusalInfo{Refusal::stale_table, "stale_table"},
+    RefusalInfo{Refusal::not_upright, "not_upright"},
+    RefusalInfo{Refusal::start_pose, "start_pose"},
+    RefusalInfo{Refusal::upload_checksum, "upload_checksum"},
+    RefusalInfo{Refusal::upload_contents, "upload_contents"},
+    RefusalInfo{Refusal::upload_size, "upload_size"},
 };
 
 constexpr const FaultInfo* info_of(Fault fault) {
@@ -139,7 +151,9 @@ constexpr const FaultInfo* info_of(Fault fault) {
     if (info.fault == fault) return &info;
   return nullptr;
 }
-constexpr const char* name_of(Fault fault) { return info_of(fault) != nullptr ? info_of(fault)->name : "none"; }
+constexpr const char* name_of(Fault fault) {
+  return info_of(fault) != nullptr ? info_of(fault)->name : "none";
+}
 constexpr const char* name_of(Refusal refusal) {
   for (const RefusalInfo& info : kRefusals)
     if (info.refusal == refusal) return info.name;

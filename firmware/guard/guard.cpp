@@ -19,7 +19,9 @@ void raise(GuardVerdict& verdict, Fault fault, std::uint16_t detail = 0) {
   verdict.detail = detail;
 }
 
-int ticks_of(double seconds) { return std::max(1, static_cast<int>(std::lround(seconds / kTick_s))); }
+int ticks_of(double seconds) {
+  return std::max(1, static_cast<int>(std::lround(seconds / kTick_s)));
+}
 
 }  // namespace
 
@@ -28,7 +30,8 @@ void Guard::reset() {
   imu_changed_ = 0;
 }
 
-GuardVerdict Guard::watch(const GuardSituation& s, const ServoReadings& servos, const ImuSample& imu) {
+GuardVerdict Guard::watch(const GuardSituation& s, const ServoReadings& servos,
+                          const ImuSample& imu) {
   GuardVerdict verdict;
   watch_bus(servos, verdict);
   watch_servos(s, servos, verdict);
@@ -36,7 +39,8 @@ GuardVerdict Guard::watch(const GuardSituation& s, const ServoReadings& servos, 
   watch_imu(s, imu, verdict);
   watch_body(s, verdict);
   verdict.limits.add_if(s.late_in_a_row > 0, Limit::late_tick);
-  if (s.late_in_a_row >= settings_.overrun_ticks) raise(verdict, Fault::tick_overrun, static_cast<std::uint16_t>(s.late_in_a_row));
+  if (s.late_in_a_row >= settings_.overrun_ticks)
+    raise(verdict, Fault::tick_overrun, static_cast<std::uint16_t>(s.late_in_a_row));
   return verdict;
 }
 
@@ -55,7 +59,8 @@ void Guard::watch_bus(const ServoReadings& servos, GuardVerdict& verdict) const 
     raise(verdict, Fault::servo_silent, first_silent);
 }
 
-void Guard::watch_servos(const GuardSituation& s, const ServoReadings& servos, GuardVerdict& verdict) {
+void Guard::watch_servos(const GuardSituation& s, const ServoReadings& servos,
+                         GuardVerdict& verdict) {
   for (std::size_t k = 0; k < kNumServos; ++k) {
     const ServoHealth& health = servos.health[k];
     const std::uint16_t id = kServoIds[k];
@@ -65,12 +70,16 @@ void Guard::watch_servos(const GuardSituation& s, const ServoReadings& servos, G
     if ((error & xm430::kErrorOverheat) != 0 || health.temperature_C >= settings_.max_temperature_C)
       raise(verdict, Fault::over_temperature, id);
     if ((error & xm430::kErrorOverload) != 0) raise(verdict, Fault::overload, id);
-    if ((error & (xm430::kErrorEncoder | xm430::kErrorShock)) != 0) raise(verdict, Fault::servo_hardware, id);
+    if ((error & (xm430::kErrorEncoder | xm430::kErrorShock)) != 0)
+      raise(verdict, Fault::servo_hardware, id);
     verdict.limits.add_if((error & xm430::kErrorVoltage) != 0, Limit::voltage);
-    if (s.torque_expected && health.torque_known && !health.torque_on) raise(verdict, Fault::torque_lost, id);
+    if (s.torque_expected && health.torque_known && !health.torque_on)
+      raise(verdict, Fault::torque_lost, id);
   }
   for (std::size_t j = 0; j < model::kNumJoints; ++j)
-    verdict.limits.add_if(std::abs(servo_bus::current_A(servos.servo[j].current_raw)) > settings_.max_current_A, Limit::current);
+    verdict.limits.add_if(
+        std::abs(servo_bus::current_A(servos.servo[j].current_raw)) > settings_.max_current_A,
+        Limit::current);
 }
 
 void Guard::watch_supply(const ServoReadings& servos, GuardVerdict& verdict) {
@@ -85,8 +94,10 @@ void Guard::watch_supply(const ServoReadings& servos, GuardVerdict& verdict) {
   low_voltage_ticks_ = lowest < settings_.min_voltage_V ? low_voltage_ticks_ + 1 : 0;
   high_voltage_ticks_ = highest > settings_.max_voltage_V ? high_voltage_ticks_ + 1 : 0;
   const auto decivolt = [](float v) { return static_cast<std::uint16_t>(std::lround(10 * v)); };
-  if (low_voltage_ticks_ >= ticks_of(settings_.voltage_time_s)) raise(verdict, Fault::under_voltage, decivolt(lowest));
-  if (high_voltage_ticks_ >= ticks_of(settings_.voltage_time_s)) raise(verdict, Fault::over_voltage, decivolt(highest));
+  if (low_voltage_ticks_ >= ticks_of(settings_.voltage_time_s))
+    raise(verdict, Fault::under_voltage, decivolt(lowest));
+  if (high_voltage_ticks_ >= ticks_of(settings_.voltage_time_s))
+    raise(verdict, Fault::over_voltage, decivolt(highest));
 }
 
 void Guard::watch_imu(const GuardSituation& s, const ImuSample& imu, GuardVerdict& verdict) {
@@ -105,13 +116,15 @@ void Guard::watch_imu(const GuardSituation& s, const ImuSample& imu, GuardVerdic
 void Guard::watch_body(const GuardSituation& s, GuardVerdict& verdict) {
   verdict.limits.add_if(s.tilt > settings_.tilt_limit_rad, Limit::tilt);
   if (!s.estimate_healthy) raise(verdict, Fault::estimate);
-  const bool falling = s.standing && (s.tilt > settings_.fall_tilt_rad || s.height < settings_.fall_height_m);
+  const bool falling =
+      s.standing && (s.tilt > settings_.fall_tilt_rad || s.height < settings_.fall_height_m);
   fall_ticks_ = falling ? fall_ticks_ + 1 : 0;
-  if (fall_ticks_ >= ticks_of(settings_.fall_time_s)) raise(verdict, Fault::fallen, static_cast<std::uint16_t>(1000 * s.tilt));
+  if (fall_ticks_ >= ticks_of(settings_.fall_time_s))
+    raise(verdict, Fault::fallen, static_cast<std::uint16_t>(1000 * s.tilt));
 }
 
-model::Input Guard::limit(const model::Input& wanted, const model::Input& previous, const model::Input& q,
-                          LimitSet& limits) const {
+model::Input Guard::limit(const model::Input& wanted, const model::Input& previous,
+                          const model::Input& q, LimitSet& limits) const {
   const double step = settings_.max_target_rate_rad_s * kTick_s;
   model::Input out;
   for (int j = 0; j < model::kNumJoints; ++j) {
@@ -124,8 +137,10 @@ model::Input Guard::limit(const model::Input& wanted, const model::Input& previo
     };
     // order matters: the range comes last, so that nothing can push a target out of it again
     bound(previous[j] - step, previous[j] + step, Limit::joint_rate);
-    bound(q[j] - settings_.max_target_offset_rad, q[j] + settings_.max_target_offset_rad, Limit::servo_torque);
-    bound(joint.lower_rad + settings_.joint_margin_rad, joint.upper_rad - settings_.joint_margin_rad, Limit::joint_range);
+    bound(q[j] - settings_.max_target_offset_rad, q[j] + settings_.max_target_offset_rad,
+          Limit::servo_torque);
+    bound(joint.lower_rad + settings_.joint_margin_rad,
+          joint.upper_rad - settings_.joint_margin_rad, Limit::joint_range);
     out[j] = u;
   }
   return out;

@@ -1,5 +1,6 @@
-// The guard between the sum of the layers and the servos, and the watch over what they report. limit() makes any
-// target safe to send and says what it had to change; watch() says whether the robot may go on at all.
+// The guard between the sum of the layers and the servos, and the watch over what they report.
+// limit() makes any target safe to send and says what it had to change; watch() says whether the
+// robot may go on at all.
 #pragma once
 
 #include "firmware/bus/readings.h"
@@ -33,12 +34,13 @@ class Guard {
       : settings_(guard), bus_(bus), imu_(imu) {}
 
   /// The worst fault of this tick, and the limits that the readings touch.
-  GuardVerdict watch(const GuardSituation& situation, const ServoReadings& servos, const ImuSample& imu);
+  GuardVerdict watch(const GuardSituation& situation, const ServoReadings& servos,
+                     const ImuSample& imu);
 
-  /// `wanted` made safe: finite, inside the joint limits, no faster than allowed from `previous`, no farther from the
-  /// joint `q` than allowed. Adds what it changed to `limits`.
-  model::Input limit(const model::Input& wanted, const model::Input& previous, const model::Input& q,
-                     LimitSet& limits) const;
+  /// `wanted` made safe: finite, inside the joint limits, no faster than allowed from `previous`,
+  /// no farther from the joint `q` than allowed. Adds what it changed to `limits`.
+  model::Input limit(const model::Input& wanted, const model::Input& previous,
+                     const model::Input& q, LimitSet& limits) const;
 
   /// Forgets time counters (after a fault was cleared).
   void reset();

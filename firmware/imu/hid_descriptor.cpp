@@ -14,12 +14,16 @@ constexpr std::uint16_t kReportingState = 0x0316, kPowerState = 0x0319, kReportI
 constexpr std::uint16_t kAllEvents = 0x0841, kPowerD0 = 0x0851;
 constexpr std::uint16_t kAccelerationX = 0x0453, kAngularVelocityX = 0x0457, kQuaternion = 0x0483;
 
-/// Unit codes: those of the standard's encoding, and as a table in use elsewhere lists them (byte-swapped).
+/// Unit codes: those of the standard's encoding, and as a table in use elsewhere lists them
+/// (byte-swapped).
 double unit_scale(HidQuantity quantity, std::uint32_t unit) {
   switch (quantity) {
-    case HidQuantity::acceleration: return unit == 0xE011 || unit == 0x11E0 ? 1.0 : kStandardGravity;
-    case HidQuantity::angular_velocity: return unit == 0xF012 || unit == 0x12F0 ? 1.0 : kPi / 180.0;
-    case HidQuantity::quaternion: return 1.0;
+    case HidQuantity::acceleration:
+      return unit == 0xE011 || unit == 0x11E0 ? 1.0 : kStandardGravity;
+    case HidQuantity::angular_velocity:
+      return unit == 0xF012 || unit == 0x12F0 ? 1.0 : kPi / 180.0;
+    case HidQuantity::quaternion:
+      return 1.0;
   }
   return 1.0;
 }
@@ -46,13 +50,15 @@ struct ReportBits {
 
 class DescriptorParser {
  public:
-  DescriptorParser(std::span<const std::uint8_t> bytes, HidLayout& layout) : bytes_(bytes), layout_(layout) {}
+  DescriptorParser(std::span<const std::uint8_t> bytes, HidLayout& layout)
+      : bytes_(bytes), layout_(layout) {}
 
   Status run() {
     while (at_ < bytes_.size()) {
       if (const Status status = item(); status != Status::ok) return status;
     }
-    for (HidFeature& feature : layout_.features) feature.bytes = static_cast<std::uint16_t>(bits_of(feature.report_id, true) / 8);
+    for (HidFeature& feature : layout_.features)
+      feature.bytes = static_cast<std::uint16_t>(bits_of(feature.report_id, true) / 8);
     return depth_ == 0 ? Status::ok : Status::malformed;
   }
 
@@ -63,20 +69,36 @@ class DescriptorParser {
     const std::size_t size = (prefix & 3) == 3 ? 4 : (prefix & 3);
     if (bytes_.size() - at_ < size) return Status::malformed;
     std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i) value |= static_cast<std::uint32_t>(bytes_[at_ + i]) << (8 * i);
+    for (std::size_t i = 0; i < size; ++i)
+      value |= static_cast<std::uint32_t>(bytes_[at_ + i]) << (8 * i);
     at_ += size;
     switch (prefix & 0xFC) {
       // global items
-      case 0x04: globals_.usage_page = value; break;
-      case 0x14: globals_.logical_minimum = sign_extended(value, size); break;
-      case 0x54: globals_.unit_exponent = value; break;
-      case 0x64: globals_.unit = value; break;
-      case 0x74: globals_.report_size = value; break;
-      case 0x84: globals_.report_id = static_cast<std::uint8_t>(value); break;
-      case 0x94: globals_.report_count = value; break;
+      case 0x04:
+        globals_.usage_page = value;
+        break;
+      case 0x14:
+        globals_.logical_minimum = sign_extended(value, size);
+        break;
+      case 0x54:
+        globals_.unit_exponent = value;
+        break;
+      case 0x64:
+        globals_.unit = value;
+        break;
+      case 0x74:
+        globals_.report_size = value;
+        break;
+      case 0x84:
+        globals_.report_id = static_cast<std::uint8_t>(value);
+        break;
+      case 0x94:
+        globals_.report_count = value;
+        break;
       // local items
       case 0x08:
-        if (!usages_.try_push(size == 4 ? value : (globals_.usage_page << 16) | value)) return Status::full;
+        if (!usages_.try_push(size == 4 ? value : (globals_.usage_page << 16) | value))
+          return Status::full;
         break;
       // main items
       case 0xA0:
@@ -90,9 +112,12 @@ class DescriptorParser {
         property_ = 0;
         usages_.clear();
         break;
-      case 0x80: return main_field(value, false);
-      case 0xB0: return main_field(value, true);
-      default: break;  // items that say nothing about where the data lie
+      case 0x80:
+        return main_field(value, false);
+      case 0xB0:
+        return main_field(value, true);
+      default:
+        break;  // items that say nothing about where the data lie
     }
     return Status::ok;
   }
@@ -155,7 +180,8 @@ class DescriptorParser {
       field.report_id = globals_.report_id;
       field.bits = static_cast<std::uint8_t>(globals_.report_size);
       field.is_signed = globals_.logical_minimum < 0;
-      field.scale = unit_scale(field.quantity, globals_.unit) * std::pow(10.0, exponent_of(globals_.unit_exponent));
+      field.scale = unit_scale(field.quantity, globals_.unit) *
+                    std::pow(10.0, exponent_of(globals_.unit_exponent));
       if (field.bits == 0 || !layout_.fields.try_push(field)) return Status::full;
     }
     return Status::ok;
@@ -163,7 +189,8 @@ class DescriptorParser {
 
   std::uint8_t selector_raw(std::uint16_t wanted) const {
     for (std::size_t i = 0; i < usages_.size(); ++i)
-      if (usage_of(usages_[i]) == wanted) return static_cast<std::uint8_t>(globals_.logical_minimum + static_cast<int>(i));
+      if (usage_of(usages_[i]) == wanted)
+        return static_cast<std::uint8_t>(globals_.logical_minimum + static_cast<int>(i));
     return 1;
   }
 
@@ -176,7 +203,8 @@ class DescriptorParser {
       feature = &layout_.features.back();
       feature->report_id = globals_.report_id;
     }
-    const std::uint16_t usage = usage_of(property_ != 0 ? property_ : (usages_.empty() ? 0 : usages_[0]));
+    const std::uint16_t usage =
+        usage_of(property_ != 0 ? property_ : (usages_.empty() ? 0 : usages_[0]));
     const auto bit = static_cast<std::uint16_t>(first_bit);
     const auto size = static_cast<std::uint8_t>(globals_.report_size);
     if (usage == kReportingState) {
@@ -206,11 +234,13 @@ class DescriptorParser {
   bool overflow_ = false;
 };
 
-void put_bits(std::span<std::uint8_t> report, std::uint32_t first_bit, unsigned bits, std::uint32_t value) {
+void put_bits(std::span<std::uint8_t> report, std::uint32_t first_bit, unsigned bits,
+              std::uint32_t value) {
   for (unsigned b = 0; b < bits; ++b) {
     const std::uint32_t at = first_bit + b;
     if (at / 8 >= report.size()) return;
-    if ((value >> b) & 1u) report[at / 8] = static_cast<std::uint8_t>(report[at / 8] | (1u << (at % 8)));
+    if ((value >> b) & 1u)
+      report[at / 8] = static_cast<std::uint8_t>(report[at / 8] | (1u << (at % 8)));
   }
 }
 
@@ -226,25 +256,32 @@ bool HidLayout::has(HidQuantity quantity) const {
 Status parse_hid_descriptor(std::span<const std::uint8_t> descriptor, HidLayout& layout) {
   layout.fields.clear();
   layout.features.clear();
-  if (const Status status = DescriptorParser(descriptor, layout).run(); status != Status::ok) return status;
-  const bool complete = layout.has(HidQuantity::acceleration) && layout.has(HidQuantity::angular_velocity) &&
+  if (const Status status = DescriptorParser(descriptor, layout).run(); status != Status::ok)
+    return status;
+  const bool complete = layout.has(HidQuantity::acceleration) &&
+                        layout.has(HidQuantity::angular_velocity) &&
                         layout.has(HidQuantity::quaternion);
   return complete ? Status::ok : Status::unsupported;
 }
 
-std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms, std::span<std::uint8_t> out) {
+std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms,
+                                std::span<std::uint8_t> out) {
   if (feature.bytes > out.size()) return 0;
   const auto report = out.first(feature.bytes);
   std::fill(report.begin(), report.end(), std::uint8_t{0});
   if (feature.report_id != 0 && !report.empty()) report[0] = feature.report_id;
   if (feature.reporting_state_bits != 0)
-    put_bits(report, feature.reporting_state_bit, feature.reporting_state_bits, feature.all_events_raw);
-  if (feature.power_state_bits != 0) put_bits(report, feature.power_state_bit, feature.power_state_bits, feature.full_power_raw);
-  if (feature.interval_bits != 0) put_bits(report, feature.interval_bit, feature.interval_bits, interval_ms);
+    put_bits(report, feature.reporting_state_bit, feature.reporting_state_bits,
+             feature.all_events_raw);
+  if (feature.power_state_bits != 0)
+    put_bits(report, feature.power_state_bit, feature.power_state_bits, feature.full_power_raw);
+  if (feature.interval_bits != 0)
+    put_bits(report, feature.interval_bit, feature.interval_bits, interval_ms);
   return feature.bytes;
 }
 
-bool read_hid_field(const HidField& field, int index, std::span<const std::uint8_t> report, double& value) {
+bool read_hid_field(const HidField& field, int index, std::span<const std::uint8_t> report,
+                    double& value) {
   const std::uint32_t first = field.first_bit + static_cast<std::uint32_t>(index) * field.bits;
   if (first + field.bits > report.size() * 8) return false;
   std::uint64_t raw = 0;
@@ -254,7 +291,8 @@ bool read_hid_field(const HidField& field, int index, std::span<const std::uint8
   }
   const std::uint64_t sign = std::uint64_t{1} << (field.bits - 1);
   const bool negative = field.is_signed && (raw & sign) != 0;
-  const double number = static_cast<double>(raw) - (negative ? 2.0 * static_cast<double>(sign) : 0.0);
+  const double number =
+      static_cast<double>(raw) - (negative ? 2.0 * static_cast<double>(sign) : 0.0);
   value = number * field.scale;
   return true;
 }

@@ -1,5 +1,5 @@
-// Finds the motion data in a HID sensor's report descriptor: which report, which bits, which scale. Fixed memory, for
-// the IMU thread. Source: USB HID 1.11 (items) and HID Sensor Usages (page 0x20).
+// Finds the motion data in a HID sensor's report descriptor: which report, which bits, which scale.
+// Fixed memory, for the IMU thread. Source: USB HID 1.11 (items) and HID Sensor Usages (page 0x20).
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ namespace sanso::firmware {
 /// What a sensor field means. Values in the order of the axes.
 enum class HidQuantity : std::uint8_t { acceleration, angular_velocity, quaternion };
 
-/// `count` numbers of `bits` bits, beginning at `first_bit` of an input report (report ID byte included).
+/// `count` numbers of `bits` bits, beginning at `first_bit` of an input report (report ID byte
+/// included).
 struct HidField {
   HidQuantity quantity = HidQuantity::acceleration;
   std::uint8_t component = 0;  // 0 x, 1 y, 2 z; a quaternion field holds x y z w at once
@@ -33,9 +34,9 @@ struct HidFeature {
   std::uint16_t power_state_bit = 0xffff;
   std::uint16_t interval_bit = 0xffff;
   std::uint8_t reporting_state_bits = 0, power_state_bits = 0, interval_bits = 0;
-  std::uint8_t all_events_raw = 1;   // logical minimum + place of "all events" in the selector list
-  std::uint8_t full_power_raw = 1;   // logical minimum + place of "D0"
-  std::uint16_t bytes = 0;           // of the whole report, ID included
+  std::uint8_t all_events_raw = 1;  // logical minimum + place of "all events" in the selector list
+  std::uint8_t full_power_raw = 1;  // logical minimum + place of "D0"
+  std::uint16_t bytes = 0;          // of the whole report, ID included
 };
 
 struct HidLayout {
@@ -44,14 +45,16 @@ struct HidLayout {
   bool has(HidQuantity quantity) const;
 };
 
-/// ok, malformed (items that contradict each other), full (more fields than fit) or unsupported (no complete set of
-/// acceleration, angular velocity and quaternion).
+/// ok, malformed (items that contradict each other), full (more fields than fit) or unsupported (no
+/// complete set of acceleration, angular velocity and quaternion).
 Status parse_hid_descriptor(std::span<const std::uint8_t> descriptor, HidLayout& layout);
 
 /// The feature report (all events, full power, interval) in `out`; bytes used.
-std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms, std::span<std::uint8_t> out);
+std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms,
+                                std::span<std::uint8_t> out);
 
 /// The raw value of element `index` of a field; false when the report is too short.
-bool read_hid_field(const HidField& field, int index, std::span<const std::uint8_t> report, double& value);
+bool read_hid_field(const HidField& field, int index, std::span<const std::uint8_t> report,
+                    double& value);
 
 }  // namespace sanso::firmware

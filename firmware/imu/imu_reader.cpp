@@ -8,10 +8,12 @@ constexpr unsigned kAllQuantities = 7u;
 constexpr int kMaxReportsAtOnce = 64;
 }  // namespace
 
-ImuReader::ImuReader(const ImuSettings& settings, board::HidSource& source, board::Clock& clock, Mailbox<ImuSample>& out)
+ImuReader::ImuReader(const ImuSettings& settings, board::HidSource& source, board::Clock& clock,
+                     Mailbox<ImuSample>& out)
     : settings_(settings), source_(source), clock_(clock), out_(out) {
-  quat_base_sensor_ = math::quat_normalized({settings.quat_base_sensor_w, settings.quat_base_sensor_x,
-                                             settings.quat_base_sensor_y, settings.quat_base_sensor_z});
+  quat_base_sensor_ =
+      math::quat_normalized({settings.quat_base_sensor_w, settings.quat_base_sensor_x,
+                             settings.quat_base_sensor_y, settings.quat_base_sensor_z});
 }
 
 void ImuReader::start() {
@@ -21,7 +23,8 @@ void ImuReader::start() {
   for (const HidFeature& feature : layout_.features) {
     std::array<std::uint8_t, 64> report;
     const std::size_t bytes = make_feature_report(feature, interval_ms, report);
-    if (bytes == 0 || source_.set_feature(std::span(report).first(bytes)) != Status::ok) status_ = Status::io_error;
+    if (bytes == 0 || source_.set_feature(std::span(report).first(bytes)) != Status::ok)
+      status_ = Status::io_error;
   }
 }
 
@@ -46,11 +49,16 @@ void ImuReader::take(std::span<const std::uint8_t> report) {
     if (field.report_id != 0 && field.report_id != report[0]) continue;
     known = true;
     std::array<double, 4> v{};
-    for (int e = 0; e < field.count; ++e) whole = whole && read_hid_field(field, e, report, v[static_cast<std::size_t>(e)]);
+    for (int e = 0; e < field.count; ++e)
+      whole = whole && read_hid_field(field, e, report, v[static_cast<std::size_t>(e)]);
     if (!whole) break;
     switch (field.quantity) {
-      case HidQuantity::acceleration: accel_[field.component] = v[0]; break;
-      case HidQuantity::angular_velocity: gyro_[field.component] = v[0]; break;
+      case HidQuantity::acceleration:
+        accel_[field.component] = v[0];
+        break;
+      case HidQuantity::angular_velocity:
+        gyro_[field.component] = v[0];
+        break;
       case HidQuantity::quaternion: {
         const math::Quat q(v[3], v[0], v[1], v[2]);  // HID order is x y z w
         whole = std::abs(q.norm() - 1.0) < 0.05;
@@ -71,8 +79,10 @@ void ImuReader::complete() {
   have_ = 0;
   const math::Mat3 R_base_sensor = math::rotation_matrix(quat_base_sensor_);
   const math::Vec3 gyro = R_base_sensor * gyro_, accel = R_base_sensor * accel_;
-  const math::Quat quat = math::quat_multiply(quat_world_sensor_, math::quat_conjugate(quat_base_sensor_));
-  const bool changed = gyro != sample_.gyro || accel != sample_.accel || quat != sample_.quat_world_base;
+  const math::Quat quat =
+      math::quat_multiply(quat_world_sensor_, math::quat_conjugate(quat_base_sensor_));
+  const bool changed =
+      gyro != sample_.gyro || accel != sample_.accel || quat != sample_.quat_world_base;
   sample_.time = clock_.now();
   ++sample_.sequence;
   if (changed) ++sample_.changes;

@@ -1,5 +1,6 @@
-// The IMU thread's work: switch the sensor on, take its reports, hand the newest complete sample to the tick. A sample
-// is complete when acceleration, rate and orientation have all come since the last one.
+// The IMU thread's work: switch the sensor on, take its reports, hand the newest complete sample to
+// the tick. A sample is complete when acceleration, rate and orientation have all come since the
+// last one.
 #pragma once
 
 #include "firmware/board/board.h"
@@ -12,7 +13,8 @@ namespace sanso::firmware {
 
 class ImuReader {
  public:
-  ImuReader(const ImuSettings& settings, board::HidSource& source, board::Clock& clock, Mailbox<ImuSample>& out);
+  ImuReader(const ImuSettings& settings, board::HidSource& source, board::Clock& clock,
+            Mailbox<ImuSample>& out);
 
   /// Takes every report there is; waits for the first until `deadline`.
   void poll(Nanoseconds deadline);

@@ -11,7 +11,8 @@ class PoseReader {
  public:
   PoseReader(board::PoseSource* source, board::Clock& clock, Mailbox<PoseSample>& out)
       : source_(source), clock_(clock), out_(out) {}
-  /// Takes every report there is; waits for the first until `deadline`. Nothing happens without a source.
+  /// Takes every report there is; waits for the first until `deadline`. Nothing happens without a
+  /// source.
   void poll(Nanoseconds deadline);
   std::uint32_t bad_reports() const { return bad_reports_; }
   bool present() const { return source_ != nullptr; }

@@ -7,19 +7,21 @@
 namespace sanso::firmware {
 
 struct ImuSample {
-  Nanoseconds time = 0;         // arrival; 0: never
-  std::uint32_t sequence = 0;   // counts complete samples
-  std::uint32_t changes = 0;    // counts samples that differ from the one before: stands still when the sensor is frozen
+  Nanoseconds time = 0;        // arrival; 0: never
+  std::uint32_t sequence = 0;  // counts complete samples
+  // counts samples that differ from the one before: stands still when the sensor is frozen
+  std::uint32_t changes = 0;
   math::Quat quat_world_base = math::quat_identity();
   math::Vec3 gyro = math::Vec3::Zero();   // w_base_in_base  rad/s
   math::Vec3 accel = math::Vec3::Zero();  // specific force, base axes (+9.81 on z at rest)  m/s^2
 };
 
 struct PoseSample {
-  Nanoseconds time = 0;         // when the pose was true (arrival minus the age it states); 0: never
+  // when the pose was true (arrival minus the age it states); 0: never
+  Nanoseconds time = 0;
   std::uint32_t sequence = 0;
-  std::uint8_t confidence = 0;  // 0 (lost) .. 3
-  math::Vec3 p_track_base = math::Vec3::Zero();     // m, in the tracker's own frame (z up)
+  std::uint8_t confidence = 0;                   // 0 (lost) .. 3
+  math::Vec3 p_track_base = math::Vec3::Zero();  // m, in the tracker's own frame (z up)
   math::Quat quat_track_base = math::quat_identity();
   math::Vec3 v_base_in_track = math::Vec3::Zero();  // m/s
 };

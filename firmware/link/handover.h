@@ -1,5 +1,5 @@
-// Everything that the tick shares with the other threads: fixed size, lock-free, each queue with one producer and one
-// consumer. The tick never waits for any of them.
+// Everything that the tick shares with the other threads: fixed size, lock-free, each queue with
+// one producer and one consumer. The tick never waits for any of them.
 #pragma once
 
 #include <atomic>
@@ -20,7 +20,7 @@ struct Handover {
   Mailbox<policy::PrimitiveSet> primitives;
   Mailbox<policy::MiddleTable> middle;
   Mailbox<policy::UpperPolicy> upper;
-  std::atomic<Nanoseconds> host_heard{0};           // time of the last good datagram; 0: never
+  std::atomic<Nanoseconds> host_heard{0};  // time of the last good datagram; 0: never
   std::atomic<std::uint32_t> datagrams_dropped{0};
 
   // IMU and pose threads -> tick

@@ -16,7 +16,8 @@ Link::Link(const wire::Key& key, board::Datagram& socket, board::Clock& clock, H
 }
 
 void Link::poll(Nanoseconds deadline) {
-  std::array<std::uint8_t, wire::kMaxDatagram + 1> datagram;  // one more: a longer one shows as too long
+  // one more: a longer one shows as too long
+  std::array<std::uint8_t, wire::kMaxDatagram + 1> datagram;
   for (int i = 0; i < kMaxDatagramsAtOnce; ++i) {
     const Result<std::size_t> n = socket_.receive(datagram, sender_, i == 0 ? deadline : 0);
     if (!n.ok() || *n == 0) break;
@@ -29,7 +30,8 @@ void Link::poll(Nanoseconds deadline) {
 void Link::take_datagram(std::span<const std::uint8_t> datagram) {
   std::array<std::uint8_t, wire::kMaxDatagram> message, reply;
   const auto opened = channel_.open(datagram, message, reply);
-  if (opened.reply_bytes > 0) (void)socket_.send(std::span(reply).first(opened.reply_bytes), sender_);
+  if (opened.reply_bytes > 0)
+    (void)socket_.send(std::span(reply).first(opened.reply_bytes), sender_);
   if (opened.status != Status::ok) return;
   if (channel_.sessions() != sessions_) new_session();
   host_ = sender_;
@@ -52,9 +54,11 @@ void Link::take_message(std::span<const std::uint8_t> message) {
   const Result<wire::MessageType> type = wire::message_type(message);
   wire::Command command;
   wire::UploadChunk chunk;
-  if (type.ok() && *type == wire::MessageType::command && wire::decode(message, command) == Status::ok)
+  if (type.ok() && *type == wire::MessageType::command &&
+      wire::decode(message, command) == Status::ok)
     take_command(command);
-  else if (type.ok() && *type == wire::MessageType::upload_chunk && wire::decode(message, chunk) == Status::ok)
+  else if (type.ok() && *type == wire::MessageType::upload_chunk &&
+           wire::decode(message, chunk) == Status::ok)
     take_chunk(chunk);
   else
     ++dropped_;
@@ -98,7 +102,8 @@ void Link::take_chunk(const wire::UploadChunk& chunk) {
   u.ack.first_missing = u.assembler->first_missing();
   u.ack.refused = refusal != Refusal::none ? 1 : 0;
   u.ack.reason = static_cast<std::uint16_t>(refusal);
-  u.ack.complete = status == Status::ok && refusal == Refusal::none && u.assembler->complete() ? 1 : 0;
+  u.ack.complete =
+      status == Status::ok && refusal == Refusal::none && u.assembler->complete() ? 1 : 0;
 }
 
 Status Link::deliver(wire::UploadKind kind, std::span<const std::uint8_t> blob) {
@@ -108,9 +113,12 @@ Status Link::deliver(wire::UploadKind kind, std::span<const std::uint8_t> blob) 
     return status;
   };
   switch (kind) {
-    case wire::UploadKind::primitives: return into(handover_.primitives);
-    case wire::UploadKind::middle_table: return into(handover_.middle);
-    case wire::UploadKind::upper_policy: return into(handover_.upper);
+    case wire::UploadKind::primitives:
+      return into(handover_.primitives);
+    case wire::UploadKind::middle_table:
+      return into(handover_.middle);
+    case wire::UploadKind::upper_policy:
+      return into(handover_.upper);
   }
   return Status::malformed;
 }

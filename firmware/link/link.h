@@ -1,5 +1,6 @@
-// The link thread's work: opens the host's datagrams, puts uploads together, hands commands and layers to the tick, and
-// sends what the tick has published. Anything malformed, stale, replayed or unauthenticated is counted and dropped.
+// The link thread's work: opens the host's datagrams, puts uploads together, hands commands and
+// layers to the tick, and sends what the tick has published. Anything malformed, stale, replayed or
+// unauthenticated is counted and dropped.
 #pragma once
 
 #include <memory>
@@ -26,7 +27,7 @@ class Link {
  private:
   struct Upload {
     wire::UploadAssembler* assembler = nullptr;
-    bool touched = false;        // an acknowledgement is due
+    bool touched = false;  // an acknowledgement is due
     wire::UploadAck ack;
   };
 

@@ -1,5 +1,6 @@
-// The newest value from one thread to another, however large: three slots whose roles (being written, newest, being
-// read) are exchanged by one atomic word. No copy on the reading side, no lock, neither side ever waits.
+// The newest value from one thread to another, however large: three slots whose roles (being
+// written, newest, being read) are exchanged by one atomic word. No copy on the reading side, no
+// lock, neither side ever waits.
 #pragma once
 
 #include <array>
@@ -16,12 +17,14 @@ class Mailbox {
   T& back() { return slots_[back_]; }
   /// Makes back() the newest value.
   void publish() {
-    const std::uint8_t previous = middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel);
+    const std::uint8_t previous =
+        middle_.exchange(static_cast<std::uint8_t>(back_ | kFresh), std::memory_order_acq_rel);
     back_ = previous & kIndex;
   }
 
   // --- consumer ---
-  /// Moves to the newest value; true when it is another one than before. front() stays put until the next update().
+  /// Moves to the newest value; true when it is another one than before. front() stays put until
+  /// the next update().
   bool update() {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     const std::uint8_t previous = middle_.exchange(front_, std::memory_order_acq_rel);
@@ -33,9 +36,9 @@ class Mailbox {
  private:
   static constexpr std::uint8_t kIndex = 3, kFresh = 4;
   std::array<T, 3> slots_{};
-  std::uint8_t back_ = 0;                // producer's
+  std::uint8_t back_ = 0;  // producer's
   std::atomic<std::uint8_t> middle_{1};
-  std::uint8_t front_ = 2;               // consumer's
+  std::uint8_t front_ = 2;  // consumer's
 };
 
 }  // namespace sanso::firmware

@@ -1,4 +1,5 @@
-// A queue between one producing and one consuming thread: fixed capacity, no lock, neither side ever waits.
+// A queue between one producing and one consuming thread: fixed capacity, no lock, neither side
+// ever waits.
 #pragma once
 
 #include <array>

@@ -11,22 +11,26 @@ namespace sanso::firmware {
 namespace {
 
 void write_header(std::FILE* file) {
-  std::fprintf(file, "t,tick,state,fault,fault_detail,limits,trial_tick,tick_cpu_us,late_ticks,bus_lost,bus_corrupt,volt");
+  std::fprintf(file,
+               "t,tick,state,fault,fault_detail,limits,trial_tick,tick_cpu_us,late_ticks,bus_lost,"
+               "bus_corrupt,volt");
   for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",base_p:%s", axis);
   for (const char* part : {"w", "x", "y", "z"}) std::fprintf(file, ",base_q:%s", part);
   for (const char* what : {"base_v", "base_w"})
     for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",%s:%s", what, axis);
   for (const char* what : {"q", "dq", "u", "i"})
-    for (const model::JointInfo& joint : model::kJoints) std::fprintf(file, ",%s:%s", what, joint.name);
+    for (const model::JointInfo& joint : model::kJoints)
+      std::fprintf(file, ",%s:%s", what, joint.name);
   for (const char* axis : {"x", "y", "z"}) std::fprintf(file, ",imu_acc:%s", axis);
   std::fprintf(file, "\n");
 }
 
 void write_row(std::FILE* file, const LogRecord& record) {
   const wire::Observation& o = record.observation;
-  std::fprintf(file, "%.6f,%" PRIu64 ",%d,%d,%d,%u,%d,%.1f,%u,%u,%u,%.1f", to_seconds(o.time), o.tick, static_cast<int>(o.state),
-               o.fault, record.fault_detail, o.limits, o.trial_tick, o.tick_cpu_ns * 1e-3, o.late_ticks, o.bus_lost,
-               o.bus_corrupt, static_cast<double>(o.voltage_V));
+  std::fprintf(file, "%.6f,%" PRIu64 ",%d,%d,%d,%u,%d,%.1f,%u,%u,%u,%.1f", to_seconds(o.time),
+               o.tick, static_cast<int>(o.state), o.fault, record.fault_detail, o.limits,
+               o.trial_tick, o.tick_cpu_ns * 1e-3, o.late_ticks, o.bus_lost, o.bus_corrupt,
+               static_cast<double>(o.voltage_V));
   for (int i = 0; i < 7; ++i) std::fprintf(file, ",%.6f", o.x[i]);
   for (int i = 0; i < 6; ++i) std::fprintf(file, ",%.6f", o.x[model::kXVel + i]);
   for (int first : {model::kXJoint, model::kXJointRate})
@@ -52,7 +56,8 @@ bool FlightRecorder::poll() {
     const std::uint16_t fault = record.observation.fault;
     if (fault != 0 && latched_ == 0) {
       until_write_ = kTicksAfterFault;
-      name_ = "F" + std::to_string(fault) + "-tick" + std::to_string(record.observation.tick) + ".csv";
+      name_ =
+          "F" + std::to_string(fault) + "-tick" + std::to_string(record.observation.tick) + ".csv";
     }
     latched_ = fault;
     if (until_write_ >= 0 && until_write_-- == 0) due = true;
@@ -64,7 +69,8 @@ bool FlightRecorder::poll() {
 std::vector<LogRecord> FlightRecorder::records() const {
   std::vector<LogRecord> out;
   out.reserve(count_);
-  for (std::size_t i = 0; i < count_; ++i) out.push_back(ring_[(next_ + kTicksKept - count_ + i) % kTicksKept]);
+  for (std::size_t i = 0; i < count_; ++i)
+    out.push_back(ring_[(next_ + kTicksKept - count_ + i) % kTicksKept]);
   return out;
 }
 
@@ -87,7 +93,8 @@ bool FlightRecorder::write(const std::string& path) {
 }
 
 bool FlightRecorder::fail(const std::string& path, int error) {
-  error_ = path + ": the flight record cannot be written: " + std::strerror(error) + "; it is lost; look at device.log_directory";
+  error_ = path + ": the flight record cannot be written: " + std::strerror(error) +
+           "; it is lost; look at device.log_directory";
   return false;
 }
 

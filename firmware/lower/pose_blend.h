@@ -1,4 +1,5 @@
-// Minimum-jerk passage from one pose to another: rests at both ends, no step in velocity or acceleration.
+// Minimum-jerk passage from one pose to another: rests at both ends, no step in velocity or
+// acceleration.
 #pragma once
 
 #include <algorithm>

@@ -36,8 +36,9 @@ std::vector<fs::path> episodes_in(const fs::path& given) {
   for (const auto& entry : fs::directory_iterator(given))
     if (entry.path().extension() == ".episode") files.push_back(entry.path());
   if (files.empty())
-    throw std::runtime_error(given.string() +
-                             ": no trial_NNNN.episode in it; name the folder of a session (sanso learn --out)");
+    throw std::runtime_error(
+        given.string() +
+        ": no trial_NNNN.episode in it; name the folder of a session (sanso learn --out)");
   std::sort(files.begin(), files.end());
   return files;
 }
@@ -48,7 +49,8 @@ std::string motion_of(const IdentifyOptions& options) {
   std::ifstream in(summary);
   const Json read = in ? Json::parse(in, nullptr, false) : Json();
   if (!read.is_object() || !read.contains("motion") || !read["motion"].is_string())
-    throw std::runtime_error(summary.string() + ": does not say which motion it is; name it with --motion");
+    throw std::runtime_error(summary.string() +
+                             ": does not say which motion it is; name it with --motion");
   return read["motion"];
 }
 
@@ -83,12 +85,13 @@ void prepare_folder(const IdentifyOptions& options) {
   if (options.out.empty()) return;
   fs::create_directories(options.out);
   if (fs::exists(state_file(options.out)) && !options.resume)
-    throw std::runtime_error(options.out.string() +
-                             ": holds a search already; continue it with --resume or name another folder");
+    throw std::runtime_error(
+        options.out.string() +
+        ": holds a search already; continue it with --resume or name another folder");
 }
 
-double loss_on(const std::vector<learn::PredictionWindow>& windows, const model::ModelParameters& theta,
-               const model::Tangent& weights) {
+double loss_on(const std::vector<learn::PredictionWindow>& windows,
+               const model::ModelParameters& theta, const model::Tangent& weights) {
   return learn::n_step_loss(windows, model::make_step_model(theta), model::make_plane(), weights);
 }
 
@@ -121,10 +124,12 @@ Json model_json(const model::ModelParameters& theta) {
           {"friction_sideways", theta.friction_sideways}};
 }
 
-Json answer_of(const IdentifyOptions& options, const IdentificationData& data, const learn::Identification& found) {
+Json answer_of(const IdentifyOptions& options, const IdentificationData& data,
+               const learn::Identification& found) {
   const learn::ParameterMap map = parameter_map();
   Json deviations;
-  for (Eigen::Index i = 0; i < map.size(); ++i) deviations[map.names()[static_cast<std::size_t>(i)]] = found.z[i];
+  for (Eigen::Index i = 0; i < map.size(); ++i)
+    deviations[map.names()[static_cast<std::size_t>(i)]] = found.z[i];
   return {{"motion", data.motion},
           {"seed", options.seed},
           {"population", options.population},
@@ -136,11 +141,11 @@ Json answer_of(const IdentifyOptions& options, const IdentificationData& data, c
 
 void print_answer(const Json& answer) {
   const Json& loss = answer["loss"];
-  fmt::print("N-step loss on training trials {:.4g} -> {:.4g}\n", loss["training_initial"].get<double>(),
-             loss["training"].get<double>());
+  fmt::print("N-step loss on training trials {:.4g} -> {:.4g}\n",
+             loss["training_initial"].get<double>(), loss["training"].get<double>());
   if (!loss["heldout"].is_null())
-    fmt::print("            on held-out trials {:.4g} -> {:.4g}\n", loss["heldout_initial"].get<double>(),
-               loss["heldout"].get<double>());
+    fmt::print("            on held-out trials {:.4g} -> {:.4g}\n",
+               loss["heldout_initial"].get<double>(), loss["heldout"].get<double>());
   fmt::print("{:<22} prior deviations from the initial model\n", "parameter");
   for (const auto& [name, z] : answer["prior_deviations"].items())
     fmt::print("{:<22} {:+6.2f}\n", name, z.get<double>());
@@ -163,22 +168,26 @@ IdentificationData load_identification_data(const IdentifyOptions& options) {
   return data;
 }
 
-learn::Identification search_parameters(const IdentifyOptions& options, const IdentificationData& data,
+learn::Identification search_parameters(const IdentifyOptions& options,
+                                        const IdentificationData& data,
                                         const std::function<bool()>& stop,
-                                        const learn::DistributeCandidates& distribute, bool stores) {
+                                        const learn::DistributeCandidates& distribute,
+                                        bool stores) {
   learn::IdentifyRun run;
   run.distribute = distribute;
-  if (options.resume) run.continue_from = learn::load_search(state_file(options.out), data.fingerprint);
+  if (options.resume)
+    run.continue_from = learn::load_search(state_file(options.out), data.fingerprint);
   const int done_before = run.continue_from ? run.continue_from->generation : 0;
   std::optional<learn::Progress> progress;
   if (!options.quiet) progress.emplace(stderr, "identify", options.generations, done_before);
   run.after_generation = [&](const learn::CrossEntropyState& state) {
-    if (stores && !options.out.empty()) learn::save_search(state_file(options.out), state, data.fingerprint);
+    if (stores && !options.out.empty())
+      learn::save_search(state_file(options.out), state, data.fingerprint);
     if (progress) progress->update(state.generation, fmt::format("loss {:.4g}", state.best_loss));
     return !stop();
   };
-  return learn::identify(data.train, parameter_map(), model::make_plane(), data.weights, settings_of(options),
-                         options.seed, run);
+  return learn::identify(data.train, parameter_map(), model::make_plane(), data.weights,
+                         settings_of(options), options.seed, run);
 }
 
 std::string identification_json(const IdentifyOptions& options, const IdentificationData& data,
@@ -191,11 +200,13 @@ int identify(const IdentifyOptions& options) {
   const Interrupt interrupt;
   const learn::Identification found = search_parameters(options, data, Interrupt::requested);
   const Json answer = answer_of(options, data, found);
-  if (!options.out.empty()) learn::write_atomically(options.out / "identification.json", answer.dump(1) + "\n");
+  if (!options.out.empty())
+    learn::write_atomically(options.out / "identification.json", answer.dump(1) + "\n");
   if (!options.quiet) print_answer(answer);
   if (found.generations < options.generations) {
-    fmt::print(stderr, "stopped after generation {} of {}; the same command with --resume goes on\n", found.generations,
-               options.generations);
+    fmt::print(stderr,
+               "stopped after generation {} of {}; the same command with --resume goes on\n",
+               found.generations, options.generations);
     return 2;
   }
   const Json& loss = answer["loss"];

@@ -9,7 +9,9 @@ volatile std::sig_atomic_t interrupted = 0;
 int alive = 0;
 
 void note_interrupt(int) {
-  static constexpr char kText[] = "\nfinishing this trial; Ctrl-C again stops at once (a robot then ends in a hold by itself)\n";
+  static constexpr char kText[] =
+      "\nfinishing this trial; Ctrl-C again stops at once "
+      "(a robot then ends in a hold by itself)\n";
   interrupted = 1;
   (void)!::write(STDERR_FILENO, kText, sizeof kText - 1);
 }
@@ -19,7 +21,7 @@ void note_interrupt(int) {
 Interrupt::Interrupt() {
   if (alive++ > 0) return;
   interrupted = 0;
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second one does what it always does
   sigemptyset(&action.sa_mask);

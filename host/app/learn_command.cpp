@@ -20,7 +20,8 @@ learn::Task task_of(const motion::Motion& motion) {
           [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); }};
 }
 
-learn::SessionSettings session_settings(const LearnOptions& options, const motion::Motion& motion, bool real_time) {
+learn::SessionSettings session_settings(const LearnOptions& options, const motion::Motion& motion,
+                                        bool real_time) {
   learn::SessionSettings s;
   s.iterations = options.iterations;
   s.seed = options.seed;
@@ -31,14 +32,16 @@ learn::SessionSettings session_settings(const LearnOptions& options, const motio
   s.trial.cost_limit = motion.stop.cost_limit;
   s.trial.tilt_limit_rad = motion.stop.tilt_limit_rad;
   s.trial.drop_limit_m = motion.stop.drop_limit_m;
-  constexpr double kBudget_s = 0.045;  // of the 60 ms: leaves room for the way there and back and for a busy machine
+  // of the 60 ms: leaves room for the way there and back and for a busy machine
+  constexpr double kBudget_s = 0.045;
   s.trial.planning_budget_s = real_time ? kBudget_s : 0.0;
   return s;
 }
 
 std::string note_of(const learn::TrialSummary& t) {
   return fmt::format("trial {} cost {:.2f}{}  update {:.1f} ms  {:.1f} s", t.trial + 1, t.cost,
-                     t.failed() ? std::string(" FAILED: ") + learn::to_string(t.end) : "", learn::percentile(t.update_ms, 0.5), t.wall_s);
+                     t.failed() ? std::string(" FAILED: ") + learn::to_string(t.end) : "",
+                     learn::percentile(t.update_ms, 0.5), t.wall_s);
 }
 
 /// Throws std::runtime_error when a person has stopped the session before its last trial.
@@ -52,8 +55,10 @@ void run_trials(learn::Session& session, const std::string& motion, const LearnO
       Interrupt::requested);
   const auto done = static_cast<int>(session.state().history.size());
   if (done < options.iterations)
-    throw std::runtime_error(fmt::format("stopped after trial {} of {}; `sanso learn` with the same options, --out {} and --resume goes on",
-                                         done, options.iterations, options.out.string()));
+    throw std::runtime_error(fmt::format(
+        "stopped after trial {} of {}; `sanso learn` with the same options, --out {} and --resume "
+        "goes on",
+        done, options.iterations, options.out.string()));
 }
 
 }  // namespace
@@ -61,12 +66,19 @@ void run_trials(learn::Session& session, const std::string& motion, const LearnO
 learn::Layers layers_without(const std::vector<std::string>& names) {
   learn::Layers on;
   for (const std::string& name : names) {
-    if (name == "lower") on.lower = false;
-    else if (name == "middle") on.middle = false;
-    else if (name == "upper") on.upper = false;
-    else if (name == "residual") on.residual = false;
-    else if (name == "stochastic") on.stochastic = false;
-    else throw std::runtime_error("--without " + name + ": expected lower, middle, upper, residual or stochastic");
+    if (name == "lower")
+      on.lower = false;
+    else if (name == "middle")
+      on.middle = false;
+    else if (name == "upper")
+      on.upper = false;
+    else if (name == "residual")
+      on.residual = false;
+    else if (name == "stochastic")
+      on.stochastic = false;
+    else
+      throw std::runtime_error("--without " + name +
+                               ": expected lower, middle, upper, residual or stochastic");
   }
   return on;
 }
@@ -77,9 +89,12 @@ int learn(const LearnOptions& options, const RobotFactory& make_robot) {
   mpc::MpcSettings mpc_settings;
   mpc_settings.threads = options.threads;
   mpc::UpperLayer upper(mpc_settings, host::AugmentedModel{});
-  learn::Session session(task_of(motion), session_settings(options, motion, robot->real_time()), *robot, upper);
+  learn::Session session(task_of(motion), session_settings(options, motion, robot->real_time()),
+                         *robot, upper);
 
-  if (!options.quiet) fmt::print("{}: {} trials on {}, seed {}\n", motion.name, options.iterations, robot->description(), options.seed);
+  if (!options.quiet)
+    fmt::print("{}: {} trials on {}, seed {}\n", motion.name, options.iterations,
+               robot->description(), options.seed);
   run_trials(session, motion.name, options);
   return session.state().history.back().succeeded() ? 0 : 1;
 }

@@ -16,13 +16,13 @@ namespace sanso::app {
 struct LearnOptions {
   std::string motion = "squat";
   int iterations = 10;
-  std::string robot = "in-process";   // or "emulated", or HOST:PORT
-  std::filesystem::path key;          // of a robot at HOST:PORT: file with the pre-shared key
+  std::string robot = "in-process";  // or "emulated", or HOST:PORT
+  std::filesystem::path key;         // of a robot at HOST:PORT: file with the pre-shared key
   std::filesystem::path out;
   bool resume = false;
   std::uint64_t seed = 1;
-  std::vector<std::string> without;   // lower, middle, upper, residual, stochastic
-  std::string world = "lab";          // of an emulated robot
+  std::vector<std::string> without;  // lower, middle, upper, residual, stochastic
+  std::string world = "lab";         // of an emulated robot
   int threads = 2;
   bool quiet = false;
 };
@@ -33,7 +33,8 @@ using RobotFactory = std::function<std::unique_ptr<learn::RobotAccess>(const Lea
 /// The layers that are left without those named. Throws std::runtime_error for an unknown name.
 learn::Layers layers_without(const std::vector<std::string>& names);
 
-/// Exit code: 0 the last trial succeeded, 1 it failed. Throws std::runtime_error when there is no answer.
+/// Exit code: 0 the last trial succeeded, 1 it failed. Throws std::runtime_error when there is no
+/// answer.
 int learn(const LearnOptions& options, const RobotFactory& make_robot);
 
 }  // namespace sanso::app

@@ -14,7 +14,8 @@ motion::EpisodeSample sample_at(const model::State& x, const learn::TrueSample* 
   for (int side = 0; side < 2; ++side) {
     const auto s = static_cast<std::size_t>(side);
     const auto corners = points.sole_corners(side);
-    sample.foot_clearance_m[s] = std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
+    sample.foot_clearance_m[s] =
+        std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
     sample.foot_m[s] = points.p_world_foot[s].head<2>();
     if (truth) sample.foot_load_N[s] = static_cast<double>(truth->foot_load_N[s]);
   }
@@ -32,12 +33,14 @@ motion::MotionEpisode seen_from_outside(const learn::Episode& episode) {
     const learn::TrueSample* truth = known ? &episode.truth[i] : nullptr;
     const motion::EpisodeSample sample = sample_at(truth ? truth->x : episode.ticks[i].x, truth);
     const auto tick = static_cast<std::size_t>(episode.ticks[i].trial_tick);
-    while (out.samples.size() <= tick) out.samples.push_back(sample);  // a lost observation repeats its successor
+    // a lost observation repeats its successor
+    while (out.samples.size() <= tick) out.samples.push_back(sample);
   }
   return out;
 }
 
-std::vector<std::string> broken_clauses(const motion::Motion& motion, const learn::Episode& episode) {
+std::vector<std::string> broken_clauses(const motion::Motion& motion,
+                                        const learn::Episode& episode) {
   return motion::evaluate(motion, seen_from_outside(episode)).failures();
 }
 

@@ -1,4 +1,5 @@
-// A real robot (or any running controller) at HOST:PORT: between trials a person puts it on its feet.
+// A real robot (or any running controller) at HOST:PORT: between trials a person puts it on its
+// feet.
 #pragma once
 
 #include <cstdio>
@@ -13,9 +14,11 @@ namespace sanso::app {
 
 class NetworkRobot : public learn::RobotAccess {
  public:
-  /// `key_file`: the 64 hexadecimal digits that the controller also has. Questions go to `ask`, answers (Enter) come from
-  /// `answers`. Throws std::runtime_error when the key cannot be read or no controller answers.
-  NetworkRobot(const std::string& address, const std::filesystem::path& key_file, std::FILE* ask, std::FILE* answers);
+  /// `key_file`: the 64 hexadecimal digits that the controller also has. Questions go to `ask`,
+  /// answers (Enter) come from `answers`. Throws std::runtime_error when the key cannot be read or
+  /// no controller answers.
+  NetworkRobot(const std::string& address, const std::filesystem::path& key_file, std::FILE* ask,
+               std::FILE* answers);
   link::RobotLink& place(const model::State& x, std::uint64_t seed) override;
   void add_measurements(learn::Episode&) override {}  // nobody outside the controller measures
   std::string description() const override { return "robot at " + address_; }

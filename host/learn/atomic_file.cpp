@@ -13,7 +13,8 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const char* step, int error) {
   std::string message = path.string() + ": " + step + ": " + std::strerror(error);
-  if (error == ENOSPC || error == EDQUOT) message += "; free some space and run the same command again with --resume";
+  if (error == ENOSPC || error == EDQUOT)
+    message += "; free some space and run the same command again with --resume";
   throw std::runtime_error(message);
 }
 
@@ -39,7 +40,8 @@ void write_all(const TemporaryFile& file, std::span<const std::uint8_t> bytes) {
 
 /// The rename itself reaches the disk with the directory.
 void flush_directory(const std::filesystem::path& directory) {
-  const int descriptor = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int descriptor =
+      ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;  // not every file system lets one: the file itself is already safe
   ::fsync(descriptor);
   ::close(descriptor);
@@ -61,13 +63,15 @@ void write_atomically(const std::filesystem::path& path, std::span<const std::ui
 }
 
 void write_atomically(const std::filesystem::path& path, std::string_view text) {
-  write_atomically(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  write_atomically(path,
+                   std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
 std::vector<std::uint8_t> read_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) fail(path, "cannot open", errno);
-  std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(in)),
+                                  std::istreambuf_iterator<char>());
   if (in.bad()) fail(path, "cannot read", errno);
   return bytes;
 }

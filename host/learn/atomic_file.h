@@ -1,4 +1,5 @@
-// Files that are either the old or the new version, never half of one: written beside, flushed to the disk, renamed.
+// Files that are either the old or the new version, never half of one: written beside, flushed to
+// the disk, renamed.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +10,8 @@
 
 namespace sanso::learn {
 
-/// Replaces `path` by `bytes`. Throws std::runtime_error naming file and reason (a full disk, say); `path` is then as before.
+/// Replaces `path` by `bytes`. Throws std::runtime_error naming file and reason (a full disk, say);
+/// `path` is then as before.
 void write_atomically(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_atomically(const std::filesystem::path& path, std::string_view text);
 

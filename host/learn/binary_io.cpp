@@ -8,7 +8,8 @@
 
 namespace sanso::learn {
 
-static_assert(std::endian::native == std::endian::little, "the files are little-endian; add byte swaps for this machine");
+static_assert(std::endian::native == std::endian::little,
+              "the files are little-endian; add byte swaps for this machine");
 
 namespace {
 
@@ -34,7 +35,8 @@ void save_framed(const std::filesystem::path& path, const char (&magic)[9], std:
   write_atomically(path, bytes);
 }
 
-BinaryReader load_framed(const std::filesystem::path& path, const char (&magic)[9], std::uint32_t version) {
+BinaryReader load_framed(const std::filesystem::path& path, const char (&magic)[9],
+                         std::uint32_t version) {
   std::vector<std::uint8_t> bytes = read_file(path);
   const std::string name = path.string();
   if (bytes.size() < kHeader + 4 || std::memcmp(bytes.data(), magic, 8) != 0)
@@ -44,9 +46,11 @@ BinaryReader load_framed(const std::filesystem::path& path, const char (&magic)[
   std::memcpy(&found_version, bytes.data() + 8, sizeof found_version);
   std::memcpy(&size, bytes.data() + 12, sizeof size);
   if (found_version != version)
-    throw std::runtime_error(name + ": version " + std::to_string(found_version) + ", this program reads " + std::to_string(version));
+    throw std::runtime_error(name + ": version " + std::to_string(found_version) +
+                             ", this program reads " + std::to_string(version));
   if (size != bytes.size() - kHeader - 4)
-    throw std::runtime_error(name + ": " + std::to_string(bytes.size() - kHeader - 4) + " bytes of content, header says " + std::to_string(size));
+    throw std::runtime_error(name + ": " + std::to_string(bytes.size() - kHeader - 4) +
+                             " bytes of content, header says " + std::to_string(size));
   std::memcpy(&stored, bytes.data() + bytes.size() - 4, sizeof stored);
   if (stored != checksum(bytes.data(), bytes.size() - 4))
     throw std::runtime_error(name + ": damaged (checksum does not fit); delete it and run again");

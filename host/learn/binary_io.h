@@ -1,4 +1,5 @@
-// Exact storage of episodes and learned state: little-endian bytes with a name, a version and a checksum around them.
+// Exact storage of episodes and learned state: little-endian bytes with a name, a version and a
+// checksum around them.
 // Text would round; a resumed session must continue with the same bits.
 #pragma once
 
@@ -42,10 +43,12 @@ class BinaryWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Reads what BinaryWriter wrote, in the same order. Throws std::runtime_error when the bytes end too early.
+/// Reads what BinaryWriter wrote, in the same order. Throws std::runtime_error when the bytes end
+/// too early.
 class BinaryReader {
  public:
-  BinaryReader(std::string name, std::vector<std::uint8_t> bytes) : name_(std::move(name)), bytes_(std::move(bytes)) {}
+  BinaryReader(std::string name, std::vector<std::uint8_t> bytes)
+      : name_(std::move(name)), bytes_(std::move(bytes)) {}
   template <Plain T>
   void get(T& value) {
     take(&value, sizeof(T));
@@ -72,7 +75,8 @@ class BinaryReader {
   }
   std::size_t left() const { return bytes_.size() - at_; }
   [[noreturn]] void fail() const {
-    throw std::runtime_error(name_ + ": ends at byte " + std::to_string(at_) + " before it is complete; delete it and run again");
+    throw std::runtime_error(name_ + ": ends at byte " + std::to_string(at_) +
+                             " before it is complete; delete it and run again");
   }
 
  private:
@@ -90,7 +94,9 @@ class BinaryReader {
 void save_framed(const std::filesystem::path& path, const char (&magic)[9], std::uint32_t version,
                  const std::vector<std::uint8_t>& payload);
 
-/// Opposite of save_framed. Throws std::runtime_error naming file, what was found and what was expected.
-BinaryReader load_framed(const std::filesystem::path& path, const char (&magic)[9], std::uint32_t version);
+/// Opposite of save_framed. Throws std::runtime_error naming file, what was found and what was
+/// expected.
+BinaryReader load_framed(const std::filesystem::path& path, const char (&magic)[9],
+                         std::uint32_t version);
 
 }  // namespace sanso::learn

@@ -1,7 +1,8 @@
-// The cross-entropy method: minimises a function by sampling a Gaussian, keeping the best, and fitting the Gaussian to
-// them. [Kochenderfer and Wheeler 2019, "Algorithms for Optimization", section 8.4] Every generation's samples depend
-// only on the seed, its number and the distribution: a search that stops after any generation continues from its state
-// with the same numbers, and it does not matter who evaluates the candidates.
+// The cross-entropy method: minimises a function by sampling a Gaussian, keeping the best, and
+// fitting the Gaussian to them. [Kochenderfer and Wheeler 2019, "Algorithms for Optimization",
+// section 8.4] Every generation's samples depend only on the seed, its number and the distribution:
+// a search that stops after any generation continues from its state with the same numbers, and it
+// does not matter who evaluates the candidates.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,14 +36,15 @@ struct CrossEntropyState {
   double best_loss = 0;
 };
 
-/// Losses of all candidates (columns of an n x population matrix), in their order. Not finite counts as worst.
+/// Losses of all candidates (columns of an n x population matrix), in their order. Not finite
+/// counts as worst.
 using EvaluateCandidates = std::function<std::vector<double>(const Eigen::MatrixXd& candidates)>;
 
 /// Starts at `mean` with `deviation`; evaluates the mean once.
 CrossEntropyState start_cross_entropy(const Eigen::VectorXd& mean, const Eigen::VectorXd& deviation,
                                       const EvaluateCandidates& evaluate);
 /// One generation.
-void advance_cross_entropy(CrossEntropyState& state, const CrossEntropySettings& settings, std::uint64_t seed,
-                           const EvaluateCandidates& evaluate);
+void advance_cross_entropy(CrossEntropyState& state, const CrossEntropySettings& settings,
+                           std::uint64_t seed, const EvaluateCandidates& evaluate);
 
 }  // namespace sanso::learn

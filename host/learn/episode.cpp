@@ -11,10 +11,13 @@ constexpr std::uint32_t kVersion = 1;
 
 /// One list of the fields for both directions: `io` is called with every field in the stored order.
 void visit_fields(auto& o, auto&& io) {
-  io(o.tick), io(o.time), io(o.trial_tick), io(o.trial_id), io(o.state), io(o.fault), io(o.limits), io(o.contact);
+  io(o.tick), io(o.time), io(o.trial_tick), io(o.trial_id), io(o.state), io(o.fault), io(o.limits),
+      io(o.contact);
   io(o.pose_age_ticks), io(o.x), io(o.current_raw), io(o.imu_acc), io(o.imu_gyro), io(o.voltage_V);
-  io(o.max_temperature_C), io(o.upper_sequence), io(o.upper_age_ticks), io(o.upper_weight), io(o.u_upper);
-  io(o.u_middle), io(o.u_lower), io(o.u_out), io(o.bus_lost), io(o.bus_corrupt), io(o.datagrams_dropped);
+  io(o.max_temperature_C), io(o.upper_sequence), io(o.upper_age_ticks), io(o.upper_weight),
+      io(o.u_upper);
+  io(o.u_middle), io(o.u_lower), io(o.u_out), io(o.bus_lost), io(o.bus_corrupt),
+      io(o.datagrams_dropped);
 }
 
 /// What depends on the machine's speed: stored, but no part of the digest.
@@ -26,7 +29,8 @@ void visit_header(auto& e, auto&& io) {
 
 void visit_plan(auto& p, auto&& io) {
   io(p.observed_tick), io(p.cost_before), io(p.cost_after), io(p.gain_norm), io(p.late);
-  io(p.policy.sequence), io(p.policy.trial_id), io(p.policy.first_tick), io(p.policy.ticks_per_knot);
+  io(p.policy.sequence), io(p.policy.trial_id), io(p.policy.first_tick),
+      io(p.policy.ticks_per_knot);
 }
 
 void visit_knot(auto& k, auto&& io) { io(k.u), io(k.x), io(k.K); }
@@ -67,18 +71,26 @@ PlanRecord get_plan(BinaryReader& in) {
 
 const char* to_string(TrialEnd end) {
   switch (end) {
-    case TrialEnd::completed: return "completed";
-    case TrialEnd::cost_limit: return "cost above the limit";
-    case TrialEnd::tilt: return "leaned too far";
-    case TrialEnd::low_base: return "base too low";
-    case TrialEnd::fault: return "controller fault";
-    case TrialEnd::link_lost: return "no observations";
-    case TrialEnd::ended_early: return "ended early by the controller";
+    case TrialEnd::completed:
+      return "completed";
+    case TrialEnd::cost_limit:
+      return "cost above the limit";
+    case TrialEnd::tilt:
+      return "leaned too far";
+    case TrialEnd::low_base:
+      return "base too low";
+    case TrialEnd::fault:
+      return "controller fault";
+    case TrialEnd::link_lost:
+      return "no observations";
+    case TrialEnd::ended_early:
+      return "ended early by the controller";
   }
   return "unknown";
 }
 
-const policy::UpperPolicy* executed_policy(const Episode& episode, const wire::Observation& observation) {
+const policy::UpperPolicy* executed_policy(const Episode& episode,
+                                           const wire::Observation& observation) {
   if (observation.upper_sequence == 0 || observation.upper_weight <= 0.0f) return nullptr;
   for (auto plan = episode.plans.rbegin(); plan != episode.plans.rend(); ++plan)
     if (plan->policy.sequence == observation.upper_sequence) return &plan->policy;

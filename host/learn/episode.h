@@ -1,4 +1,5 @@
-// An episode: everything one trial showed. Stored exactly, one file a trial; learning and reports read it back.
+// An episode: everything one trial showed. Stored exactly, one file a trial; learning and reports
+// read it back.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ enum class TrialEnd : std::uint8_t {
   low_base = 3,    // base too far below the reference
   fault = 4,       // the controller latched a fault (number in Episode::fault)
   link_lost = 5,   // no observation for too long
-  ended_early = 6, // the controller left the trial before its time (it lost the host, or was told to stop)
+  // the controller left the trial before its time (it lost the host, or was told to stop)
+  ended_early = 6,
 };
 const char* to_string(TrialEnd end);
 
@@ -27,17 +29,20 @@ const char* to_string(TrialEnd end);
 struct PlanRecord {
   policy::UpperPolicy policy;
   std::int32_t observed_tick = 0;  // trial tick of the observation it was planned from
-  double update_ms = 0.0;          // measured wall time from observation to policy; reported, never used
-  double cost_before = 0.0;        // predicted cost of the horizon without the upper layer
-  double cost_after = 0.0;         // and with the plan
-  double gain_norm = 0.0;          // Frobenius norm of the first K before the limit
-  std::uint8_t late = 0;           // 1: reached the controller after its first tick
+  // measured wall time from observation to policy; reported, never used
+  double update_ms = 0.0;
+  double cost_before = 0.0;  // predicted cost of the horizon without the upper layer
+  double cost_after = 0.0;   // and with the plan
+  double gain_norm = 0.0;    // Frobenius norm of the first K before the limit
+  std::uint8_t late = 0;     // 1: reached the controller after its first tick
 };
 
-/// What somebody outside the controller saw: the emulated world knows it, a real robot's laboratory may not.
+/// What somebody outside the controller saw: the emulated world knows it, a real robot's laboratory
+/// may not.
 struct TrueSample {
-  model::State x = model::neutral_state();  // in the frame of the reference (as it stood when the trial began)
-  std::array<float, 2> foot_load_N{};       // normal force, right and left
+  // in the frame of the reference (as it stood when the trial began)
+  model::State x = model::neutral_state();
+  std::array<float, 2> foot_load_N{};  // normal force, right and left
 };
 
 struct Episode {
@@ -45,19 +50,22 @@ struct Episode {
   std::uint64_t seed = 0;
   TrialEnd end = TrialEnd::completed;
   std::uint16_t fault = 0;
-  double cost = 0.0;                         // J, sum over the 60 ms ticks
-  std::vector<double> cost_terms;            // its summands, one a 60 ms tick
-  std::vector<wire::Observation> ticks;      // every 10 ms of the trial, trial_tick ascending
+  double cost = 0.0;                     // J, sum over the 60 ms ticks
+  std::vector<double> cost_terms;        // its summands, one a 60 ms tick
+  std::vector<wire::Observation> ticks;  // every 10 ms of the trial, trial_tick ascending
   std::vector<std::array<float, model::kNx>> reference;  // x_DMP at every entry of `ticks`
   std::vector<PlanRecord> plans;
-  std::vector<TrueSample> truth;             // one for every entry of `ticks`; empty when nobody can tell
+  // one for every entry of `ticks`; empty when nobody can tell
+  std::vector<TrueSample> truth;
   bool failed() const { return end != TrialEnd::completed; }
 };
 
 /// The plan that the controller said it was executing at an observation; null when none.
-const policy::UpperPolicy* executed_policy(const Episode& episode, const wire::Observation& observation);
+const policy::UpperPolicy* executed_policy(const Episode& episode,
+                                           const wire::Observation& observation);
 
-/// A 64-bit fingerprint of everything that must repeat: all but measured times. Equal runs have equal digests.
+/// A 64-bit fingerprint of everything that must repeat: all but measured times. Equal runs have
+/// equal digests.
 std::uint64_t digest(const Episode& episode);
 
 void save_episode(const std::filesystem::path& path, const Episode& episode);

@@ -16,7 +16,8 @@ void get_sized(BinaryReader& in, Eigen::VectorXd& v, std::uint32_t size) {
 
 }  // namespace
 
-void save_search(const std::filesystem::path& path, const CrossEntropyState& state, std::uint64_t fingerprint) {
+void save_search(const std::filesystem::path& path, const CrossEntropyState& state,
+                 std::uint64_t fingerprint) {
   BinaryWriter out;
   out.put(fingerprint);
   out.put(static_cast<std::int32_t>(state.generation));
@@ -31,9 +32,10 @@ void save_search(const std::filesystem::path& path, const CrossEntropyState& sta
 CrossEntropyState load_search(const std::filesystem::path& path, std::uint64_t fingerprint) {
   BinaryReader in = load_framed(path, kMagic, kVersion);
   if (in.read<std::uint64_t>() != fingerprint)
-    throw std::runtime_error(path.string() +
-                             ": a search over other recordings, or with another seed or population; "
-                             "resume it with what it began with, or name another folder");
+    throw std::runtime_error(
+        path.string() +
+        ": a search over other recordings, or with another seed or population; "
+        "resume it with what it began with, or name another folder");
   CrossEntropyState state;
   state.generation = in.read<std::int32_t>();
   in.get(state.best_loss);

@@ -18,12 +18,13 @@ constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
 constexpr double kStep_s = 0.06;
 
 void visit_network(auto& n, auto&& io) {
-  io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2), io(n.b3),
-      io(n.output_mean);
+  io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2),
+      io(n.b3), io(n.output_mean);
   io(n.output_scale);
 }
 
-// BinaryWriter and BinaryReader know column-major matrices; the network's are row-major, so go entry by entry.
+// BinaryWriter and BinaryReader know column-major matrices; the network's are row-major, so go
+// entry by entry.
 void put_all(BinaryWriter& out, const auto& m) {
   for (Eigen::Index i = 0; i < m.size(); ++i) out.put(m.data()[i]);
 }
@@ -50,7 +51,8 @@ ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tan
 host::AugmentedModel ModelLearner::current() const {
   host::AugmentedModel m = initial_;
   if (residual_ && trust_.share > 0.0) m.residual = with_share(*residual_, trust_.share);
-  if (z_.isZero(0.0)) return m;  // the very bits of the initial model: going through its parameters would round
+  // the very bits of the initial model: going through its parameters would round
+  if (z_.isZero(0.0)) return m;
   const model::ContactSettings contact = m.analytical.contact;
   m.analytical = model::make_step_model(map_.parameters(z_));
   m.analytical.contact = contact;
@@ -61,8 +63,10 @@ ModelLosses ModelLearner::losses(const std::vector<PredictionWindow>& windows) c
   const host::AugmentedModel m = current();
   ModelLosses l;
   l.initial = n_step_loss(windows, initial_.analytical, initial_.ground, weights_);
-  l.analytical = z_.isZero(0.0) ? l.initial : n_step_loss(windows, m.analytical, m.ground, weights_);
-  l.augmented = m.residual ? n_step_loss(windows, m.analytical, m.ground, weights_, &*m.residual) : l.analytical;
+  l.analytical =
+      z_.isZero(0.0) ? l.initial : n_step_loss(windows, m.analytical, m.ground, weights_);
+  l.augmented = m.residual ? n_step_loss(windows, m.analytical, m.ground, weights_, &*m.residual)
+                           : l.analytical;
   return l;
 }
 
@@ -80,7 +84,8 @@ std::vector<Episode> ModelLearner::usable(const std::vector<Episode>& all) const
 
 ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) const {
   Data data;
-  const std::size_t trained = episodes.size() - newest_heldout(episodes.size(), settings_.residual.heldout_fraction);
+  const std::size_t trained =
+      episodes.size() - newest_heldout(episodes.size(), settings_.residual.heldout_fraction);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
     auto& part = i < trained ? data.train : data.heldout;
     for (const PredictionWindow& w : usable_windows(episodes[i])) part.push_back(w);
@@ -104,13 +109,15 @@ LearningRound ModelLearner::learn(const std::vector<Episode>& all) {
 }
 
 void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
-  const std::uint64_t seed = derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::identification);
+  const std::uint64_t seed =
+      derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::identification);
   IdentifyRun from_the_last;
   from_the_last.start_z = z_;
-  const Identification found =
-      identify(data.train, map_, initial_.ground, weights_, settings_.identify, seed, from_the_last);
+  const Identification found = identify(data.train, map_, initial_.ground, weights_,
+                                        settings_.identify, seed, from_the_last);
   const double before = round.heldout_before.analytical;
-  const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters), initial_.ground, weights_);
+  const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters),
+                                   initial_.ground, weights_);
   round.identification_used = after < before;
   if (!round.identification_used) return;
   z_ = found.z;
@@ -118,21 +125,24 @@ void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
   trust_ = {};
 }
 
-void ModelLearner::train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round) {
+void ModelLearner::train_network(const std::vector<Episode>& episodes, const Data& data,
+                                 LearningRound& round) {
   host::AugmentedModel m = current();
   const TransitionSet set = transitions(episodes, m.analytical);
   if (set.size() < static_cast<std::size_t>(settings_.residual.batch)) return;
-  const std::uint64_t seed = derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::residual);
+  const std::uint64_t seed =
+      derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::residual);
   const ResidualTraining trained =
       train_residual(set, weights_, settings_.residual, seed, residual_ ? &*residual_ : nullptr);
   round.residual_one_step = trained.heldout_loss;
   round.residual_one_step_without = trained.heldout_loss_without;
-  // Better over one step is not enough: the planner rolls the model out, and an error that feeds itself shows only
-  // there.
-  const double in_use = n_step_loss(data.heldout, m.analytical, m.ground, weights_, m.residual ? &*m.residual : nullptr);
-  const double fresh = trained.network
-                           ? n_step_loss(data.heldout, m.analytical, m.ground, weights_, &*trained.network)
-                           : std::numeric_limits<double>::infinity();
+  // Better over one step is not enough: the planner rolls the model out, and an error that feeds
+  // itself shows only there.
+  const double in_use = n_step_loss(data.heldout, m.analytical, m.ground, weights_,
+                                    m.residual ? &*m.residual : nullptr);
+  const double fresh = trained.network ? n_step_loss(data.heldout, m.analytical, m.ground, weights_,
+                                                     &*trained.network)
+                                       : std::numeric_limits<double>::infinity();
   if (fresh < kClearlyBetter * in_use) {
     residual_ = trained.network;
     trust_ = {};
@@ -156,7 +166,8 @@ TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
     std::map<int, const wire::Observation*> at;
     for (const wire::Observation& o : episode.ticks) at[o.trial_tick] = &o;
     if (at.empty()) continue;
-    for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first; t += settings_.transition_stride_ticks) {
+    for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first;
+         t += settings_.transition_stride_ticks) {
       model::Input u = model::Input::Zero();
       bool whole = at.count(t + kTicksPerStep) > 0;
       for (int k = 0; k < kTicksPerStep && whole; ++k) {
@@ -165,8 +176,8 @@ TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
       }
       if (!whole || tilt_of(at[t]->x) > settings_.tilt_limit_rad) continue;
       model::State next;
-      model::analytical_step(analytical, initial_.ground, at[t]->x.data(), u.data(), kStep_s, initial_.substeps,
-                             next.data(), scratch);
+      model::analytical_step(analytical, initial_.ground, at[t]->x.data(), u.data(), kStep_s,
+                             initial_.substeps, next.data(), scratch);
       set.add(episode.trial, host::residual_features(at[t]->x, u),
               host::residual_target(at[t]->x, next, at[t + kTicksPerStep]->x));
     }
@@ -188,7 +199,8 @@ void ModelLearner::save(const std::filesystem::path& path) const {
 void ModelLearner::load(const std::filesystem::path& path) {
   BinaryReader in = load_framed(path, kMagic, kVersion);
   if (in.read<std::uint32_t>() != static_cast<std::uint32_t>(map_.size())) {
-    throw std::runtime_error(path.string() + ": holds another set of model parameters; delete it and learn again");
+    throw std::runtime_error(path.string() +
+                             ": holds another set of model parameters; delete it and learn again");
   }
   get_all(in, z_);
   in.get(sigma_);

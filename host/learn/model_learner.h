@@ -1,10 +1,14 @@
-// One learner for the whole augmented model: identification, residual network and noise amplitude, with held-out
-// episodes deciding whether what was learned is used. Held out are the newest: they show the motion as it is run now.
-// The session calls learn() every ten trials, judge_residual() after every trial, and stores its state.
+// One learner for the whole augmented model: identification, residual network and noise amplitude,
+// with held-out episodes deciding whether what was learned is used. Held out are the newest: they
+// show the motion as it is run now.
+// The session calls learn() every ten trials, judge_residual() after every trial, and stores its
+// state.
 //
-// Noise amplitude (the paper fixes only its ends): sigma = 0.1 + 0.6 E / (E + E1), E the N-step loss of the model in
-// use on held-out episodes, E1 = 1. A falling loss lowers sigma, from 0.7 for a useless model to 0.1 for a perfect one;
-// at a loss of 1, below which no run fell in a feasibility study, it is half-way. Before the first learning it is 0.7.
+// Noise amplitude (the paper fixes only its ends): sigma = 0.1 + 0.6 E / (E + E1), E the N-step
+// loss of the model in use on held-out episodes, E1 = 1. A falling loss lowers sigma, from 0.7 for
+// a useless model to 0.1 for a perfect one;
+// at a loss of 1, below which no run fell in a feasibility study, it is half-way. Before the first
+// learning it is 0.7.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +29,8 @@ struct ModelLearningSettings {
   bool use_residual = true;         // false: ablation "without residual"
   int window_stride_ticks = 6;      // identification: one window every 60 ms
   int transition_stride_ticks = 2;  // residual network: one transition every 20 ms
-  int newest_episodes = 20;     // learn from so many of the newest episodes: older ones were run with other policies
+  // learn from so many of the newest episodes: older ones were run with other policies
+  int newest_episodes = 20;
   double tilt_limit_rad = kUprightTilt_rad;
 
   ModelLearningSettings() {
@@ -46,7 +51,8 @@ struct LearningRound {
   int episodes = 0;
   ModelLosses heldout_before, heldout_after;  // on the held-out episodes
   bool identification_used = false;
-  bool residual_kept = false;  // a network passed the held-out episodes; the trials that follow decide on its share
+  // a network passed the held-out episodes; the trials that follow decide on its share
+  bool residual_kept = false;
   double residual_one_step = 0, residual_one_step_without = 0;  // held-out one-step losses in W_x
 };
 
@@ -55,18 +61,20 @@ class ModelLearner {
   ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
                const ModelLearningSettings& settings, std::uint64_t seed);
 
-  /// The model to plan with now: the residual network with its trusted share, or without when that is zero.
+  /// The model to plan with now: the residual network with its trusted share, or without when that
+  /// is zero.
   host::AugmentedModel current() const;
   double sigma() const { return sigma_; }
   int rounds() const { return rounds_; }
   ModelLosses losses(const std::vector<PredictionWindow>& windows) const;
   ModelLosses losses(const Episode& episode) const { return losses(usable_windows(episode)); }
 
-  /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is learned, nothing
-  /// changes.
+  /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is
+  /// learned, nothing changes.
   LearningRound learn(const std::vector<Episode>& episodes);
 
-  /// Judges the residual network on a trial run since its training. True when current() has changed by that.
+  /// Judges the residual network on a trial run since its training. True when current() has changed
+  /// by that.
   bool judge_residual(const Episode& episode);
   /// Changes after every trial: stored by the session, not with the model.
   const ResidualTrust& residual_trust() const { return trust_; }
@@ -87,7 +95,8 @@ class ModelLearner {
   Data split(const std::vector<Episode>& episodes) const;
   void identify_parameters(const Data& data, LearningRound& round);
   void train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round);
-  TransitionSet transitions(const std::vector<Episode>& episodes, const model::StepModel& analytical) const;
+  TransitionSet transitions(const std::vector<Episode>& episodes,
+                            const model::StepModel& analytical) const;
 
   host::AugmentedModel initial_;
   model::Tangent weights_;

@@ -1,4 +1,5 @@
-// Runs independent pieces of work on several threads; which thread does which piece never shows in the result.
+// Runs independent pieces of work on several threads; which thread does which piece never shows in
+// the result.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +11,8 @@
 
 namespace sanso::learn {
 
-/// Calls work(i) for i in [0, count), each once. The first exception is rethrown when all threads have ended.
+/// Calls work(i) for i in [0, count), each once. The first exception is rethrown when all threads
+/// have ended.
 template <class Work>
 void parallel_for(std::size_t count, int threads, const Work& work) {
   const auto workers = std::min<std::size_t>(count, static_cast<std::size_t>(std::max(1, threads)));

@@ -8,7 +8,8 @@ namespace sanso::learn {
 namespace {
 
 constexpr int kJointTypes = model::kNumJoints / 2;
-constexpr const char* kJointType[kJointTypes] = {"hip_yaw", "hip_roll", "hip_pitch", "knee", "ank_pitch", "ank_roll"};
+constexpr const char* kJointType[kJointTypes] = {"hip_yaw", "hip_roll",  "hip_pitch",
+                                                 "knee",    "ank_pitch", "ank_roll"};
 
 // Hands out the entries of z in the order of the names.
 class Reader {
@@ -33,9 +34,9 @@ ParameterMap::ParameterMap(const model::ModelParameters& initial, const Paramete
     : initial_(initial), prior_(prior) {
   names_.emplace_back("stiffness");
   for (const char* type : kJointType) names_.push_back(std::string("stiffness:") + type);
-  for (const char* name :
-       {"damping", "armature", "coulomb", "torso:mass", "torso:d1", "torso:d2", "torso:d3", "torso:s12", "torso:s23",
-        "torso:s13", "torso:com_x", "torso:com_y", "torso:com_z", "leg:mass", "ground:friction"}) {
+  for (const char* name : {"damping", "armature", "coulomb", "torso:mass", "torso:d1", "torso:d2",
+                           "torso:d3", "torso:s12", "torso:s23", "torso:s13", "torso:com_x",
+                           "torso:com_y", "torso:com_z", "leg:mass", "ground:friction"}) {
     names_.emplace_back(name);
   }
 }
@@ -46,7 +47,8 @@ model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const 
   const double stiffness = read.factor(prior_.log_stiffness);
   double by_type[kJointTypes];
   for (double& factor : by_type) factor = stiffness * read.factor(prior_.log_stiffness_joint);
-  const double damping = read.factor(prior_.log_damping), armature = read.factor(prior_.log_armature);
+  const double damping = read.factor(prior_.log_damping),
+               armature = read.factor(prior_.log_armature);
   const double coulomb = read.next(prior_.coulomb_Nm);
   for (int j = 0; j < model::kNumJoints; ++j) {
     model::ServoParameters& servo = theta.servo[j];

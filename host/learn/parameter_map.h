@@ -1,5 +1,6 @@
-// Which parameters of the analytical model identification may change, as one standardised vector z around the initial
-// model: z = 0 is the initial model, one unit of z is one prior deviation of that parameter.
+// Which parameters of the analytical model identification may change, as one standardised vector z
+// around the initial model: z = 0 is the initial model, one unit of z is one prior deviation of
+// that parameter.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +11,9 @@
 
 namespace sanso::learn {
 
-/// Prior deviations: how far the CAD and data-sheet figures may be off. From the randomisation ranges published for the
-/// servo (stiffness -30..+20 %, damping 0.8..1.2 N m s/rad) and the robot's unmodelled mass (0 to 0.4 kg on the torso).
+/// Prior deviations: how far the CAD and data-sheet figures may be off. From the randomisation
+/// ranges published for the servo (stiffness -30..+20 %, damping 0.8..1.2 N m s/rad) and the
+/// robot's unmodelled mass (0 to 0.4 kg on the torso).
 struct ParameterPrior {
   double log_stiffness = 0.25;        // common factor of all servos
   double log_stiffness_joint = 0.05;  // on top, one a joint type, left and right alike

@@ -32,17 +32,21 @@ void set_lane(InputLanes& lanes, int lane, const model::Input& u) {
 // Calls see(lane, step, predicted state) for the windows first .. first + lanes - 1, lanes <= 8.
 template <class See>
 void predict_group(const PredictionWindow* first, int lanes, const model::StepModel& step_model,
-                   const model::Ground& ground, const host::ResidualNetwork* residual, const See& see) {
+                   const model::Ground& ground, const host::ResidualNetwork* residual,
+                   const See& see) {
   StateLanes x, next;
   InputLanes u;
-  for (int lane = 0; lane < kLanes; ++lane) set_lane(x, lane, first[std::min(lane, lanes - 1)].x[0]);
+  for (int lane = 0; lane < kLanes; ++lane)
+    set_lane(x, lane, first[std::min(lane, lanes - 1)].x[0]);
   for (int k = 0; k < kPredictionSteps; ++k) {
-    for (int lane = 0; lane < kLanes; ++lane) set_lane(u, lane, first[std::min(lane, lanes - 1)].u[k]);
+    for (int lane = 0; lane < kLanes; ++lane)
+      set_lane(u, lane, first[std::min(lane, lanes - 1)].u[k]);
     model::step_batch(step_model, ground, &x, &u, {kStep_s, 1, false}, &next, nullptr, 1);
     for (int lane = 0; lane < lanes; ++lane) {
       model::State predicted = state_in_lane(next, lane);
       if (residual != nullptr) {
-        predicted = model::plus(predicted, host::residual_tangent(*residual, state_in_lane(x, lane), first[lane].u[k]));
+        predicted = model::plus(
+            predicted, host::residual_tangent(*residual, state_in_lane(x, lane), first[lane].u[k]));
         set_lane(next, lane, predicted);
       }
       see(lane, k, predicted);
@@ -82,16 +86,19 @@ double tilt_of(const model::State& x) {
   return std::acos(std::clamp(math::rotation_matrix(model::base_quat(x))(2, 2), -1.0, 1.0));
 }
 
-std::vector<PredictionWindow> upright_windows_of(const Episode& episode, double tilt_limit_rad, int stride_ticks) {
+std::vector<PredictionWindow> upright_windows_of(const Episode& episode, double tilt_limit_rad,
+                                                 int stride_ticks) {
   std::vector<PredictionWindow> windows = windows_of(episode, stride_ticks);
   std::erase_if(windows, [tilt_limit_rad](const PredictionWindow& w) {
-    return std::any_of(std::begin(w.x), std::end(w.x),
-                       [tilt_limit_rad](const model::State& x) { return tilt_of(x) > tilt_limit_rad; });
+    return std::any_of(std::begin(w.x), std::end(w.x), [tilt_limit_rad](const model::State& x) {
+      return tilt_of(x) > tilt_limit_rad;
+    });
   });
   return windows;
 }
 
-std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows, std::size_t count) {
+std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows,
+                                      std::size_t count) {
   if (windows.size() <= count) return windows;
   std::vector<PredictionWindow> kept;
   for (std::size_t i = 0; i < count; ++i) kept.push_back(windows[i * windows.size() / count]);
@@ -99,22 +106,26 @@ std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windo
 }
 
 double n_step_loss(const std::vector<PredictionWindow>& windows, const model::StepModel& step_model,
-                   const model::Ground& ground, const model::Tangent& weights, const host::ResidualNetwork* residual) {
+                   const model::Ground& ground, const model::Tangent& weights,
+                   const host::ResidualNetwork* residual) {
   if (windows.empty()) return 0.0;
   double sum = 0.0;
   for (std::size_t first = 0; first < windows.size(); first += kLanes) {
     const int lanes = static_cast<int>(std::min<std::size_t>(kLanes, windows.size() - first));
-    predict_group(&windows[first], lanes, step_model, ground, residual, [&](int lane, int k, const model::State& x) {
-      const model::Tangent e = model::minus(windows[first + static_cast<std::size_t>(lane)].x[k + 1], x);
-      sum += e.dot(weights.cwiseProduct(e));
-    });
+    predict_group(&windows[first], lanes, step_model, ground, residual,
+                  [&](int lane, int k, const model::State& x) {
+                    const model::Tangent e =
+                        model::minus(windows[first + static_cast<std::size_t>(lane)].x[k + 1], x);
+                    sum += e.dot(weights.cwiseProduct(e));
+                  });
   }
   const double loss = sum / static_cast<double>(windows.size() * kPredictionSteps);
   return std::isfinite(loss) ? loss : std::numeric_limits<double>::infinity();
 }
 
-std::vector<model::State> predicted(const PredictionWindow& window, const model::StepModel& step_model,
-                                    const model::Ground& ground, const host::ResidualNetwork* residual) {
+std::vector<model::State> predicted(const PredictionWindow& window,
+                                    const model::StepModel& step_model, const model::Ground& ground,
+                                    const host::ResidualNetwork* residual) {
   std::vector<model::State> states{window.x[0]};
   predict_group(&window, 1, step_model, ground, residual,
                 [&](int, int, const model::State& x) { states.push_back(x); });

@@ -9,7 +9,9 @@ namespace sanso::learn {
 namespace {
 
 Nanoseconds steady_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 std::string minutes_seconds(double seconds) {
@@ -20,7 +22,11 @@ std::string minutes_seconds(double seconds) {
 }  // namespace
 
 Progress::Progress(std::FILE* out, std::string label, int total, int done_before)
-    : out_(out), label_(std::move(label)), total_(total), done_before_(done_before), begin_(steady_now()),
+    : out_(out),
+      label_(std::move(label)),
+      total_(total),
+      done_before_(done_before),
+      begin_(steady_now()),
       terminal_(::isatty(::fileno(out)) != 0) {}
 
 Progress::~Progress() {
@@ -33,8 +39,9 @@ void Progress::update(int done, const std::string& note) {
   const std::string left = here > 0 ? minutes_seconds(elapsed / here * (total_ - done)) : "-:--";
   constexpr int kWidth = 24;
   const int filled = total_ > 0 ? kWidth * done / total_ : kWidth;
-  const std::string line = fmt::format("{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
-                                       std::string(kWidth - filled, '.'), done, total_, left, note);
+  const std::string line =
+      fmt::format("{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
+                  std::string(kWidth - filled, '.'), done, total_, left, note);
   if (terminal_) {
     fmt::print(out_, "\r\033[K{}", line);
     line_open_ = true;

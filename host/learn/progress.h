@@ -1,4 +1,5 @@
-// A progress bar with the time that is left, on one line of a terminal; plain lines when the output is not a terminal.
+// A progress bar with the time that is left, on one line of a terminal; plain lines when the output
+// is not a terminal.
 #pragma once
 
 #include <cstdio>
@@ -10,7 +11,8 @@ namespace sanso::learn {
 
 class Progress {
  public:
-  /// `done_before`: steps that an earlier run finished; they do not count for the estimate of the remaining time.
+  /// `done_before`: steps that an earlier run finished; they do not count for the estimate of the
+  /// remaining time.
   Progress(std::FILE* out, std::string label, int total, int done_before = 0);
   ~Progress();
   Progress(const Progress&) = delete;

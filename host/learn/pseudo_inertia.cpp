@@ -34,14 +34,15 @@ Mat4 pseudo_inertia(const model::BodyInertia& body) {
   return J;
 }
 
-// U upper triangular with J = U U': the lower Cholesky factor of J turned by 180 degrees, turned back.
+// U upper triangular with J = U U': the lower Cholesky factor of J turned by 180 degrees, turned
+// back.
 Mat4 upper_factor(const Mat4& J) {
   const Eigen::LLT<Mat4> factor(J.reverse().eval());
   if (factor.info() != Eigen::Success) {
-    throw std::invalid_argument(
-        fmt::format("body of mass {} kg: pseudo-inertia is not positive definite (its inertia breaks the "
-                    "triangle inequality, or its mass is not positive)",
-                    J(3, 3)));
+    throw std::invalid_argument(fmt::format(
+        "body of mass {} kg: pseudo-inertia is not positive definite (its inertia breaks the "
+        "triangle inequality, or its mass is not positive)",
+        J(3, 3)));
   }
   const Mat4 lower = factor.matrixL();
   return lower.reverse();
@@ -53,14 +54,16 @@ LogCholesky log_cholesky_of(const model::BodyInertia& body) {
   const Mat4 U = upper_factor(pseudo_inertia(body));
   const double scale = U(3, 3);  // e^alpha
   LogCholesky p;
-  p << std::log(scale), std::log(U(0, 0) / scale), std::log(U(1, 1) / scale), std::log(U(2, 2) / scale),
-      U(0, 1) / scale, U(1, 2) / scale, U(0, 2) / scale, U(0, 3) / scale, U(1, 3) / scale, U(2, 3) / scale;
+  p << std::log(scale), std::log(U(0, 0) / scale), std::log(U(1, 1) / scale),
+      std::log(U(2, 2) / scale), U(0, 1) / scale, U(1, 2) / scale, U(0, 2) / scale, U(0, 3) / scale,
+      U(1, 3) / scale, U(2, 3) / scale;
   return p;
 }
 
 model::BodyInertia body_of(const LogCholesky& p) {
   Mat4 U;
-  U << std::exp(p[1]), p[4], p[6], p[7], 0, std::exp(p[2]), p[5], p[8], 0, 0, std::exp(p[3]), p[9], 0, 0, 0, 1;
+  U << std::exp(p[1]), p[4], p[6], p[7], 0, std::exp(p[2]), p[5], p[8], 0, 0, std::exp(p[3]), p[9],
+      0, 0, 0, 1;
   const Mat4 J = std::exp(2 * p[0]) * U * U.transpose();
   const double mass = J(3, 3);
   const Vec3 com = J.topRightCorner<3, 1>() / mass;

@@ -16,14 +16,16 @@ using host::kHidden;
 using host::ResidualNetwork;
 using model::kNdx;
 
-constexpr float kAdamBeta1 = 0.9F, kAdamBeta2 = 0.999F, kAdamEpsilon = 1e-8F;  // Kingma and Ba 2015, algorithm 1
-// Below this spread an output is constant in the data: dividing by it would amplify noise without bound.
+// Kingma and Ba 2015, algorithm 1
+constexpr float kAdamBeta1 = 0.9F, kAdamBeta2 = 0.999F, kAdamEpsilon = 1e-8F;
+// Below this spread an output is constant in the data: dividing by it would amplify noise without
+// bound.
 constexpr float kSmallestOutputDeviation = 1e-6F;
 
-// The least spread a feature is taken to have, about ten times what the sensors resolve. A joint that hardly moved
-// while the data were recorded, or the vertical part of gravity near upright, would otherwise become the most sensitive
-// input of all, and a roll-out that leaves the data by a hair would blow up (seen: a walk's first hip-yaw motion, 70
-// deviations out).
+// The least spread a feature is taken to have, about ten times what the sensors resolve. A joint
+// that hardly moved while the data were recorded, or the vertical part of gravity near upright,
+// would otherwise become the most sensitive input of all, and a roll-out that leaves the data by a
+// hair would blow up (seen: a walk's first hip-yaw motion, 70 deviations out).
 host::Features smallest_feature_deviations() {
   host::Features d;
   d[0] = 0.005;                         // base height, m
@@ -61,7 +63,8 @@ struct Block {
   std::size_t size;
   bool decays;  // L2 acts on weights, not on biases
   std::vector<float> gradient, m, v;
-  Block(float* data, std::size_t n, bool l2) : value(data), size(n), decays(l2), gradient(n), m(n), v(n) {}
+  Block(float* data, std::size_t n, bool l2)
+      : value(data), size(n), decays(l2), gradient(n), m(n), v(n) {}
 };
 
 class Trainer {
@@ -75,8 +78,8 @@ class Trainer {
                                               Block(n.b3.data(), n.b3.size(), false)} {}
 
   /// Squared error of the rows, mean over rows and outputs; keeps what backward() needs.
-  double forward(const Standardised& data, const std::vector<std::uint32_t>& rows, std::size_t first,
-                 std::size_t count) {
+  double forward(const Standardised& data, const std::vector<std::uint32_t>& rows,
+                 std::size_t first, std::size_t count) {
     resize(count);
     for (std::size_t r = 0; r < count; ++r) {
       const std::size_t row = rows[first + r];
@@ -95,7 +98,8 @@ class Trainer {
     return sum / static_cast<double>(count * kNdx);
   }
 
-  /// Error of the last forward() in the units of the targets: mean over rows of sum_i weight_i error_i^2.
+  /// Error of the last forward() in the units of the targets: mean over rows of sum_i weight_i
+  /// error_i^2.
   double weighted_error(const model::Tangent& weights) const {
     const model::Tangent w = weights.cwiseProduct(net_.output_scale.cast<double>().cwiseAbs2());
     double sum = 0;
@@ -124,10 +128,12 @@ class Trainer {
 
   void adam_step() {
     ++step_;
-    const auto rate = static_cast<float>(settings_.learning_rate * std::sqrt(1 - std::pow(kAdamBeta2, step_)) /
-                                         (1 - std::pow(kAdamBeta1, step_)));
+    const auto rate =
+        static_cast<float>(settings_.learning_rate * std::sqrt(1 - std::pow(kAdamBeta2, step_)) /
+                           (1 - std::pow(kAdamBeta1, step_)));
     for (Block& b : blocks_) {
-      const auto decay = b.decays ? static_cast<float>(2 * settings_.l2) / static_cast<float>(kNdx) : 0.0F;
+      const auto decay =
+          b.decays ? static_cast<float>(2 * settings_.l2) / static_cast<float>(kNdx) : 0.0F;
       for (std::size_t i = 0; i < b.size; ++i) {
         const float g = b.gradient[i] + decay * b.value[i];
         b.m[i] = kAdamBeta1 * b.m[i] + (1 - kAdamBeta1) * g;
@@ -145,8 +151,8 @@ class Trainer {
     error_.resize(count * kNdx);
     for (auto* buffer : {&a1_, &h1_, &a2_, &h2_, &d1_, &d2_}) buffer->resize(count * kHidden);
   }
-  static void layer(int n, int in, int out, const std::vector<float>& x, const float* W, const float* b,
-                    std::vector<float>& a, std::vector<float>* h) {
+  static void layer(int n, int in, int out, const std::vector<float>& x, const float* W,
+                    const float* b, std::vector<float>& a, std::vector<float>* h) {
     multiply_nt(n, out, in, x.data(), W, a.data());
     for (std::size_t r = 0; r < static_cast<std::size_t>(n); ++r) {
       for (std::size_t j = 0; j < static_cast<std::size_t>(out); ++j) {
@@ -156,7 +162,8 @@ class Trainer {
       }
     }
   }
-  static void column_sums(const std::vector<float>& rows, std::size_t columns, std::vector<float>& sums) {
+  static void column_sums(const std::vector<float>& rows, std::size_t columns,
+                          std::vector<float>& sums) {
     std::fill(sums.begin(), sums.end(), 0.0F);
     for (std::size_t i = 0; i < rows.size(); ++i) sums[i % columns] += rows[i];
   }
@@ -170,19 +177,21 @@ class Trainer {
 };
 
 // Mean and deviation of each column over the given rows.
-void column_statistics(const std::vector<float>& values, std::size_t columns, const std::vector<std::uint32_t>& rows,
-                       float* mean, float* deviation) {
+void column_statistics(const std::vector<float>& values, std::size_t columns,
+                       const std::vector<std::uint32_t>& rows, float* mean, float* deviation) {
   for (std::size_t c = 0; c < columns; ++c) {
     double sum = 0, squares = 0;
     for (const std::uint32_t r : rows) sum += values[r * columns + c];
     const double m = sum / static_cast<double>(rows.size());
-    for (const std::uint32_t r : rows) squares += (values[r * columns + c] - m) * (values[r * columns + c] - m);
+    for (const std::uint32_t r : rows)
+      squares += (values[r * columns + c] - m) * (values[r * columns + c] - m);
     mean[c] = static_cast<float>(m);
     deviation[c] = static_cast<float>(std::sqrt(squares / static_cast<double>(rows.size())));
   }
 }
 
-void set_standardisation(const TransitionSet& data, const std::vector<std::uint32_t>& rows, ResidualNetwork& n) {
+void set_standardisation(const TransitionSet& data, const std::vector<std::uint32_t>& rows,
+                         ResidualNetwork& n) {
   Eigen::Matrix<float, kFeatures, 1> deviation;
   column_statistics(data.features, kFeatures, rows, n.feature_mean.data(), deviation.data());
   n.feature_scale = deviation.cwiseMax(smallest_feature_deviations().cast<float>()).cwiseInverse();
@@ -203,14 +212,15 @@ Standardised standardised(const TransitionSet& data, const ResidualNetwork& n) {
   return s;
 }
 
-// Uniform weights scaled to keep the variance through a layer (Glorot and Bengio 2010); the last layer starts at zero,
-// so that an untrained network predicts the mean and nothing else.
+// Uniform weights scaled to keep the variance through a layer (Glorot and Bengio 2010); the last
+// layer starts at zero, so that an untrained network predicts the mean and nothing else.
 ResidualNetwork random_network(std::mt19937_64& rng) {
   ResidualNetwork n;
   const auto fill = [&rng](auto& W) {
     const float limit = std::sqrt(6.0F / static_cast<float>(W.rows() + W.cols()));
     for (Eigen::Index i = 0; i < W.size(); ++i) {
-      W.data()[i] = limit * (2.0F * static_cast<float>(rng() >> 40) / static_cast<float>(1 << 24) - 1.0F);
+      W.data()[i] =
+          limit * (2.0F * static_cast<float>(rng() >> 40) / static_cast<float>(1 << 24) - 1.0F);
     }
   };
   fill(n.W1);
@@ -219,24 +229,28 @@ ResidualNetwork random_network(std::mt19937_64& rng) {
 }
 
 void shuffle(std::vector<std::uint32_t>& items, std::mt19937_64& rng) {
-  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[rng() % i]);  // Fisher-Yates
+  // Fisher-Yates
+  for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[rng() % i]);
 }
 
 struct Split {
   std::vector<std::uint32_t> train, heldout;
 };
 
-// Whole trials are held out, since neighbouring transitions of one trial are nearly copies of each other; and the newest
-// ones, since trials of one policy are nearly copies too and the policy moves on.
+// Whole trials are held out, since neighbouring transitions of one trial are nearly copies of each
+// other; and the newest ones, since trials of one policy are nearly copies too and the policy moves
+// on.
 Split split_by_trial(const TransitionSet& data, double heldout_fraction) {
   std::vector<std::uint32_t> trials(data.trial);
   std::sort(trials.begin(), trials.end());
   trials.erase(std::unique(trials.begin(), trials.end()), trials.end());
   if (trials.size() < 2) {
     throw std::invalid_argument(
-        fmt::format("residual network: {} trial(s) given, at least 2 are needed (one is held out)", trials.size()));
+        fmt::format("residual network: {} trial(s) given, at least 2 are needed (one is held out)",
+                    trials.size()));
   }
-  const std::uint32_t first_heldout = trials[trials.size() - newest_heldout(trials.size(), heldout_fraction)];
+  const std::uint32_t first_heldout =
+      trials[trials.size() - newest_heldout(trials.size(), heldout_fraction)];
   Split split;
   for (std::uint32_t row = 0; row < data.size(); ++row) {
     (data.trial[row] >= first_heldout ? split.heldout : split.train).push_back(row);
@@ -251,19 +265,21 @@ std::size_t newest_heldout(std::size_t trials, double fraction) {
   return std::clamp<std::size_t>(wanted, 1, trials - 1);
 }
 
-void TransitionSet::add(std::uint32_t trial_number, const host::Features& f, const model::Tangent& target) {
+void TransitionSet::add(std::uint32_t trial_number, const host::Features& f,
+                        const model::Tangent& target) {
   for (int i = 0; i < kFeatures; ++i) features.push_back(static_cast<float>(f[i]));
   for (int i = 0; i < kNdx; ++i) targets.push_back(static_cast<float>(target[i]));
   trial.push_back(trial_number);
 }
 
-double one_step_loss(const TransitionSet& data, const std::vector<std::uint32_t>& rows, const model::Tangent& weights,
-                     const host::ResidualNetwork* network) {
+double one_step_loss(const TransitionSet& data, const std::vector<std::uint32_t>& rows,
+                     const model::Tangent& weights, const host::ResidualNetwork* network) {
   double sum = 0;
   for (const std::uint32_t row : rows) {
     const Eigen::Map<const Eigen::Matrix<float, kFeatures, 1>> f(
         &data.features[static_cast<std::size_t>(row) * kFeatures]);
-    const Eigen::Map<const Eigen::Matrix<float, kNdx, 1>> target(&data.targets[static_cast<std::size_t>(row) * kNdx]);
+    const Eigen::Map<const Eigen::Matrix<float, kNdx, 1>> target(
+        &data.targets[static_cast<std::size_t>(row) * kNdx]);
     model::Tangent e = target.cast<double>();
     if (network != nullptr) e -= host::residual_output(*network, f.cast<double>());
     sum += e.dot(weights.cwiseProduct(e));
@@ -277,9 +293,11 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   const auto batch = static_cast<std::size_t>(settings.batch);
   if (data.size() < batch) {
     throw std::invalid_argument(
-        fmt::format("residual network: {} transitions given, at least one batch of {} is needed", data.size(), batch));
+        fmt::format("residual network: {} transitions given, at least one batch of {} is needed",
+                    data.size(), batch));
   }
-  openblas_set_num_threads(1);  // batches are small, and one thread gives the same bits on every machine size
+  // batches are small, and one thread gives the same bits on every machine size
+  openblas_set_num_threads(1);
   std::mt19937_64 rng(seed);
   Split split = split_by_trial(data, settings.heldout_fraction);
   ResidualNetwork network = start != nullptr ? *start : random_network(rng);
@@ -289,8 +307,9 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   Trainer trainer(network, settings);
   ResidualTraining result;
   ResidualNetwork best = network;
-  // The stop looks at what the gate looks at: in standardised units, coordinates that hold nothing but noise would
-  // count as much as the rest and stop the training as soon as they are over-fitted.
+  // The stop looks at what the gate looks at: in standardised units, coordinates that hold nothing
+  // but noise would count as much as the rest and stop the training as soon as they are
+  // over-fitted.
   const auto heldout_loss = [&] {
     trainer.forward(s, split.heldout, 0, split.heldout.size());
     return trainer.weighted_error(weights);
@@ -301,7 +320,8 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
     shuffle(split.train, rng);
     double sum = 0;
     std::size_t batches = 0;
-    for (std::size_t first = 0; first + batch <= split.train.size() || first == 0; first += batch, ++batches) {
+    for (std::size_t first = 0; first + batch <= split.train.size() || first == 0;
+         first += batch, ++batches) {
       sum += trainer.forward(s, split.train, first, std::min(batch, split.train.size() - first));
       trainer.backward();
       trainer.adam_step();

@@ -1,6 +1,8 @@
 // Trains the residual network f_NN on what the analytical model missed in recorded transitions.
-// One-step loss on the tangent, standardised inputs and outputs, Adam, L2, early stop on the newest trials, which are
-// held out, and a gate: a network that does not beat "no network" there is not returned.   (paper, eq. 8 and "Learning details")
+// One-step loss on the tangent, standardised inputs and outputs, Adam, L2, early stop on the newest
+// trials, which are
+// held out, and a gate: a network that does not beat "no network" there is not returned.   (paper,
+// eq. 8 and "Learning details")
 #pragma once
 
 #include <cstdint>
@@ -13,9 +15,10 @@ namespace sanso::learn {
 
 /// One-step transitions in the coordinates of the network. Row-major, one row a transition.
 struct TransitionSet {
-  std::vector<float> features;       // (n x 46)  host::residual_features
-  std::vector<float> targets;        // (n x 36)  host::residual_target
-  std::vector<std::uint32_t> trial;  // (n)     trial the transition was recorded in: held-out data are whole trials
+  std::vector<float> features;  // (n x 46)  host::residual_features
+  std::vector<float> targets;   // (n x 36)  host::residual_target
+  // (n)     trial the transition was recorded in: held-out data are whole trials
+  std::vector<std::uint32_t> trial;
 
   std::size_t size() const { return trial.size(); }
   void add(std::uint32_t trial_number, const host::Features& f, const model::Tangent& target);
@@ -24,9 +27,10 @@ struct TransitionSet {
 struct ResidualSettings {
   double learning_rate = 1e-4;  // paper
   int batch = 128;              // paper
-  double l2 = 1e-4;             // weight of the squared weights in the standardised loss; chosen, see docs/settings.md
-  int max_epochs = 60;          // passes over the training data
-  int patience = 8;             // epochs without a better held-out loss before it stops
+  // weight of the squared weights in the standardised loss; chosen, see docs/settings.md
+  double l2 = 1e-4;
+  int max_epochs = 60;            // passes over the training data
+  int patience = 8;               // epochs without a better held-out loss before it stops
   double heldout_fraction = 0.2;  // of the trials, the newest; at least one
 
   constexpr void visit(auto&& field) {
@@ -42,8 +46,9 @@ struct ResidualSettings {
 struct ResidualTraining {
   std::optional<host::ResidualNetwork> network;  // empty when the gate refused it
   int epochs = 0;
-  double train_loss = 0;            // mean squared standardised error, without the L2 term
-  double heldout_loss = 0;          // sum over the tangent of weight * error^2, mean over held-out transitions
+  double train_loss = 0;  // mean squared standardised error, without the L2 term
+  // sum over the tangent of weight * error^2, mean over held-out transitions
+  double heldout_loss = 0;
   double heldout_loss_without = 0;  // the same without a network
 };
 
@@ -52,13 +57,14 @@ std::size_t newest_heldout(std::size_t trials, double fraction);
 
 /// Trains from `start` (its weights; the standardisation is computed anew) or from random weights.
 /// weights: (36) of the tangent, for the gate. Same data, settings and seed give the same bits.
-/// Throws std::invalid_argument when fewer than two trials or fewer than one batch of transitions are given.
+/// Throws std::invalid_argument when fewer than two trials or fewer than one batch of transitions
+/// are given.
 ResidualTraining train_residual(const TransitionSet& data, const model::Tangent& weights,
                                 const ResidualSettings& settings, std::uint64_t seed,
                                 const host::ResidualNetwork* start = nullptr);
 
 /// Mean over the rows of sum_i weight_i (target_i - prediction_i)^2; `network` null predicts zero.
-double one_step_loss(const TransitionSet& data, const std::vector<std::uint32_t>& rows, const model::Tangent& weights,
-                     const host::ResidualNetwork* network);
+double one_step_loss(const TransitionSet& data, const std::vector<std::uint32_t>& rows,
+                     const model::Tangent& weights, const host::ResidualNetwork* network);
 
 }  // namespace sanso::learn

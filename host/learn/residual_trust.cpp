@@ -11,8 +11,8 @@ host::ResidualNetwork with_share(host::ResidualNetwork network, double share) {
 }
 
 double best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
-                  const model::Ground& ground, const model::Tangent& weights, const host::ResidualNetwork& network,
-                  double highest) {
+                  const model::Ground& ground, const model::Tangent& weights,
+                  const host::ResidualNetwork& network, double highest) {
   double lowest = kClearlyBetter * n_step_loss(windows, analytical, ground, weights);
   double best = 0.0;
   for (double share = kShareStep; share <= highest; share += kShareStep) {  // quarters: exact
@@ -26,8 +26,8 @@ double best_share(const std::vector<PredictionWindow>& windows, const model::Ste
 }
 
 ResidualTrust judged(const ResidualTrust& before, const std::vector<PredictionWindow>& windows,
-                     const model::StepModel& analytical, const model::Ground& ground, const model::Tangent& weights,
-                     const host::ResidualNetwork& network) {
+                     const model::StepModel& analytical, const model::Ground& ground,
+                     const model::Tangent& weights, const host::ResidualNetwork& network) {
   if (windows.size() < kFewestJudgedWindows) return before;
   const double highest = std::min(before.ceiling, before.share + kShareStep);
   const double share = best_share(windows, analytical, ground, weights, network, highest);

@@ -1,4 +1,5 @@
-// How a session gets a robot that stands ready for a trial: built anew in process, put up by the emulator, or by a person.
+// How a session gets a robot that stands ready for a trial: built anew in process, put up by the
+// emulator, or by a person.
 #pragma once
 
 #include <string>
@@ -11,10 +12,12 @@ namespace sanso::learn {
 class RobotAccess {
  public:
   virtual ~RobotAccess() = default;
-  /// A robot on its feet in pose `x`, its controller in idle. `seed` drives whatever is random in an emulated robot.
+  /// A robot on its feet in pose `x`, its controller in idle. `seed` drives whatever is random in
+  /// an emulated robot.
   /// Throws std::runtime_error when there is no such robot.
   virtual link::RobotLink& place(const model::State& x, std::uint64_t seed) = 0;
-  /// Adds to an episode what only the world knows (foot forces); nothing on a robot that does not measure them.
+  /// Adds to an episode what only the world knows (foot forces); nothing on a robot that does not
+  /// measure them.
   virtual void add_measurements(Episode& episode) = 0;
   /// For reports: "in-process, world lab".
   virtual std::string description() const = 0;

@@ -1,5 +1,5 @@
-// Every random stream of a session comes from one seed, the trial's number and the stream's name, never from what ran
-// before: so that a resumed session continues with the same numbers.
+// Every random stream of a session comes from one seed, the trial's number and the stream's name,
+// never from what ran before: so that a resumed session continues with the same numbers.
 #pragma once
 
 #include <cstdint>

@@ -16,22 +16,27 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 fs::path state_file(const fs::path& out) { return out / "state.bin"; }
 /// One file a round: a kill between model and state leaves the state's own model untouched.
-fs::path model_file(const fs::path& out, std::uint32_t round) { return out / fmt::format("model_{:03d}.bin", round); }
+fs::path model_file(const fs::path& out, std::uint32_t round) {
+  return out / fmt::format("model_{:03d}.bin", round);
+}
 fs::path episode_file(const fs::path& out, std::uint32_t trial) {
   return out / fmt::format("trial_{:04d}.episode", trial);
 }
 
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
-  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {}", task.name, s.seed,
-                     s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
-                     s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate, s.middle.gain_rate_factor,
-                     s.middle.forgetting_rate, s.middle.max_gain_norm, s.middle.start_at_reference,
-                     s.learn_model_every);
+  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {}",
+                     task.name, s.seed, s.world, s.layers.mask(),
+                     s.layers.residual ? "" : " no-residual",
+                     s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
+                     s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
+                     s.middle.start_at_reference, s.learn_model_every);
 }
 
 ModelLearningSettings model_settings_of(const SessionSettings& settings) {
@@ -44,8 +49,9 @@ void check_table_fits(const Task& task) {
   const int knots = task.primitives.duration_ticks() / kTicksPerMiddle + 1;
   if (knots > static_cast<int>(policy::kMaxMiddleKnots))
     throw std::runtime_error(fmt::format(
-        "motion {}: lasts {:.1f} s, the middle layer's table holds {:.1f} s; shorten the motion", task.name,
-        task.primitives.duration_s, to_seconds(kMiddlePeriod) * static_cast<double>(policy::kMaxMiddleKnots)));
+        "motion {}: lasts {:.1f} s, the middle layer's table holds {:.1f} s; shorten the motion",
+        task.name, task.primitives.duration_s,
+        to_seconds(kMiddlePeriod) * static_cast<double>(policy::kMaxMiddleKnots)));
 }
 
 std::vector<model::State> at_middle_knots(const std::vector<model::State>& reference) {
@@ -54,18 +60,20 @@ std::vector<model::State> at_middle_knots(const std::vector<model::State>& refer
   return out;
 }
 
-/// The first plan is still under way while the first knots pass, but in the hold before a trial the robot stands by
-/// these knots alone. They take over the first plan's first knot, as a policy is held beyond its ends; otherwise they
-/// never learn.
+/// The first plan is still under way while the first knots pass, but in the hold before a trial the
+/// robot stands by these knots alone. They take over the first plan's first knot, as a policy is
+/// held beyond its ends; otherwise they never learn.
 void continue_into_hold(std::vector<UpperSample>& samples) {
-  const auto first = std::find_if(samples.begin(), samples.end(), [](const UpperSample& s) { return s.weight > 0.0; });
+  const auto first = std::find_if(samples.begin(), samples.end(),
+                                  [](const UpperSample& s) { return s.weight > 0.0; });
   if (first != samples.end()) std::fill(samples.begin(), first, *first);
 }
 
 }  // namespace
 
 policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives) {
-  for (std::size_t axis : {std::size_t{0}, std::size_t{1}}) {  // base x, y: the equations only know differences
+  for (std::size_t axis :
+       {std::size_t{0}, std::size_t{1}}) {  // base x, y: the equations only know differences
     policy::ScalarPrimitive& p = primitives.scalar[axis];
     p.goal -= p.start;
     p.start = 0.0;
@@ -89,7 +97,8 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
   for (const wire::Observation& o : episode.ticks) {
     if (o.trial_tick % kTicksPerMiddle != 0) continue;
     const auto knot = static_cast<std::size_t>(o.trial_tick / kTicksPerMiddle);
-    if (knot >= out.size()) out.resize(knot + 1);  // a lost observation leaves weight 0: nothing is learned there
+    // a lost observation leaves weight 0: nothing is learned there
+    if (knot >= out.size()) out.resize(knot + 1);
     const policy::UpperPolicy* executed = executed_policy(episode, o);
     if (!executed) continue;
     out[knot].weight = o.upper_weight;
@@ -99,8 +108,8 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
   return out;
 }
 
-Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper,
-                 const host::AugmentedModel& model)
+Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot,
+                 mpc::UpperLayer& upper, const host::AugmentedModel& model)
     : task_(task),
       settings_(settings),
       robot_(robot),
@@ -117,8 +126,9 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
   const std::string identity = identity_of(task_, settings_);
   if (fs::exists(state_file(settings_.out))) {
     if (!settings_.resume)
-      throw std::runtime_error(settings_.out.string() +
-                               ": holds a session already; continue it with --resume or name another folder");
+      throw std::runtime_error(
+          settings_.out.string() +
+          ": holds a session already; continue it with --resume or name another folder");
     load_state(state_file(settings_.out), *state_);
     if (state_->identity != identity)
       throw std::runtime_error(fmt::format("{}: cannot resume: it holds \"{}\", asked for \"{}\"",
@@ -139,8 +149,10 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
 
 Session::~Session() = default;
 
-void Session::run(const std::function<void(const TrialSummary&)>& after_trial, const std::function<bool()>& stop) {
-  while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop()) after_trial(run_one());
+void Session::run(const std::function<void(const TrialSummary&)>& after_trial,
+                  const std::function<bool()>& stop) {
+  while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop())
+    after_trial(run_one());
 }
 
 TrialSummary Session::run_one() {
@@ -148,7 +160,8 @@ TrialSummary Session::run_one() {
   const std::uint32_t trial = state_->next_trial;
   const std::vector<model::State> reference = reference_of(state_->primitives);
   const auto rounded_middle = std::make_unique<policy::MiddleTable>(state_->middle);
-  rounded_middle->trial_id = trial + 1;  // the controller refuses a table that belongs to another trial
+  // the controller refuses a table that belongs to another trial
+  rounded_middle->trial_id = trial + 1;
   policy::round_to_wire(*rounded_middle);
 
   TrialSetup setup;
@@ -161,7 +174,8 @@ TrialSummary Session::run_one() {
   setup.sigma = state_->sigma;
   setup.duration_ticks = state_->primitives.duration_ticks();
 
-  link::RobotLink& link = robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
+  link::RobotLink& link =
+      robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
   prepare_trial(link, setup, settings_.trial);
   Episode episode = run_trial(link, upper_, setup, settings_.trial);
   episode.trial = trial;
@@ -170,7 +184,8 @@ TrialSummary Session::run_one() {
 
   TrialSummary summary = summarize(episode, *rounded_middle);
   summary.sigma = setup.sigma;
-  if (task_.broken_clauses && !episode.failed()) summary.broken_clauses = task_.broken_clauses(episode);
+  if (task_.broken_clauses && !episode.failed())
+    summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
   const ModelLosses losses = learner_.losses(episode);
   summary.model_loss = losses.augmented;
@@ -192,20 +207,24 @@ TrialSummary Session::run_one() {
 
 void Session::learn_from(const Episode& episode, const std::vector<model::State>& reference) {
   if (settings_.layers.middle)
-    update_middle_layer(upper_samples(episode), x_init_, episode.failed(), settings_.middle, state_->middle);
+    update_middle_layer(upper_samples(episode), x_init_, episode.failed(), settings_.middle,
+                        state_->middle);
   if (episode.failed() && settings_.layers.lower)
     adapt_goals(episode, reference, task_.primitives, settings_.goals, state_->primitives);
 }
 
-/// Identification, residual network, noise amplitude, from the stored episodes; the next trial plans with the result.
+/// Identification, residual network, noise amplitude, from the stored episodes; the next trial
+/// plans with the result.
 void Session::learn_model() {
   std::vector<Episode> episodes;
   const auto newest = static_cast<std::uint32_t>(settings_.model.newest_episodes);
-  for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0; t < state_->next_trial; ++t) {
+  for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0;
+       t < state_->next_trial; ++t) {
     episodes.push_back(load_episode(episode_file(settings_.out, t)));
   }
   learner_.learn(episodes);
-  if (learner_.rounds() == static_cast<int>(state_->model_rounds)) return;  // not enough data: nothing was learned
+  // not enough data: nothing was learned
+  if (learner_.rounds() == static_cast<int>(state_->model_rounds)) return;
   state_->model_rounds = static_cast<std::uint32_t>(learner_.rounds());
   if (settings_.layers.stochastic) state_->sigma = learner_.sigma();
   state_->residual = learner_.residual_trust();
@@ -213,10 +232,12 @@ void Session::learn_model() {
   upper_.set_model(learner_.current());
 }
 
-/// Called when episode and model are stored: the state that counts the trial as done. A kill before repeats the trial.
+/// Called when episode and model are stored: the state that counts the trial as done. A kill before
+/// repeats the trial.
 void Session::store() {
   save_state(state_file(settings_.out), *state_);
-  write_summary(settings_.out / "summary.json", task_.name, settings_, *state_, robot_.description());
+  write_summary(settings_.out / "summary.json", task_.name, settings_, *state_,
+                robot_.description());
 }
 
 }  // namespace sanso::learn

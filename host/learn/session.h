@@ -1,5 +1,6 @@
-// A session: N trials of one motion, each run, stored and learned from. A session that was killed continues at the
-// trial after the last finished one and ends with the same bits as one that was not.
+// A session: N trials of one motion, each run, stored and learned from. A session that was killed
+// continues at the trial after the last finished one and ends with the same bits as one that was
+// not.
 #pragma once
 
 #include <functional>
@@ -20,18 +21,20 @@ struct Task {
   std::string name;
   policy::PrimitiveSet primitives;
   mpc::CostWeights weights;
-  /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold. May be absent.
+  /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold.
+  /// May be absent.
   std::function<std::vector<std::string>(const Episode&)> broken_clauses;
 };
 
 struct SessionSettings {
   int iterations = 10;
   std::uint64_t seed = 1;
-  std::filesystem::path out;       // folder of the session; created
-  bool resume = false;             // continue what is in `out`; without it `out` must hold no session
+  std::filesystem::path out;  // folder of the session; created
+  // continue what is in `out`; without it `out` must hold no session
+  bool resume = false;
   Layers layers;
-  std::string world;               // for the summary
-  int learn_model_every = 10;      // trials (paper); 0 = the model stays as it is
+  std::string world;           // for the summary
+  int learn_model_every = 10;  // trials (paper); 0 = the model stays as it is
   ModelLearningSettings model;
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
@@ -42,13 +45,16 @@ class Session {
  public:
   /// Throws std::runtime_error when `out` cannot be used or, resuming, belongs to another session.
   /// `model` is what `upper` plans with at the beginning; learned models replace it there.
-  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot, mpc::UpperLayer& upper,
-          const host::AugmentedModel& model = {});
+  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot,
+          mpc::UpperLayer& upper, const host::AugmentedModel& model = {});
   ~Session();
 
-  /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error when a trial cannot be run.
+  /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error
+  /// when a trial cannot be run.
   /// Ends earlier when `stop` says so between two trials.
-  void run(const std::function<void(const TrialSummary&)>& after_trial, const std::function<bool()>& stop = [] { return false; });
+  void run(
+      const std::function<void(const TrialSummary&)>& after_trial,
+      const std::function<bool()>& stop = [] { return false; });
 
   const SessionState& state() const { return *state_; }
   /// Trials that an earlier run of this session finished.
@@ -70,10 +76,12 @@ class Session {
   int finished_before_ = 0;
 };
 
-/// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first plan see its first knot.
+/// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first
+/// plan see its first knot.
 std::vector<UpperSample> upper_samples(const Episode& episode);
 
-/// The same motion beginning at the origin of the trial, which the controller puts under the robot when the trial starts.
+/// The same motion beginning at the origin of the trial, which the controller puts under the robot
+/// when the trial starts.
 policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives);
 
 /// x_DMP at every tick of the motion, first and last included.

@@ -13,9 +13,11 @@ constexpr char kMagic[] = "SANSOSES";
 constexpr std::uint32_t kVersion = 3;
 
 void visit_summary(auto& s, auto&& io) {
-  io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss), io(s.model_loss_analytical);
+  io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss),
+      io(s.model_loss_analytical);
   io(s.model_loss_initial), io(s.residual_share), io(s.u_upper_rms);
-  io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost), io(s.bus_corrupt);
+  io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost),
+      io(s.bus_corrupt);
   io(s.digest), io(s.wall_s);
 }
 
@@ -32,7 +34,8 @@ void put_learned(BinaryWriter& out, const SessionState& state) {
   out.put(static_cast<std::uint32_t>(primitives.size()));
   for (std::uint8_t byte : primitives) out.put(byte);
   out.put(static_cast<std::uint32_t>(state.middle.knots.size()));
-  for (const policy::Knot& knot : state.middle.knots) visit_knot(knot, [&](const auto& v) { out.put(v); });
+  for (const policy::Knot& knot : state.middle.knots)
+    visit_knot(knot, [&](const auto& v) { out.put(v); });
 }
 
 void get_learned(BinaryReader& in, SessionState& state) {
@@ -57,7 +60,8 @@ TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle
     upper += o.u_upper.squaredNorm();
     middle_u += o.u_middle.squaredNorm();
   }
-  const double n = model::kNumJoints * static_cast<double>(std::max<std::size_t>(episode.ticks.size(), 1));
+  const double n =
+      model::kNumJoints * static_cast<double>(std::max<std::size_t>(episode.ticks.size(), 1));
   s.u_upper_rms = std::sqrt(upper / n);
   s.u_middle_rms = std::sqrt(middle_u / n);
   for (const PlanRecord& plan : episode.plans) {
@@ -65,7 +69,8 @@ TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle
     s.late_updates += plan.late;
     s.update_ms.push_back(static_cast<float>(plan.update_ms));
   }
-  for (const policy::Knot& knot : middle.knots) s.gain_middle += knot.K.norm() / static_cast<double>(middle.knots.size());
+  for (const policy::Knot& knot : middle.knots)
+    s.gain_middle += knot.K.norm() / static_cast<double>(middle.knots.size());
   if (!episode.ticks.empty()) {
     s.duration_s = to_seconds(kTickPeriod) * episode.ticks.back().trial_tick;
     s.bus_lost = episode.ticks.back().bus_lost - episode.ticks.front().bus_lost;

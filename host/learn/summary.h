@@ -1,4 +1,5 @@
-// summary.json of a session: the stable record that scripts read (docs/howto/learn.md lists the fields).
+// summary.json of a session: the stable record that scripts read (docs/howto/learn.md lists the
+// fields).
 #pragma once
 
 #include <filesystem>
@@ -13,7 +14,8 @@ struct SessionState;
 /// The value below which the fraction `p` of `values` lies (nearest rank); 0 for none.
 double percentile(std::vector<float> values, double p);
 
-void write_summary(const std::filesystem::path& path, const std::string& motion, const SessionSettings& settings,
-                   const SessionState& state, const std::string& robot);
+void write_summary(const std::filesystem::path& path, const std::string& motion,
+                   const SessionSettings& settings, const SessionState& state,
+                   const std::string& robot);
 
 }  // namespace sanso::learn

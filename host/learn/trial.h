@@ -1,4 +1,5 @@
-// One trial, from a robot in hold to the episode: start, plan every 60 ms, judge, stop. The same code on every robot;
+// One trial, from a robot in hold to the episode: start, plan every 60 ms, judge, stop. The same
+// code on every robot;
 // what differs is the channel and the clock under the link.
 #pragma once
 
@@ -21,22 +22,27 @@ struct Layers {
 };
 
 struct TrialSettings {
-  double settle_s = 1.5;               // standing in the first pose before the trial, lower and middle layer on
-  double cost_limit = 350.0;           // J_th (paper)
-  double tilt_limit_rad = 0.698;       // 40 deg between the base's and the reference's vertical
-  double drop_limit_m = 0.09;          // base below the reference
-  int upper_period_ticks = kTicksPerUpper;  // a plan from every so many observations; it holds from the next multiple on
-  double modelled_planning_s = 0.030;  // virtual clocks only: when a plan leaves the host, after its observation
-  double planning_budget_s = 0.0;      // real clocks: the planner returns its best after this; 0 = no budget
-  double silence_limit_s = 0.5;        // no observation for so long: link lost
+  // standing in the first pose before the trial, lower and middle layer on
+  double settle_s = 1.5;
+  double cost_limit = 350.0;      // J_th (paper)
+  double tilt_limit_rad = 0.698;  // 40 deg between the base's and the reference's vertical
+  double drop_limit_m = 0.09;     // base below the reference
+  // a plan from every so many observations; it holds from the next multiple on
+  int upper_period_ticks = kTicksPerUpper;
+  // virtual clocks only: when a plan leaves the host, after its observation
+  double modelled_planning_s = 0.030;
+  // real clocks: the planner returns its best after this; 0 = no budget
+  double planning_budget_s = 0.0;
+  double silence_limit_s = 0.5;  // no observation for so long: link lost
 };
 
 /// What one trial is made of. Everything must outlive run_trial().
 struct TrialSetup {
-  std::uint32_t trial_id = 1;                       // new for every trial of a controller's life, never 0
+  // new for every trial of a controller's life, never 0
+  std::uint32_t trial_id = 1;
   const policy::PrimitiveSet* primitives = nullptr;
-  std::span<const model::State> reference;          // x_DMP at every tick of the trial
-  const policy::MiddleTable* middle = nullptr;      // values rounded to the wire
+  std::span<const model::State> reference;      // x_DMP at every tick of the trial
+  const policy::MiddleTable* middle = nullptr;  // values rounded to the wire
   mpc::CostWeights weights;
   Layers layers;
   double sigma = 0.1;
@@ -48,10 +54,13 @@ struct TrialError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Brings the controller from idle to hold in the first pose: uploads, arm, settle. Throws TrialError.
+/// Brings the controller from idle to hold in the first pose: uploads, arm, settle. Throws
+/// TrialError.
 void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings);
 
-/// Runs the trial on a controller in hold. Returns when the controller is out of `run`. `stop`, when not null, ends the trial early.
-Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup, const TrialSettings& settings);
+/// Runs the trial on a controller in hold. Returns when the controller is out of `run`. `stop`,
+/// when not null, ends the trial early.
+Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup,
+                  const TrialSettings& settings);
 
 }  // namespace sanso::learn

@@ -1,5 +1,6 @@
-// The two seams through which the host meets a robot: a path for datagrams and a clock. Over UDP both are the operating
-// system's; in process both are simulated, and waiting is what makes the robot live.
+// The two seams through which the host meets a robot: a path for datagrams and a clock. Over UDP
+// both are the operating system's; in process both are simulated, and waiting is what makes the
+// robot live.
 #pragma once
 
 #include <cstddef>
@@ -26,8 +27,9 @@ class HostClock {
   virtual Nanoseconds now() = 0;
   /// Returns at `time`, or earlier when a datagram may have arrived.
   virtual void wait_until(Nanoseconds time) = 0;
-  /// Ends a computation that began at `begin`. In process, computing takes no virtual time by itself: the clock moves to
-  /// `begin + modelled`, so that results do not depend on the machine. A real clock has moved by itself.
+  /// Ends a computation that began at `begin`. In process, computing takes no virtual time by
+  /// itself: the clock moves to `begin + modelled`, so that results do not depend on the machine. A
+  /// real clock has moved by itself.
   virtual void finish_computation(Nanoseconds begin, Nanoseconds modelled) = 0;
 };
 

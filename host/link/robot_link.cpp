@@ -12,14 +12,16 @@ namespace sanso::link {
 
 using Datagram = std::array<std::uint8_t, wire::kMaxDatagram>;
 
-RobotLink::RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared, const LinkSettings& settings)
+RobotLink::RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared,
+                     const LinkSettings& settings)
     : channel_(channel), clock_(clock), settings_(settings), secure_(wire::Role::host, preshared) {}
 
-// --- waiting and receiving --------------------------------------------------------------------------------------------
+// --- waiting and receiving -----------------------------------------------------------------------
 
 void RobotLink::poll() {
   Datagram buffer;
-  for (std::size_t n = channel_.receive(buffer.data(), buffer.size()); n > 0; n = channel_.receive(buffer.data(), buffer.size()))
+  for (std::size_t n = channel_.receive(buffer.data(), buffer.size()); n > 0;
+       n = channel_.receive(buffer.data(), buffer.size()))
     take_datagram(std::span(buffer).first(n));
 }
 
@@ -39,15 +41,21 @@ void RobotLink::take_message(std::span<const std::uint8_t> message) {
       if (wire::decode(message, o) == Status::ok) take_observation(o);
       break;
     }
-    case wire::MessageType::command_ack: (void)wire::decode(message, command_ack_); break;
-    case wire::MessageType::upload_ack: (void)wire::decode(message, upload_ack_); break;
-    default: break;  // nothing else is for the host
+    case wire::MessageType::command_ack:
+      (void)wire::decode(message, command_ack_);
+      break;
+    case wire::MessageType::upload_ack:
+      (void)wire::decode(message, upload_ack_);
+      break;
+    default:
+      break;  // nothing else is for the host
   }
 }
 
 void RobotLink::take_observation(const wire::Observation& observation) {
   unread_.push_back(observation);
-  if (observation.tick > latest_.tick || latest_.tick == 0) latest_ = observation;  // datagrams may overtake one another
+  // datagrams may overtake one another
+  if (observation.tick > latest_.tick || latest_.tick == 0) latest_ = observation;
 }
 
 std::vector<wire::Observation> RobotLink::take_observations() {
@@ -71,7 +79,7 @@ void RobotLink::wait_observation(Nanoseconds time) {
   (void)wait_for([&] { return latest_.tick != before; }, time);
 }
 
-// --- sending ----------------------------------------------------------------------------------------------------------
+// --- sending -------------------------------------------------------------------------------------
 
 template <class Message>
 void RobotLink::send(const Message& message) {
@@ -93,8 +101,10 @@ Status RobotLink::open() {
     if (!n.ok()) return n.status();
     fresh = false;
     channel_.send(hello.data(), *n);
-    if (wait_for([&] { return secure_.sessions() != before; }, clock_.now() + settings_.retry_period)) {
-      // The controller counts the session as open with the first message in it: a command that asks for nothing.
+    if (wait_for([&] { return secure_.sessions() != before; },
+                 clock_.now() + settings_.retry_period)) {
+      // The controller counts the session as open with the first message in it: a command that asks
+      // for nothing.
       const Status first = command({});
       if (first == Status::timeout) return first;
       return wait_for([&] { return latest_.tick != seen; }, give_up) ? Status::ok : Status::timeout;
@@ -108,7 +118,8 @@ Status RobotLink::command(wire::Command command) {
   const Nanoseconds give_up = clock_.now() + settings_.patience;
   while (clock_.now() < give_up) {
     send(command);
-    if (wait_for([&] { return command_ack_.sequence == command.sequence; }, clock_.now() + settings_.retry_period)) {
+    if (wait_for([&] { return command_ack_.sequence == command.sequence; },
+                 clock_.now() + settings_.retry_period)) {
       refusal_ = command_ack_.reason;
       return command_ack_.accepted ? Status::ok : Status::rejected;
     }
@@ -116,8 +127,9 @@ Status RobotLink::command(wire::Command command) {
   return Status::timeout;
 }
 
-void RobotLink::send_chunks(wire::UploadKind kind, std::uint32_t id, std::span<const std::uint8_t> blob,
-                            std::uint32_t checksum, std::size_t begin, std::size_t end) {
+void RobotLink::send_chunks(wire::UploadKind kind, std::uint32_t id,
+                            std::span<const std::uint8_t> blob, std::uint32_t checksum,
+                            std::size_t begin, std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) send(wire::make_chunk(kind, id, blob, checksum, i));
 }
 
@@ -161,7 +173,8 @@ void RobotLink::send_policy(const policy::UpperPolicy& policy) {
   const Result<std::size_t> n = policy::to_bytes(policy, bytes);
   if (!n.ok()) return;
   const std::span<const std::uint8_t> blob = std::span(bytes).first(*n);
-  send_chunks(wire::UploadKind::upper_policy, next_upload_++, blob, crc32(blob), 0, wire::chunk_count(blob.size()));
+  send_chunks(wire::UploadKind::upper_policy, next_upload_++, blob, crc32(blob), 0,
+              wire::chunk_count(blob.size()));
 }
 
 }  // namespace sanso::link

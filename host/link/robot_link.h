@@ -1,5 +1,6 @@
-// The host's end of the wire: handshake, uploads and commands that are repeated until acknowledged, policies that are
-// sent once, observations as they come. One implementation for the robot, the emulator and the in-process robot.
+// The host's end of the wire: handshake, uploads and commands that are repeated until acknowledged,
+// policies that are sent once, observations as they come. One implementation for the robot, the
+// emulator and the in-process robot.
 #pragma once
 
 #include <cstdint>
@@ -16,34 +17,40 @@
 namespace sanso::link {
 
 struct LinkSettings {
-  Nanoseconds retry_period = 40 * kMillisecond;   // hello, command or chunks are sent again after this silence
-  Nanoseconds patience = 3 * kSecond;             // then the call gives up with Status::timeout
-  std::size_t chunks_in_flight = 16;              // of an upload; bounds what the controller has to buffer in one tick
+  // hello, command or chunks are sent again after this silence
+  Nanoseconds retry_period = 40 * kMillisecond;
+  Nanoseconds patience = 3 * kSecond;  // then the call gives up with Status::timeout
+  // of an upload; bounds what the controller has to buffer in one tick
+  std::size_t chunks_in_flight = 16;
 };
 
 class RobotLink {
  public:
   /// `channel` and `clock` must outlive the link.
-  RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared, const LinkSettings& settings = {});
+  RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared,
+            const LinkSettings& settings = {});
 
   /// Opens a session. ok, or timeout when no controller with this key answers.
   Status open();
 
-  /// Brings a blob to the controller. ok when the controller holds it whole and found its contents valid; rejected when
-  /// it refused them (refusal() has the number); timeout.
+  /// Brings a blob to the controller. ok when the controller holds it whole and found its contents
+  /// valid; rejected when it refused them (refusal() has the number); timeout.
   Status upload(wire::UploadKind kind, std::span<const std::uint8_t> blob);
   Status upload(const policy::MiddleTable& table);
 
   /// Carries out `command` (its sequence number is set here) exactly once. ok, rejected or timeout.
   Status command(wire::Command command);
 
-  /// Sends a policy, without waiting: the next one is worth more than a repetition. Call with rounded numbers.
+  /// Sends a policy, without waiting: the next one is worth more than a repetition. Call with
+  /// rounded numbers.
   void send_policy(const policy::UpperPolicy& policy);
 
-  /// Tells the controller that the host is there: it ends a trial when it hears nothing (docs/wire.md).
+  /// Tells the controller that the host is there: it ends a trial when it hears nothing
+  /// (docs/wire.md).
   void send_sign_of_life();
 
-  /// Reads what has arrived. Called by everything that waits; call it before looking at observations.
+  /// Reads what has arrived. Called by everything that waits; call it before looking at
+  /// observations.
   void poll();
   /// Returns when `time` is reached or an observation newer than the last seen has arrived.
   void wait_observation(Nanoseconds time);
@@ -54,7 +61,8 @@ class RobotLink {
   std::vector<wire::Observation> take_observations();
 
   HostClock& clock() { return clock_; }
-  std::uint16_t refusal() const { return refusal_; }  // fault or refusal number of the last rejection, docs/faults.md
+  // fault or refusal number of the last rejection, docs/faults.md
+  std::uint16_t refusal() const { return refusal_; }
   std::uint32_t dropped() const { return secure_.dropped(); }
 
  private:
@@ -66,8 +74,8 @@ class RobotLink {
   /// Polls until `done` or `deadline`; true when done.
   template <class Condition>
   bool wait_for(Condition done, Nanoseconds deadline);
-  void send_chunks(wire::UploadKind kind, std::uint32_t id, std::span<const std::uint8_t> blob, std::uint32_t checksum,
-                   std::size_t begin, std::size_t end);
+  void send_chunks(wire::UploadKind kind, std::uint32_t id, std::span<const std::uint8_t> blob,
+                   std::uint32_t checksum, std::size_t begin, std::size_t end);
 
   DatagramChannel& channel_;
   HostClock& clock_;

@@ -21,9 +21,11 @@ struct HostPort {
 HostPort split_address(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size())
-    throw std::runtime_error("robot address \"" + address + "\": expected HOST:PORT, for example 192.168.1.7:7000");
+    throw std::runtime_error("robot address \"" + address +
+                             "\": expected HOST:PORT, for example 192.168.1.7:7000");
   std::string host = address.substr(0, colon);
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
   return {host, address.substr(colon + 1)};
 }
 
@@ -35,7 +37,8 @@ UdpChannel::UdpChannel(const std::string& address) {
   hints.ai_socktype = SOCK_DGRAM;
   addrinfo* found = nullptr;
   const int error = getaddrinfo(target.host.c_str(), target.port.c_str(), &hints, &found);
-  if (error != 0) throw std::runtime_error("robot address \"" + address + "\": " + gai_strerror(error));
+  if (error != 0)
+    throw std::runtime_error("robot address \"" + address + "\": " + gai_strerror(error));
   for (const addrinfo* a = found; a && socket_ < 0; a = a->ai_next) {
     socket_ = ::socket(a->ai_family, a->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, a->ai_protocol);
     if (socket_ >= 0 && ::connect(socket_, a->ai_addr, a->ai_addrlen) != 0) {
@@ -44,7 +47,8 @@ UdpChannel::UdpChannel(const std::string& address) {
     }
   }
   freeaddrinfo(found);
-  if (socket_ < 0) throw std::runtime_error("robot address \"" + address + "\": " + std::strerror(errno));
+  if (socket_ < 0)
+    throw std::runtime_error("robot address \"" + address + "\": " + std::strerror(errno));
 }
 
 UdpChannel::~UdpChannel() { ::close(socket_); }
@@ -54,7 +58,8 @@ bool UdpChannel::send(const std::uint8_t* data, std::size_t size) {
 }
 
 std::size_t UdpChannel::receive(std::uint8_t* buffer, std::size_t capacity) {
-  // A refused connection (the controller is not up yet) is reported here once per send: the same as "nothing arrived".
+  // A refused connection (the controller is not up yet) is reported here once per send: the same as
+  // "nothing arrived".
   const ssize_t n = ::recv(socket_, buffer, capacity, 0);
   return n > 0 ? static_cast<std::size_t>(n) : 0;
 }

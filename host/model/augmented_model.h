@@ -1,4 +1,5 @@
-// The model the upper layer plans with: x' = f_A(x, u, theta) ⊕ f_NN(x, u), and sigma F(x, u) w on top (host/mpc).
+// The model the upper layer plans with: x' = f_A(x, u, theta) ⊕ f_NN(x, u), and sigma F(x, u) w on
+// top (host/mpc).
 #pragma once
 
 #include <optional>
@@ -12,9 +13,12 @@ namespace sanso::host {
 struct AugmentedModel {
   model::StepModel analytical = model::make_step_model(model::nominal_parameters());
   model::Ground ground = model::make_plane();
-  int substeps = 1;                         // implicit steps within one model step; chosen in docs/results
-  double residual_dt_s = 0.06;              // step length the residual was trained on; shorter steps take their share
-  std::optional<ResidualNetwork> residual;  // empty until the first learning of the model, or switched off
+  // implicit steps within one model step; chosen in docs/results
+  int substeps = 1;
+  // step length the residual was trained on; shorter steps take their share
+  double residual_dt_s = 0.06;
+  // empty until the first learning of the model, or switched off
+  std::optional<ResidualNetwork> residual;
 };
 
 }  // namespace sanso::host

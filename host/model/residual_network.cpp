@@ -10,7 +10,8 @@ using model::kNumJoints;
 double softplus(double a) { return a > 0 ? a + std::log1p(std::exp(-a)) : std::log1p(std::exp(a)); }
 double softplus_slope(double a) { return 1.0 / (1.0 + std::exp(-a)); }
 
-// Turns the linear blocks of a tangent with R; the other blocks are already in body or joint coordinates.
+// Turns the linear blocks of a tangent with R; the other blocks are already in body or joint
+// coordinates.
 model::Tangent with_linear_blocks_turned(const math::Mat3& R, model::Tangent d) {
   d.segment<3>(model::kDPos) = (R * d.segment<3>(model::kDPos)).eval();
   d.segment<3>(model::kDVel) = (R * d.segment<3>(model::kDVel)).eval();
@@ -23,7 +24,8 @@ struct Activations {
 
 Activations activations(const ResidualNetwork& n, const Features& features) {
   Activations s;
-  const Features z = (features - n.feature_mean.cast<double>()).cwiseProduct(n.feature_scale.cast<double>());
+  const Features z =
+      (features - n.feature_mean.cast<double>()).cwiseProduct(n.feature_scale.cast<double>());
   s.a1 = n.W1.cast<double>() * z + n.b1.cast<double>();
   s.h1 = s.a1.unaryExpr(&softplus);
   s.a2 = n.W2.cast<double>() * s.h1 + n.b2.cast<double>();
@@ -37,7 +39,8 @@ Features residual_features(const model::State& x, const model::Input& u) {
   const math::Mat3 R_world_base = math::rotation_matrix(model::base_quat(x));
   Features f;
   f[0] = x[model::kXPos + 2];
-  f.segment<3>(1) = -R_world_base.row(2).transpose();  // unit vector of gravity, world (0, 0, -1), in base axes
+  // unit vector of gravity, world (0, 0, -1), in base axes
+  f.segment<3>(1) = -R_world_base.row(2).transpose();
   f.segment<kNumJoints>(4) = model::joints(x);
   f.segment<3>(16) = R_world_base.transpose() * x.segment<3>(model::kXVel);
   f.segment<3>(19) = x.segment<3>(model::kXOmega);
@@ -52,16 +55,19 @@ model::Tangent residual_output(const ResidualNetwork& n, const Features& feature
   return n.output_mean.cast<double>() + y.cwiseProduct(n.output_scale.cast<double>());
 }
 
-Eigen::Matrix<double, model::kNdx, kFeatures> residual_jacobian(const ResidualNetwork& n, const Features& features) {
+Eigen::Matrix<double, model::kNdx, kFeatures> residual_jacobian(const ResidualNetwork& n,
+                                                                const Features& features) {
   const Activations s = activations(n, features);
-  const Eigen::Matrix<double, kHidden, 1> d1 = s.a1.unaryExpr(&softplus_slope), d2 = s.a2.unaryExpr(&softplus_slope);
+  const Eigen::Matrix<double, kHidden, 1> d1 = s.a1.unaryExpr(&softplus_slope),
+                                          d2 = s.a2.unaryExpr(&softplus_slope);
   const Eigen::Matrix<double, kHidden, kFeatures> J1 =
       d1.asDiagonal() * n.W1.cast<double>() * n.feature_scale.cast<double>().asDiagonal();
   const Eigen::Matrix<double, kHidden, kFeatures> J2 = d2.asDiagonal() * (n.W2.cast<double>() * J1);
   return n.output_scale.cast<double>().asDiagonal() * (n.W3.cast<double>() * J2);
 }
 
-model::Tangent residual_tangent(const ResidualNetwork& n, const model::State& x, const model::Input& u) {
+model::Tangent residual_tangent(const ResidualNetwork& n, const model::State& x,
+                                const model::Input& u) {
   return with_linear_blocks_turned(math::rotation_matrix(model::base_quat(x)),
                                    residual_output(n, residual_features(x, u)));
 }

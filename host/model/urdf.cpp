@@ -22,13 +22,16 @@ struct Placement {
 Vec3 vector_of(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 Placement placement_of(const urdf::Pose& pose) {
   const urdf::Rotation& q = pose.rotation;
-  return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(), vector_of(pose.position)};
+  return {Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(),
+          vector_of(pose.position)};
 }
 Placement behind(const Placement& a, const Placement& b) { return {a.R * b.R, a.p + a.R * b.p}; }
 
 class TreeReader {
  public:
-  TreeReader(std::string file, Base base) : file_(std::move(file)) { robot_.tree.floating = base == Base::floating; }
+  TreeReader(std::string file, Base base) : file_(std::move(file)) {
+    robot_.tree.floating = base == Base::floating;
+  }
 
   UrdfRobot read(const urdf::ModelInterface& model) {
     add_link(*model.getRoot(), -1, {});
@@ -43,10 +46,12 @@ class TreeReader {
     throw InputError(file_, 0, where, defect, value, expected);
   }
 
-  /// Joins `link`, which stands at `at` in the frame of tree link `carrier` (-1 = base), then all behind it.
+  /// Joins `link`, which stands at `at` in the frame of tree link `carrier` (-1 = base), then all
+  /// behind it.
   void add_link(const urdf::Link& link, int carrier, const Placement& at) {
     if (link.inertial) {
-      LinkInertia& sum = carrier < 0 ? robot_.tree.base : robot_.tree.joints[static_cast<std::size_t>(carrier)].link;
+      LinkInertia& sum = carrier < 0 ? robot_.tree.base
+                                     : robot_.tree.joints[static_cast<std::size_t>(carrier)].link;
       sum = combined(sum, inertia(link, at));
     }
     for (const auto& joint : link.child_joints) {
@@ -61,7 +66,8 @@ class TreeReader {
   }
 
   int add_joint(const urdf::Joint& joint, int carrier, const Placement& at) {
-    const bool revolute = joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+    const bool revolute =
+        joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
     if (!revolute && joint.type != urdf::Joint::PRISMATIC) {
       fail(joint.name, "joint type not supported", "", "revolute, continuous, prismatic or fixed");
     }
@@ -73,7 +79,8 @@ class TreeReader {
     t.axis = vector_of(joint.axis);
     if (!(t.axis.norm() > 1e-9)) fail(joint.name, "axis of no length", "", "a unit vector");
     t.axis.normalize();
-    if (!robot_.tree.joints.try_push(t)) fail(joint.name, "too many joints", "", "at most 32 movable joints");
+    if (!robot_.tree.joints.try_push(t))
+      fail(joint.name, "too many joints", "", "at most 32 movable joints");
     robot_.joint_names.push_back(joint.name);
     return robot_.tree.num_joints() - 1;
   }
@@ -83,8 +90,10 @@ class TreeReader {
     const Placement com = behind(at, placement_of(in.origin));
     Mat3 I;
     I << in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz;
-    if (!(std::isfinite(in.mass) && in.mass >= 0.0 && I.allFinite() && I.diagonal().minCoeff() >= 0.0)) {
-      fail(link.name, "impossible inertia", std::to_string(in.mass), "finite values, mass and diagonal not negative");
+    if (!(std::isfinite(in.mass) && in.mass >= 0.0 && I.allFinite() &&
+          I.diagonal().minCoeff() >= 0.0)) {
+      fail(link.name, "impossible inertia", std::to_string(in.mass),
+           "finite values, mass and diagonal not negative");
     }
     return {in.mass, com.p, com.R * I * com.R.transpose()};
   }

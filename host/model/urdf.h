@@ -1,4 +1,5 @@
-// A robot description as people have it: URDF text to the generic tree that every algorithm of shared/model reads.
+// A robot description as people have it: URDF text to the generic tree that every algorithm of
+// shared/model reads.
 #pragma once
 
 #include <string>
@@ -11,13 +12,16 @@ namespace sanso::model {
 enum class Base { fixed, floating };
 
 struct UrdfRobot {
-  Tree tree;                             // links that hang on fixed joints are joined to the link that carries them
+  // links that hang on fixed joints are joined to the link that carries them
+  Tree tree;
   std::vector<std::string> joint_names;  // [num_joints] of tree.joints, parents first
 };
 
-/// Reads URDF (revolute, continuous, prismatic and fixed joints, up to kMaxTreeJoints movable ones). URDF knows no
-/// rotor: every armature is zero. With Base::fixed the root link carries no inertia.
-/// Errors: recording::InputError names the file, the link or joint, the value and what was expected.
+/// Reads URDF (revolute, continuous, prismatic and fixed joints, up to kMaxTreeJoints movable
+/// ones). URDF knows no rotor: every armature is zero. With Base::fixed the root link carries no
+/// inertia.
+/// Errors: recording::InputError names the file, the link or joint, the value and what was
+/// expected.
 UrdfRobot read_urdf(const std::string& path, Base base);
 
 /// The same from text; `name` stands for the file in errors.

@@ -30,7 +30,8 @@ urdf::ModelInterfaceSharedPtr parse_urdf_text(const std::string& text, const std
   const std::lock_guard lock(handler);
   MessageCatcher catcher;
   const auto refuse = [&](const std::string& found) {
-    throw InputError(file, 0, "", "not a URDF", found.substr(0, 200), "a <robot> whose links and joints form one tree");
+    throw InputError(file, 0, "", "not a URDF", found.substr(0, 200),
+                     "a <robot> whose links and joints form one tree");
   };
   urdf::ModelInterfaceSharedPtr model;
   try {
@@ -46,11 +47,13 @@ urdf::ModelInterfaceSharedPtr parse_urdf_text(const std::string& text, const std
   return model;
 }
 
-const urdf::Link& child_of(const urdf::Link& link, const urdf::Joint& joint, const std::string& file) {
+const urdf::Link& child_of(const urdf::Link& link, const urdf::Joint& joint,
+                           const std::string& file) {
   for (const auto& child : link.child_links) {
     if (child->name == joint.child_link_name) return *child;
   }
-  throw InputError(file, 0, joint.name, "joint without a child link", joint.child_link_name, "a link of that name");
+  throw InputError(file, 0, joint.name, "joint without a child link", joint.child_link_name,
+                   "a link of that name");
 }
 
 }  // namespace sanso::model

@@ -37,8 +37,9 @@ std::vector<ZmpSample> zmp_of(const Trajectory& trajectory) {
     for (int b = 0; b < model::kNumBodies; ++b) {
       const double mass = model::kOp3Bodies[b].mass;
       const math::Vec3 p = points[k].p_world_com[b];
-      const math::Vec3 acceleration =
-          (points[i + 1].p_world_com[b] - 2 * points[i].p_world_com[b] + points[i - 1].p_world_com[b]) / dt2;
+      const math::Vec3 acceleration = (points[i + 1].p_world_com[b] - 2 * points[i].p_world_com[b] +
+                                       points[i - 1].p_world_com[b]) /
+                                      dt2;
       const double vertical = mass * (acceleration.z() + kGravity);
       moment_x += vertical * p.x() - mass * acceleration.x() * p.z();
       moment_y += vertical * p.y() - mass * acceleration.y() * p.z();

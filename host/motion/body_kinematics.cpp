@@ -25,7 +25,8 @@ std::array<math::Vec3, 4> BodyPoints::sole_corners(int side) const {
   const double y[4] = {model::kSoleOuter, model::kSoleOuter, model::kSoleInner, model::kSoleInner};
   std::array<math::Vec3, 4> corners;
   for (int k = 0; k < 4; ++k) {
-    corners[k] = p_world_foot[side] + R_world_foot[side] * math::Vec3(x[k], s * y[k], model::kSoleHeight);
+    corners[k] =
+        p_world_foot[side] + R_world_foot[side] * math::Vec3(x[k], s * y[k], model::kSoleHeight);
   }
   return corners;
 }
@@ -42,7 +43,8 @@ BodyPoints body_points(const model::State& x) {
       const int j = 6 * side + k;
       const model::JointGeometry& joint = model::kOp3Joints[j];
       p += R * to_vec(joint.origin);
-      R = R * Eigen::AngleAxisd(joint.sign * x[model::kXJoint + j], math::Vec3::Unit(joint.axis)).toRotationMatrix();
+      R = R * Eigen::AngleAxisd(joint.sign * x[model::kXJoint + j], math::Vec3::Unit(joint.axis))
+                  .toRotationMatrix();
       points.p_world_com[j + 1] = p + R * to_vec(model::kOp3Bodies[j + 1].com);
       points.leg[side][k] = p;
     }

@@ -1,4 +1,5 @@
-// Where the masses and the feet of the OP3 are in a configuration: what retargeting and its checks need, no more.
+// Where the masses and the feet of the OP3 are in a configuration: what retargeting and its checks
+// need, no more.
 #pragma once
 
 #include <array>
@@ -11,9 +12,11 @@ namespace sanso::motion {
 
 struct BodyPoints {
   std::array<math::Vec3, model::kNumBodies> p_world_com;  // centre of mass of each body   m
-  std::array<math::Vec3, 2> p_world_foot;                 // origin of the ankle-roll frame, right and left   m
+  // origin of the ankle-roll frame, right and left   m
+  std::array<math::Vec3, 2> p_world_foot;
   std::array<math::Mat3, 2> R_world_foot;
-  std::array<std::array<math::Vec3, 7>, 2> leg;           // joint origins down the leg, then the foot: for figures
+  // joint origins down the leg, then the foot: for figures
+  std::array<std::array<math::Vec3, 7>, 2> leg;
 
   math::Vec3 centre_of_mass() const;
   /// Sole corners of a foot, world axes: front outer, back outer, back inner, front inner.

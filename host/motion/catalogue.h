@@ -1,4 +1,5 @@
-// The motions this project ships: which clip, which figures of the retargeting, which weights, what counts as success.
+// The motions this project ships: which clip, which figures of the retargeting, which weights, what
+// counts as success.
 #pragma once
 
 #include <string>

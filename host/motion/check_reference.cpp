@@ -1,4 +1,5 @@
-// The checks of a reference: servo speed, joint limits, reach, ZMP inside the soles, gap between the feet, clearance.
+// The checks of a reference: servo speed, joint limits, reach, ZMP inside the soles, gap between
+// the feet, clearance.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +14,9 @@
 namespace sanso::motion {
 namespace {
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 /// Convex hull, counter-clockwise (Andrew's monotone chain).
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
@@ -24,7 +27,8 @@ std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
   for (int round = 0; round < 2; ++round) {
     const std::size_t start = hull.size();
     for (const auto& p : points) {
-      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
+      while (hull.size() >= start + 2 &&
+             cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
         hull.pop_back();
       }
       hull.push_back(p);
@@ -53,7 +57,8 @@ std::vector<double> zmp_margins(const Retargeted& motion) {
 /// Sideways gap of the soles where they overlap in x.
 double feet_gap(const std::array<math::Vec3, 2>& feet) {
   constexpr double kLength = model::kSoleFront - model::kSoleBack;
-  if (std::abs(feet[kLeft].x() - feet[kRight].x()) > kLength) return std::numeric_limits<double>::infinity();
+  if (std::abs(feet[kLeft].x() - feet[kRight].x()) > kLength)
+    return std::numeric_limits<double>::infinity();
   return feet[kLeft].y() - feet[kRight].y() + 2 * model::kSoleInner;
 }
 
@@ -99,8 +104,8 @@ ReferenceCheck check_reference(const Retargeted& motion) {
         check.fastest_joint = model::kJoints[j].name;
       }
       const double q = x[model::kXJoint + j];
-      check.joint_margin_rad = std::min(
-          {check.joint_margin_rad, q - model::kJoints[j].lower_rad, model::kJoints[j].upper_rad - q});
+      check.joint_margin_rad = std::min({check.joint_margin_rad, q - model::kJoints[j].lower_rad,
+                                         model::kJoints[j].upper_rad - q});
     }
     check.feet_gap_m = std::min(check.feet_gap_m, feet_gap(motion.target.p_world_foot[k]));
   }

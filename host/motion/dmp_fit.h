@@ -1,4 +1,5 @@
-// Fits movement primitives to a trajectory: one ridge regression of the forcing term per degree of freedom.
+// Fits movement primitives to a trajectory: one ridge regression of the forcing term per degree of
+// freedom.
 #pragma once
 
 #include "host/motion/trajectory.h"
@@ -12,10 +13,12 @@ struct DiscreteFit {
 };
 
 /// Discrete set over the whole trajectory, which has to be sampled at 10 ms and should end at rest.
-/// Throws std::invalid_argument when it is not, is shorter than 0.1 s, or needs more than kMaxBasis functions.
+/// Throws std::invalid_argument when it is not, is shorter than 0.1 s, or needs more than kMaxBasis
+/// functions.
 policy::PrimitiveSet fit_discrete(const Trajectory& trajectory, const DiscreteFit& options = {});
 
-/// Rhythmic set of `num_basis` functions for one period: sample 0 and the last one are the same phase, up to a drift.
+/// Rhythmic set of `num_basis` functions for one period: sample 0 and the last one are the same
+/// phase, up to a drift.
 /// The motion lasts `duration_s`. Throws std::invalid_argument like fit_discrete.
 policy::PrimitiveSet fit_rhythmic(const Trajectory& one_period, int num_basis, double duration_s);
 

@@ -10,8 +10,10 @@
 namespace sanso::motion {
 namespace {
 
-constexpr double kTransfer_s = 0.6;     // weight shift before the first lift and after the last landing
-constexpr double kLeastSpacing_m = LegGeometry::kHipSpacing;  // ankles; the soles are then 17 mm apart
+// weight shift before the first lift and after the last landing
+constexpr double kTransfer_s = 0.6;
+// ankles; the soles are then 17 mm apart
+constexpr double kLeastSpacing_m = LegGeometry::kHipSpacing;
 
 double standing_y(int side) { return side_sign(side) * LegGeometry::kHipY; }
 
@@ -45,13 +47,16 @@ std::vector<HumanSwing> find_swings(const HumanMotion& human) {
       last = &s;
     }
   }
-  std::sort(swings.begin(), swings.end(), [](const auto& a, const auto& b) { return a.lift_s < b.lift_s; });
+  std::sort(swings.begin(), swings.end(),
+            [](const auto& a, const auto& b) { return a.lift_s < b.lift_s; });
   return swings;
 }
 
-/// The landing place ahead of the other foot in robot metres. Widths do not scale with leg length: only what differs
-/// from the human's own hip spacing does, and the feet keep the spacing of the hips.
-Eigen::Vector2d scaled_ahead(const HumanSwing& swing, const HumanMotion& human, const Recipe& recipe, double s) {
+/// The landing place ahead of the other foot in robot metres. Widths do not scale with leg length:
+/// only what differs from the human's own hip spacing does, and the feet keep the spacing of the
+/// hips.
+Eigen::Vector2d scaled_ahead(const HumanSwing& swing, const HumanMotion& human,
+                             const Recipe& recipe, double s) {
   const double side = side_sign(swing.side);
   const double kx = recipe.heading_by_body ? 0.0 : recipe.kx;  // a sidestep goes sideways only
   const double ky = recipe.heading_by_body ? recipe.kx : 1.0;
@@ -65,7 +70,8 @@ double median_duration(const std::vector<HumanSwing>& swings) {
   return percentile(durations, 0.5);
 }
 
-/// Repeats the sequence `loops` times, a median swing apart (looped clips were strung together before).
+/// Repeats the sequence `loops` times, a median swing apart (looped clips were strung together
+/// before).
 std::vector<HumanSwing> repeated(const std::vector<HumanSwing>& once, int loops) {
   const double period = once.back().land_s - once.front().lift_s + 0.3 * median_duration(once);
   std::vector<HumanSwing> all;
@@ -82,9 +88,11 @@ std::vector<HumanSwing> repeated(const std::vector<HumanSwing>& once, int loops)
 /// Swings of the mean length, one mean step apart.
 void even_out(std::vector<HumanSwing>& swings) {
   if (swings.size() < 2) return;
-  const double period = (swings.back().lift_s - swings.front().lift_s) / static_cast<double>(swings.size() - 1);
+  const double period =
+      (swings.back().lift_s - swings.front().lift_s) / static_cast<double>(swings.size() - 1);
   double length = 0.0;
-  for (const HumanSwing& s : swings) length += (s.land_s - s.lift_s) / static_cast<double>(swings.size());
+  for (const HumanSwing& s : swings)
+    length += (s.land_s - s.lift_s) / static_cast<double>(swings.size());
   for (std::size_t i = 0; i < swings.size(); ++i) {
     swings[i].lift_s = swings.front().lift_s + period * static_cast<double>(i);
     swings[i].land_s = swings[i].lift_s + length;
@@ -95,7 +103,8 @@ void even_out(std::vector<HumanSwing>& swings) {
 double smooth_step(double u) { return u * u * u * (10 - 15 * u + 6 * u * u); }
 
 Eigen::Vector2d sole_centre(int side, const Eigen::Vector2d& foot, double inside_m) {
-  return foot + Eigen::Vector2d(LegGeometry::kSoleCentreX, side_sign(side) * (LegGeometry::kSoleCentreY - inside_m));
+  return foot + Eigen::Vector2d(LegGeometry::kSoleCentreX,
+                                side_sign(side) * (LegGeometry::kSoleCentreY - inside_m));
 }
 
 }  // namespace
@@ -103,7 +112,8 @@ Eigen::Vector2d sole_centre(int side, const Eigen::Vector2d& foot, double inside
 Scale scale_for(const HumanMotion& human, const Recipe& recipe) {
   const double leg = human.leg_length();
   // 0.09 m: human ankle above the floor; the robot's is kSoleBelowAnkle
-  const double hip_height_ratio = (LegGeometry::kLength + LegGeometry::kSoleBelowAnkle) / (leg + 0.09);
+  const double hip_height_ratio =
+      (LegGeometry::kLength + LegGeometry::kSoleBelowAnkle) / (leg + 0.09);
   return {LegGeometry::kLength / leg, recipe.kt * std::sqrt(hip_height_ratio)};
 }
 
@@ -117,8 +127,8 @@ math::Vec3 StepPlan::foot_at(int side, double t) const {
       continue;
     }
     const double u = (t - swing.lift_s) / (swing.land_s - swing.lift_s);
-    // A leg that gives up its load first takes up the servos' sag, so the sole leaves the ground later than planned. A foot
-    // that is on its way forward by then stubs.
+    // A leg that gives up its load first takes up the servos' sag, so the sole leaves the ground
+    // later than planned. A foot that is on its way forward by then stubs.
     const double ahead = std::clamp((u - swing_dwell) / (1 - 2 * swing_dwell), 0.0, 1.0);
     p = swing.from + smooth_step(ahead) * (swing.to - swing.from);
     height += swing_height_m * std::pow(4 * u * (1 - u), swing_sharpness);
@@ -136,7 +146,9 @@ Eigen::Vector2d StepPlan::support_at(double t, double inside_m) const {
   const auto place = [&](int side, double at) {
     return sole_centre(side, foot_at(side, at).head<2>(), inside_m);
   };
-  const auto middle = [&](double at) { return Eigen::Vector2d(0.5 * (place(kRight, at) + place(kLeft, at))); };
+  const auto middle = [&](double at) {
+    return Eigen::Vector2d(0.5 * (place(kRight, at) + place(kLeft, at)));
+  };
   if (swings.empty()) return middle(t);
 
   // corner points of the path: middle, then each swing's support foot while it swings, then middle
@@ -146,9 +158,11 @@ Eigen::Vector2d StepPlan::support_at(double t, double inside_m) const {
   };
   std::vector<Corner> corners = {{swings.front().lift_s - kTransfer_s, middle(0.0)}};
   for (std::size_t i = 0; i < swings.size(); ++i) {
-    // where swings overlap (flight) each support foot has the time between the landing and the lifting of its own
+    // where swings overlap (flight) each support foot has the time between the landing and the
+    // lifting of its own
     const double from = i > 0 ? std::max(swings[i].lift_s, swings[i - 1].land_s) : swings[i].lift_s;
-    const double to = i + 1 < swings.size() ? std::min(swings[i].land_s, swings[i + 1].lift_s) : swings[i].land_s;
+    const double to =
+        i + 1 < swings.size() ? std::min(swings[i].land_s, swings[i + 1].lift_s) : swings[i].land_s;
     const Eigen::Vector2d p = place(1 - swings[i].side, 0.5 * (from + to));
     corners.push_back({from, p});
     corners.push_back({std::max(from, to), p});
@@ -169,7 +183,8 @@ double StepPlan::clip_time(double t) const {
   double robot = swings.front().lift_s, clip = swings.front().clip_lift_s;
   if (t <= robot) return clip;
   for (const Swing& swing : swings) {
-    for (const auto& [r, c] : {std::pair{swing.lift_s, swing.clip_lift_s}, std::pair{swing.land_s, swing.clip_land_s}}) {
+    for (const auto& [r, c] :
+         {std::pair{swing.lift_s, swing.clip_lift_s}, std::pair{swing.land_s, swing.clip_land_s}}) {
       if (r <= robot) continue;
       if (t <= r) return clip + (c - clip) * (t - robot) / (r - robot);
       robot = r;
@@ -181,14 +196,18 @@ double StepPlan::clip_time(double t) const {
 
 StepPlan plan_steps(const HumanMotion& human, const Recipe& recipe) {
   std::vector<HumanSwing> human_swings = find_swings(human);
-  if (human_swings.empty()) throw ClipError(human.source + ": no step found; expected at least one swing of a foot");
+  if (human_swings.empty())
+    throw ClipError(human.source + ": no step found; expected at least one swing of a foot");
   if (!human.loops) human_swings = repeated(human_swings, recipe.loops);
-  if (static_cast<int>(human_swings.size()) > recipe.max_steps) human_swings.resize(recipe.max_steps);
+  if (static_cast<int>(human_swings.size()) > recipe.max_steps)
+    human_swings.resize(recipe.max_steps);
   if (recipe.even_rhythm) even_out(human_swings);
   // closing step: the trailing foot comes beside the other one
   const double median_swing = median_duration(human_swings);
   const HumanSwing& last = human_swings.back();
-  human_swings.push_back({1 - last.side, last.land_s, last.land_s + median_swing,
+  human_swings.push_back({1 - last.side,
+                          last.land_s,
+                          last.land_s + median_swing,
                           {0.0, side_sign(1 - last.side) * human.hip_spacing()}});
 
   const Scale scale = scale_for(human, recipe);
@@ -200,14 +219,20 @@ StepPlan plan_steps(const HumanMotion& human, const Recipe& recipe) {
   std::array<Eigen::Vector2d, 2> at = plan.start;
   double delay = recipe.stand_s + kTransfer_s - scale.time * human_swings.front().lift_s;
   for (const HumanSwing& h : human_swings) {
-    Swing swing{h.side, scale.time * h.lift_s + delay, scale.time * h.land_s + delay, h.lift_s, h.land_s, at[h.side],
+    Swing swing{h.side,
+                scale.time * h.lift_s + delay,
+                scale.time * h.land_s + delay,
+                h.lift_s,
+                h.land_s,
+                at[h.side],
                 at[1 - h.side] + scaled_ahead(h, human, recipe, scale.length)};
     // about its middle, so that the rhythm stays
     const double longer = (recipe.swing_stretch - 1.0) * (swing.land_s - swing.lift_s);
     swing.lift_s -= 0.5 * longer;
     swing.land_s += 0.5 * longer;
     const double too_early =
-        plan.swings.empty() ? 0.0 : plan.swings.back().land_s + recipe.double_support_s - swing.lift_s;
+        plan.swings.empty() ? 0.0
+                            : plan.swings.back().land_s + recipe.double_support_s - swing.lift_s;
     const double later = std::max(too_early, 0.0);
     swing.lift_s += later;
     swing.land_s += later;

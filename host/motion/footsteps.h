@@ -1,4 +1,5 @@
-// Footsteps of the robot: the swings of the human clip, scaled, started from and ended in standing with parallel feet.
+// Footsteps of the robot: the swings of the human clip, scaled, started from and ended in standing
+// with parallel feet.
 #pragma once
 
 #include <array>
@@ -28,14 +29,16 @@ struct StepPlan {
   std::array<Eigen::Vector2d, 2> start;  // right, left
   std::vector<Swing> swings;             // in the order of lifting
   double swing_height_m = 0.0;
-  double swing_sharpness = 3.0;          // of the rise: height ~ (4 u (1 - u))^sharpness
-  double swing_dwell = 0.0;              // share of a swing, at either end, in which the foot only rises or sinks
+  double swing_sharpness = 3.0;  // of the rise: height ~ (4 u (1 - u))^sharpness
+  // share of a swing, at either end, in which the foot only rises or sinks
+  double swing_dwell = 0.0;
   double duration_s = 0.0;
 
   /// Foot frame origin at time t: on the ground or on its way. Level, heading +x.
   math::Vec3 foot_at(int side, double t) const;
   bool carries(int side, double t) const;
-  /// Where the weight should be: sole centres of the carrying feet, moving over linearly in double support.
+  /// Where the weight should be: sole centres of the carrying feet, moving over linearly in double
+  /// support.
   Eigen::Vector2d support_at(double t, double inside_m) const;
   /// Human time that belongs to robot time t.
   double clip_time(double t) const;

@@ -10,7 +10,8 @@
 namespace sanso::motion {
 namespace {
 
-std::string complaint(const char* format, double value, double bound, const std::string& more = "") {
+std::string complaint(const char* format, double value, double bound,
+                      const std::string& more = "") {
   char buffer[240];
   std::snprintf(buffer, sizeof buffer, format, value, bound);
   return buffer + more;
@@ -32,7 +33,9 @@ Window moving_window(const BodyTarget& target, const Trajectory& trajectory) {
 
 /// Of a gait: from the first lift to the last landing.
 Window stepping_window(const BodyTarget& target, double dt_s) {
-  const auto both = [&](std::size_t k) { return target.carries[k][kRight] && target.carries[k][kLeft]; };
+  const auto both = [&](std::size_t k) {
+    return target.carries[k][kRight] && target.carries[k][kLeft];
+  };
   std::size_t from = 0, to = target.carries.size() - 1;
   while (from < to && both(from)) ++from;
   while (to > from && both(to)) --to;
@@ -52,7 +55,8 @@ T parsed(const std::string& figure, const std::string& value) {
 /// Replaces one figure of the recipe by `figure`, "key=value".
 void set_figure(Recipe& recipe, const std::string& figure) {
   const std::size_t sign = figure.find('=');
-  const std::string key = figure.substr(0, sign), value = sign == std::string::npos ? "" : figure.substr(sign + 1);
+  const std::string key = figure.substr(0, sign),
+                    value = sign == std::string::npos ? "" : figure.substr(sign + 1);
   std::string known;
   bool found = false;
   visit_recipe(recipe, [&](const char* name, auto& field) {
@@ -70,7 +74,8 @@ FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted) {
   for (std::size_t k = 0; k < std::min(played.x.size(), wanted.x.size()); ++k) {
     const model::Tangent d = model::minus(played.x[k], wanted.x[k]);
     error.position_m = std::max(error.position_m, d.head<3>().cwiseAbs().maxCoeff());
-    error.joint_rad = std::max(error.joint_rad, d.segment<model::kNumJoints>(model::kDJoint).cwiseAbs().maxCoeff());
+    error.joint_rad = std::max(error.joint_rad,
+                               d.segment<model::kNumJoints>(model::kDJoint).cwiseAbs().maxCoeff());
   }
   return error;
 }
@@ -80,22 +85,28 @@ FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted) {
 std::vector<std::string> complaints(const ReferenceCheck& check, MotionKind kind) {
   std::vector<std::string> found;
   if (check.peak_joint_speed > kMaxReferenceSpeed) {
-    found.push_back(complaint("joint speed %.2f rad/s, the servo allows %.2f; raise kt or lower kx or swing_height_m",
-                              check.peak_joint_speed, kMaxReferenceSpeed, " (" + check.fastest_joint + ")"));
+    found.push_back(complaint(
+        "joint speed %.2f rad/s, the servo allows %.2f; raise kt or lower kx or swing_height_m",
+        check.peak_joint_speed, kMaxReferenceSpeed, " (" + check.fastest_joint + ")"));
   }
   if (check.reach > kMaxReach) {
-    found.push_back(complaint("leg stretched to %.3f of its length, at most %.3f; lower kappa or kx", check.reach,
-                              kMaxReach));
+    found.push_back(
+        complaint("leg stretched to %.3f of its length, at most %.3f; lower kappa or kx",
+                  check.reach, kMaxReach));
   }
   if (check.joint_margin_rad < 0.0) {
-    found.push_back(complaint("a joint is %.3f rad beyond its limit (margin at least %.0f); lower kz", -check.joint_margin_rad, 0.0));
+    found.push_back(
+        complaint("a joint is %.3f rad beyond its limit (margin at least %.0f); lower kz",
+                  -check.joint_margin_rad, 0.0));
   }
   if (check.zmp_margin_worst_m < 0.0) {
-    found.push_back(complaint("ZMP %.1f mm outside the soles (margin at least %.0f mm); raise kt or double_support_s",
-                              -1e3 * check.zmp_margin_worst_m, 0.0));
+    found.push_back(complaint(
+        "ZMP %.1f mm outside the soles (margin at least %.0f mm); raise kt or double_support_s",
+        -1e3 * check.zmp_margin_worst_m, 0.0));
   }
   if (check.feet_gap_m < 0.005) {
-    found.push_back(complaint("the soles come within %.1f mm, at least %.1f mm; the steps cross", 1e3 * check.feet_gap_m, 5.0));
+    found.push_back(complaint("the soles come within %.1f mm, at least %.1f mm; the steps cross",
+                              1e3 * check.feet_gap_m, 5.0));
   }
   if (kind == MotionKind::gait && check.lowest_swing_peak_m < 0.010) {
     found.push_back(complaint("a swing rises only %.1f mm, at least %.0f mm; raise swing_height_m",

@@ -13,7 +13,8 @@ namespace sanso::motion {
 struct ImportRequest {
   std::filesystem::path clip;  // .bvh, or DeepMimic's JSON
   std::string name;            // of the new motion
-  std::string like = {};       // motion of the catalogue whose figures are used; empty: `name` itself
+  // motion of the catalogue whose figures are used; empty: `name` itself
+  std::string like = {};
   std::vector<std::string> figures = {};  // "key=value" of the recipe, instead of the catalogue's
 };
 
@@ -29,8 +30,9 @@ struct ImportedMotion {
   FitError fit;
 };
 
-/// Retargets, fits, rounds to what the file holds, and checks. Throws ClipError when the clip cannot be used or the
-/// motion asks for what the robot cannot do, naming the figures to change; MotionError for an unknown `like`.
+/// Retargets, fits, rounds to what the file holds, and checks. Throws ClipError when the clip
+/// cannot be used or the motion asks for what the robot cannot do, naming the figures to change;
+/// MotionError for an unknown `like`.
 ImportedMotion import_motion(const ImportRequest& request);
 
 /// One line per check that does not hold; empty when the reference may be shipped.

@@ -1,4 +1,5 @@
-// Analytic inverse kinematics of one OP3 leg. The hip acts as a spherical joint, the ankle as a universal joint.
+// Analytic inverse kinematics of one OP3 leg. The hip acts as a spherical joint, the ankle as a
+// universal joint.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,19 +14,24 @@ struct LegGeometry {
   static constexpr double kThigh = 0.11015;
   static constexpr double kShank = 0.110;
   static constexpr double kLength = kThigh + kShank;
-  static constexpr double kHipX = 0.0001, kHipY = 0.035, kHipZ = -0.0285;  // hip centre in base, y times side
-  static constexpr double kAnkleX = 0.0241;                                 // ankle centre in the foot (ankle-roll) frame
+  // hip centre in base, y times side
+  static constexpr double kHipX = 0.0001, kHipY = 0.035, kHipZ = -0.0285;
+  // ankle centre in the foot (ankle-roll) frame
+  static constexpr double kAnkleX = 0.0241;
   static constexpr double kSoleBelowAnkle = 0.0305;
-  static constexpr double kSoleCentreX = 0.024, kSoleCentreY = 0.0125;     // in the foot frame, y times side
+  // in the foot frame, y times side
+  static constexpr double kSoleCentreX = 0.024, kSoleCentreY = 0.0125;
   static constexpr double kHipSpacing = 2 * kHipY;
 };
 
 struct LegSolution {
   Eigen::Matrix<double, 6, 1> q;  // hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll  rad
-  double reach = 0.0;             // |hip - ankle| over the straight leg; above 0.999 the pose was out of reach
+  // |hip - ankle| over the straight leg; above 0.999 the pose was out of reach
+  double reach = 0.0;
 };
 
-/// Joint angles that put the foot frame (origin of ankle roll) at p_world_foot, R_world_foot. Knee never overextended.
+/// Joint angles that put the foot frame (origin of ankle roll) at p_world_foot, R_world_foot. Knee
+/// never overextended.
 LegSolution solve_leg(int side, const math::Vec3& p_world_base, const math::Mat3& R_world_base,
                       const math::Vec3& p_world_foot, const math::Mat3& R_world_foot);
 

@@ -38,7 +38,8 @@ bool in_window(const MeasureInput& in, std::size_t k) {
   return t >= in.window.from_s && t <= in.window.to_s;
 }
 
-/// Share of the samples in the window for which `holds` (NaN when a sample is unknown or the window was not reached).
+/// Share of the samples in the window for which `holds` (NaN when a sample is unknown or the window
+/// was not reached).
 template <class Holds>
 double share(const MeasureInput& in, Holds&& holds) {
   int all = 0, good = 0;
@@ -81,23 +82,30 @@ double base_height_m(const MeasureInput& in) {
 }
 
 double below_reference_m(const MeasureInput& in) {
-  return largest(in, [&](const EpisodeSample& s, std::size_t k) { return reference_at(in, k)[2] - s.x[2]; });
+  return largest(
+      in, [&](const EpisodeSample& s, std::size_t k) { return reference_at(in, k)[2] - s.x[2]; });
 }
 
 double base_drift_m(const MeasureInput& in) {
-  return largest(in, [&](const EpisodeSample& s, std::size_t) { return (s.x.head<2>() - first(in).x.head<2>()).norm(); });
+  return largest(in, [&](const EpisodeSample& s, std::size_t) {
+    return (s.x.head<2>() - first(in).x.head<2>()).norm();
+  });
 }
 
 double yaw_deg(const MeasureInput& in) {
   return largest(in, [&](const EpisodeSample& s, std::size_t k) {
-    return std::abs(math::quat_minus(model::base_quat(s.x), model::base_quat(reference_at(in, k)))[2]) / kDegree;
+    return std::abs(
+               math::quat_minus(model::base_quat(s.x), model::base_quat(reference_at(in, k)))[2]) /
+           kDegree;
   });
 }
 
 // --- feet ---
 
 double both_feet_loaded_share(const MeasureInput& in) {
-  return share(in, [](const EpisodeSample& s) { return s.foot_load_N[0] > kUnloaded_N && s.foot_load_N[1] > kUnloaded_N; });
+  return share(in, [](const EpisodeSample& s) {
+    return s.foot_load_N[0] > kUnloaded_N && s.foot_load_N[1] > kUnloaded_N;
+  });
 }
 
 double double_support_share(const MeasureInput& in) { return both_feet_loaded_share(in); }
@@ -108,13 +116,17 @@ double stance_share(const MeasureInput& in) {
 }
 
 double longest_gap_s(const MeasureInput& in) {
-  return std::max(longest(in, [](const EpisodeSample& s) { return s.foot_clearance_m[0] > kGroundClearance_m; }),
-                  longest(in, [](const EpisodeSample& s) { return s.foot_clearance_m[1] > kGroundClearance_m; }));
+  return std::max(
+      longest(in,
+              [](const EpisodeSample& s) { return s.foot_clearance_m[0] > kGroundClearance_m; }),
+      longest(in,
+              [](const EpisodeSample& s) { return s.foot_clearance_m[1] > kGroundClearance_m; }));
 }
 
 double foot_slip_m(const MeasureInput& in) {
   return largest(in, [&](const EpisodeSample& s, std::size_t) {
-    return std::max((s.foot_m[0] - first(in).foot_m[0]).norm(), (s.foot_m[1] - first(in).foot_m[1]).norm());
+    return std::max((s.foot_m[0] - first(in).foot_m[0]).norm(),
+                    (s.foot_m[1] - first(in).foot_m[1]).norm());
   });
 }
 
@@ -164,18 +176,22 @@ double depth_share(const MeasureInput& in) {
   return (first(in).x[2] - lowest) / (in.reference.x.front()[2] - lowest_reference);
 }
 
-double return_height_error_m(const MeasureInput& in) { return std::abs(last(in).x[2] - first(in).x[2]); }
+double return_height_error_m(const MeasureInput& in) {
+  return std::abs(last(in).x[2] - first(in).x[2]);
+}
 
 // --- one leg ---
 
 constexpr double kLift_m = 0.010;
 
 double longest_lift_s(const MeasureInput& in) {
-  return longest(in, [](const EpisodeSample& s) { return std::max(s.foot_clearance_m[0], s.foot_clearance_m[1]) >= kLift_m; });
+  return longest(in, [](const EpisodeSample& s) {
+    return std::max(s.foot_clearance_m[0], s.foot_clearance_m[1]) >= kLift_m;
+  });
 }
 
-/// Of the moments with a foot up: those in which the other sole, and only it, carries. Ground only pushes, so the centre
-/// of pressure is then inside that sole.
+/// Of the moments with a foot up: those in which the other sole, and only it, carries. Ground only
+/// pushes, so the centre of pressure is then inside that sole.
 double single_support_share(const MeasureInput& in) {
   int all = 0, single = 0;
   for (const EpisodeSample& s : in.episode.samples) {
@@ -209,14 +225,15 @@ std::vector<Step> steps(const MeasureInput& in) {
       if (step.to_s - step.from_s >= kShortestSwing_s) found.push_back(step);
     }
   }
-  std::sort(found.begin(), found.end(), [](const Step& a, const Step& b) { return a.from_s < b.from_s; });
+  std::sort(found.begin(), found.end(),
+            [](const Step& a, const Step& b) { return a.from_s < b.from_s; });
   return found;
 }
 
 double step_count(const MeasureInput& in) {
   const auto all = steps(in);
-  return static_cast<double>(
-      std::count_if(all.begin(), all.end(), [](const Step& s) { return s.peak_m >= kStepClearance_m; }));
+  return static_cast<double>(std::count_if(
+      all.begin(), all.end(), [](const Step& s) { return s.peak_m >= kStepClearance_m; }));
 }
 
 double lowest_step_clearance_m(const MeasureInput& in) {
@@ -236,7 +253,8 @@ double distance_share(const MeasureInput& in) {
   return travel(in).dot(last(in).x.head<2>() - first(in).x.head<2>()) / wanted.norm();
 }
 
-/// Largest deviation from the reference across its travel: weight shifts belong to the gait and are no drift.
+/// Largest deviation from the reference across its travel: weight shifts belong to the gait and are
+/// no drift.
 double cross_drift_m(const MeasureInput& in) {
   const Eigen::Vector2d along = travel(in), across(-along.y(), along.x());
   return largest(in, [&](const EpisodeSample& s, std::size_t k) {
@@ -250,7 +268,9 @@ double flight_share(const MeasureInput& in) {
   for (std::size_t k = 0; k < in.episode.samples.size(); ++k) {
     const EpisodeSample& s = in.episode.samples[k];
     if (std::isnan(s.foot_load_N[0] + s.foot_load_N[1])) return EpisodeSample::kUnknown;
-    run = in_window(in, k) && s.foot_load_N[0] < kUnloaded_N && s.foot_load_N[1] < kUnloaded_N ? run + 1 : 0;
+    run = in_window(in, k) && s.foot_load_N[0] < kUnloaded_N && s.foot_load_N[1] < kUnloaded_N
+              ? run + 1
+              : 0;
     if (run == static_cast<int>(std::lround(kFlight_s / in.episode.dt_s))) ++flights;
   }
   const double count = step_count(in);
@@ -268,21 +288,27 @@ const std::vector<Measure>& measures() {
       {"below_reference_m", "largest drop of the base below its reference [m]", below_reference_m},
       {"base_drift_m", "largest horizontal distance of the base from its start [m]", base_drift_m},
       {"yaw_deg", "largest heading error to the reference [deg]", yaw_deg},
-      {"both_feet_loaded_share", "share of the moving time with both soles loaded above 1 N", both_feet_loaded_share},
-      {"double_support_share", "the same, read as the double support of a run", double_support_share},
+      {"both_feet_loaded_share", "share of the moving time with both soles loaded above 1 N",
+       both_feet_loaded_share},
+      {"double_support_share", "the same, read as the double support of a run",
+       double_support_share},
       {"stance_share", "share of the moving time that the busier foot is loaded", stance_share},
       {"longest_gap_s", "longest time a sole is more than 3 mm off the ground [s]", longest_gap_s},
       {"foot_slip_m", "largest displacement of a foot from its start [m]", foot_slip_m},
-      {"lateral_amplitude_share", "side-to-side amplitude over the reference's", lateral_amplitude_share},
-      {"lateral_correlation", "correlation of the base's lateral path with the reference", lateral_correlation},
+      {"lateral_amplitude_share", "side-to-side amplitude over the reference's",
+       lateral_amplitude_share},
+      {"lateral_correlation", "correlation of the base's lateral path with the reference",
+       lateral_correlation},
       {"depth_share", "depth of the base over the reference's", depth_share},
       {"return_height_error_m", "height at the end against the start [m]", return_height_error_m},
       {"longest_lift_s", "longest time a sole is 10 mm clear without a break [s]", longest_lift_s},
-      {"single_support_share", "with a foot up: share of the time that the other sole alone carries", single_support_share},
+      {"single_support_share",
+       "with a foot up: share of the time that the other sole alone carries", single_support_share},
       {"steps", "swings of at least 5 mm", step_count},
       {"lowest_step_clearance_m", "highest point of the lowest swing [m]", lowest_step_clearance_m},
       {"distance_share", "distance along the reference's travel over its own", distance_share},
-      {"cross_drift_m", "largest deviation from the reference across its travel [m]", cross_drift_m},
+      {"cross_drift_m", "largest deviation from the reference across its travel [m]",
+       cross_drift_m},
       {"flight_share", "flights of at least 20 ms per step", flight_share},
   };
   return kMeasures;

@@ -1,4 +1,5 @@
-// The measures that success clauses name. One function each: an episode and its reference in, a number out.
+// The measures that success clauses name. One function each: an episode and its reference in, a
+// number out.
 #pragma once
 
 #include <string>

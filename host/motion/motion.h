@@ -20,7 +20,7 @@ struct MotionError : std::runtime_error {
 
 /// Where a motion comes from; the licence of the clip asks for it.
 struct ClipSource {
-  std::string credit;   // who to name
+  std::string credit;  // who to name
   std::string licence;
   std::string changes;  // what was done to it
 };
@@ -50,7 +50,8 @@ struct Motion {
   std::vector<model::State> reference_per_upper_period() const;
 };
 
-/// Reads and writes a motion file (TOML, docs/motions.md). Reading refuses unknown keys and invalid primitives.
+/// Reads and writes a motion file (TOML, docs/motions.md). Reading refuses unknown keys and invalid
+/// primitives.
 Motion read_motion(const std::filesystem::path& path);
 Motion parse_motion(const std::string& text, const std::string& name_for_messages);
 std::string to_toml(const Motion& motion);

@@ -1,4 +1,5 @@
-// Motion files: TOML in and out. Numbers are written with the fewest digits that a robot can tell apart.
+// Motion files: TOML in and out. Numbers are written with the fewest digits that a robot can tell
+// apart.
 #include <cmath>
 #include <fstream>
 #include <set>
@@ -26,12 +27,12 @@ struct WeightGroup {
   int from, count;  // in the tangent
 };
 constexpr WeightGroup kStateWeights[] = {
-    {"base_x", model::kDPos, 1},           {"base_y", model::kDPos + 1, 1},
-    {"base_z", model::kDPos + 2, 1},       {"roll", model::kDTheta, 1},
-    {"pitch", model::kDTheta + 1, 1},      {"yaw", model::kDTheta + 2, 1},
-    {"joints", model::kDJoint, 12},        {"base_velocity", model::kDVel, 3},
-    {"roll_rate", model::kDOmega, 1},      {"pitch_rate", model::kDOmega + 1, 1},
-    {"yaw_rate", model::kDOmega + 2, 1},   {"joint_rates", model::kDJointRate, 12}};
+    {"base_x", model::kDPos, 1},         {"base_y", model::kDPos + 1, 1},
+    {"base_z", model::kDPos + 2, 1},     {"roll", model::kDTheta, 1},
+    {"pitch", model::kDTheta + 1, 1},    {"yaw", model::kDTheta + 2, 1},
+    {"joints", model::kDJoint, 12},      {"base_velocity", model::kDVel, 3},
+    {"roll_rate", model::kDOmega, 1},    {"pitch_rate", model::kDOmega + 1, 1},
+    {"yaw_rate", model::kDOmega + 2, 1}, {"joint_rates", model::kDJointRate, 12}};
 
 void read_cost(TomlTable table, mpc::CostWeights& weights) {
   for (const WeightGroup& group : kStateWeights) {
@@ -64,7 +65,8 @@ std::vector<Clause> read_success(TomlTable& root) {
     clause.at_least = entry.optional_number("at_least");
     clause.at_most = entry.optional_number("at_most");
     entry.optional("waived", clause.waived);
-    if (!clause.at_least && !clause.at_most) entry.fail("measure", "neither at_least nor at_most stands beside it");
+    if (!clause.at_least && !clause.at_most)
+      entry.fail("measure", "neither at_least nor at_most stands beside it");
     entry.finish();
     clauses.push_back(clause);
   }
@@ -73,7 +75,8 @@ std::vector<Clause> read_success(TomlTable& root) {
 
 void read_primitives(TomlTable table, policy::PrimitiveSet& set) {
   const std::string form = table.text("form");
-  if (form != "discrete" && form != "rhythmic") table.fail("form", "'" + form + "' is neither discrete nor rhythmic");
+  if (form != "discrete" && form != "rhythmic")
+    table.fail("form", "'" + form + "' is neither discrete nor rhythmic");
   set.form = form == "discrete" ? policy::PrimitiveForm::discrete : policy::PrimitiveForm::rhythmic;
   set.num_basis = static_cast<int>(table.number("num_basis", 2, policy::kMaxBasis));
   set.duration_s = table.number("duration_s", 0.1, policy::kMaxPrimitiveDuration_s);
@@ -93,7 +96,8 @@ void read_primitives(TomlTable table, policy::PrimitiveSet& set) {
   }
   TomlTable entry = table.table("orientation");
   const std::vector<double> start = entry.numbers("start", 4), goal = entry.numbers("goal", 4);
-  const std::vector<double> rate = entry.numbers("start_rate", 3), weights = entry.numbers("weights", 3 * n);
+  const std::vector<double> rate = entry.numbers("start_rate", 3),
+                            weights = entry.numbers("weights", 3 * n);
   for (int k = 0; k < 4; ++k) {
     set.orientation.start[k] = start[k];
     set.orientation.goal[k] = goal[k];
@@ -103,7 +107,8 @@ void read_primitives(TomlTable table, policy::PrimitiveSet& set) {
   set.orientation.goal = math::quat_normalized(set.orientation.goal);
   for (int k = 0; k < 3; ++k) set.orientation.start_rate[k] = rate[k];
   for (std::size_t b = 0; b < n; ++b) {
-    for (std::size_t k = 0; k < 3; ++k) set.orientation.weights[b][k] = static_cast<float>(weights[3 * b + k]);
+    for (std::size_t k = 0; k < 3; ++k)
+      set.orientation.weights[b][k] = static_cast<float>(weights[3 * b + k]);
   }
   entry.finish();
   table.finish();
@@ -123,9 +128,13 @@ class TomlText {
     }
     out_ << "\"\n";
   }
-  void put(const std::string& key, bool value) { out_ << key << " = " << (value ? "true" : "false") << "\n"; }
+  void put(const std::string& key, bool value) {
+    out_ << key << " = " << (value ? "true" : "false") << "\n";
+  }
   void put(const std::string& key, int value) { out_ << key << " = " << value << "\n"; }
-  void put(const std::string& key, double value) { out_ << key << " = " << number(value, 9) << "\n"; }
+  void put(const std::string& key, double value) {
+    out_ << key << " = " << number(value, 9) << "\n";
+  }
   void list(const std::string& key, const std::vector<double>& values, int digits) {
     out_ << key << " = [";
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -153,7 +162,8 @@ constexpr int kWeightDigits = 6;  // one part in a million of the forcing: 1 ura
 
 void write_primitives(TomlText& toml, const policy::PrimitiveSet& set) {
   toml.heading("primitives");
-  toml.put("form", std::string(set.form == policy::PrimitiveForm::discrete ? "discrete" : "rhythmic"));
+  toml.put("form",
+           std::string(set.form == policy::PrimitiveForm::discrete ? "discrete" : "rhythmic"));
   toml.put("num_basis", set.num_basis);
   toml.put("duration_s", set.duration_s);
   toml.put("period_s", set.period_s);
@@ -165,7 +175,8 @@ void write_primitives(TomlText& toml, const policy::PrimitiveSet& set) {
     toml.put("start_rate", scalar.start_rate);
     toml.put("goal", scalar.goal);
     toml.put("drift", scalar.drift);
-    toml.list("weights", {scalar.weights.begin(), scalar.weights.begin() + set.num_basis}, kWeightDigits);
+    toml.list("weights", {scalar.weights.begin(), scalar.weights.begin() + set.num_basis},
+              kWeightDigits);
   }
   toml.heading("primitives.orientation");
   const auto& o = set.orientation;
@@ -173,7 +184,8 @@ void write_primitives(TomlText& toml, const policy::PrimitiveSet& set) {
   toml.list("start_rate", {o.start_rate[0], o.start_rate[1], o.start_rate[2]}, kPoseDigits);
   toml.list("goal", {o.goal[0], o.goal[1], o.goal[2], o.goal[3]}, kPoseDigits);
   std::vector<double> weights;
-  for (int b = 0; b < set.num_basis; ++b) weights.insert(weights.end(), o.weights[b].begin(), o.weights[b].end());
+  for (int b = 0; b < set.num_basis; ++b)
+    weights.insert(weights.end(), o.weights[b].begin(), o.weights[b].end());
   toml.list("weights", weights, kWeightDigits);
 }
 
@@ -202,16 +214,21 @@ MotionKind motion_kind(const std::string& name) {
 
 const char* to_string(MotionKind kind) {
   switch (kind) {
-    case MotionKind::in_place: return "in_place";
-    case MotionKind::one_leg: return "one_leg";
-    case MotionKind::gait: return "gait";
+    case MotionKind::in_place:
+      return "in_place";
+    case MotionKind::one_leg:
+      return "one_leg";
+    case MotionKind::gait:
+      return "gait";
   }
   return "unknown";
 }
 
 std::string to_toml(const Motion& motion) {
   TomlText toml;
-  toml.line("# A motion of sanso. Made by `sanso motions import`; the weights and clauses may be edited by hand.");
+  toml.line(
+      "# A motion of sanso. Made by `sanso motions import`; the weights and clauses may be edited "
+      "by hand.");
   toml.put("format", kFormat);
   toml.put("name", motion.name);
   toml.put("title", motion.title);
@@ -223,8 +240,10 @@ std::string to_toml(const Motion& motion) {
   toml.put("kind", std::string(to_string(motion.recipe.kind)));
   visit_recipe(motion.recipe, [&](const char* key, const auto& value) { toml.put(key, value); });
   toml.heading("cost");
-  toml.line("# diagonal of W_x per m^2, rad^2, (m/s)^2, (rad/s)^2 and of W_u per rad^2; no factor 1/2");
-  for (const WeightGroup& group : kStateWeights) toml.put(group.key, motion.weights.state[group.from]);
+  toml.line(
+      "# diagonal of W_x per m^2, rad^2, (m/s)^2, (rad/s)^2 and of W_u per rad^2; no factor 1/2");
+  for (const WeightGroup& group : kStateWeights)
+    toml.put(group.key, motion.weights.state[group.from]);
   toml.put("input", motion.weights.input[0]);
   toml.heading("stop");
   toml.put("cost_limit", motion.stop.cost_limit);
@@ -258,7 +277,9 @@ Motion parse_motion(const std::string& text, const std::string& name_for_message
   read_primitives(root.table("primitives"), motion.primitives);
   root.finish();
   if (policy::validate(motion.primitives) != Status::ok) {
-    root.fail("primitives", "a number is outside what the robot can follow (joints within 3.2 rad, base within 20 m)");
+    root.fail(
+        "primitives",
+        "a number is outside what the robot can follow (joints within 3.2 rad, base within 20 m)");
   }
   return motion;
 }

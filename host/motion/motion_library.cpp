@@ -29,7 +29,9 @@ std::vector<std::string> MotionLibrary::names() const {
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
     if (entry.path().extension() == ".toml") found.push_back(entry.path().stem().string());
   }
-  if (error) throw MotionError(folder_.string() + ": " + error.message() + "; set SANSO_MOTIONS to a folder of motion files");
+  if (error)
+    throw MotionError(folder_.string() + ": " + error.message() +
+                      "; set SANSO_MOTIONS to a folder of motion files");
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -39,7 +41,8 @@ Motion MotionLibrary::load(const std::string& name) const {
   if (std::find(known.begin(), known.end(), name) == known.end()) {
     std::string list;
     for (const auto& n : known) list += (list.empty() ? "" : ", ") + n;
-    throw MotionError("no motion named '" + name + "' in " + folder_.string() + "; there are: " + list);
+    throw MotionError("no motion named '" + name + "' in " + folder_.string() +
+                      "; there are: " + list);
   }
   return read_motion(folder_ / (name + ".toml"));
 }

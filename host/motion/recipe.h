@@ -1,4 +1,5 @@
-// How a clip becomes a motion of the robot: the figures of the retargeting, one set per motion, kept in its file.
+// How a clip becomes a motion of the robot: the figures of the retargeting, one set per motion,
+// kept in its file.
 #pragma once
 
 #include <string>
@@ -13,29 +14,35 @@ enum class MotionKind {
 
 struct Recipe {
   MotionKind kind = MotionKind::in_place;
-  std::string clip;               // file of the human motion, relative to the mocap folder
-  int first_frame = 0;            // cut, inclusive
-  int last_frame = -1;            // -1: to the end
-  bool mirror = false;            // left and right swapped
-  bool heading_by_body = false;   // gait: +x where the man faces (sidestep), else along his travel
-  double cutoff_Hz = 6.0;         // low-pass of the clip
-  int loops = 1;                  // looped clips: cycles to string together; gait: repeats of the step sequence
+  std::string clip;              // file of the human motion, relative to the mocap folder
+  int first_frame = 0;           // cut, inclusive
+  int last_frame = -1;           // -1: to the end
+  bool mirror = false;           // left and right swapped
+  bool heading_by_body = false;  // gait: +x where the man faces (sidestep), else along his travel
+  double cutoff_Hz = 6.0;        // low-pass of the clip
+  // looped clips: cycles to string together; gait: repeats of the step sequence
+  int loops = 1;
   double kt = 2.0;                // time, relative to dynamic similarity
   double kx = 1.0;                // stride, relative to leg length
   double kz = 0.3;                // height of the hips, relative to leg length
   double kappa = 0.93;            // leg length when standing, of the straight leg
   double swing_height_m = 0.028;  // gait: highest point of the swing foot
-  double swing_sharpness = 3.0;   // gait: the swing foot's height goes as (4 u (1 - u))^sharpness; smaller rises sooner
-  double swing_dwell = 0.0;       // gait: share of a swing, at either end, in which the foot only rises or sinks
-  double double_support_s = 0.15; // gait: at least this long between a landing and the next lift; negative: may overlap
-  double swing_stretch = 1.0;     // gait: length of a swing relative to the scaled clip
-  bool even_rhythm = false;  // gait: every swing and every step lasts as long as the clip's mean (a man limps a little)
-  double lift_scale = 0.5;        // one_leg: of the scaled ankle-to-ankle vector
-  double hold_s = 2.5;            // one_leg
-  int max_steps = 100;            // gait, without the closing one
-  double zmp_inside_m = 0.0;      // gait, one_leg: support point moved from the sole's centre line towards the other foot
-  double stand_s = 1.0;           // standing before and after
-  double basis_per_second = 12.0; // of the primitives
+  // gait: the swing foot's height goes as (4 u (1 - u))^sharpness; smaller rises sooner
+  double swing_sharpness = 3.0;
+  // gait: share of a swing, at either end, in which the foot only rises or sinks
+  double swing_dwell = 0.0;
+  // gait: at least this long between a landing and the next lift; negative: may overlap
+  double double_support_s = 0.15;
+  double swing_stretch = 1.0;  // gait: length of a swing relative to the scaled clip
+  // gait: every swing and every step lasts as long as the clip's mean (a man limps a little)
+  bool even_rhythm = false;
+  double lift_scale = 0.5;  // one_leg: of the scaled ankle-to-ankle vector
+  double hold_s = 2.5;      // one_leg
+  int max_steps = 100;      // gait, without the closing one
+  // gait, one_leg: support point moved from the sole's centre line towards the other foot
+  double zmp_inside_m = 0.0;
+  double stand_s = 1.0;            // standing before and after
+  double basis_per_second = 12.0;  // of the primitives
 };
 
 MotionKind motion_kind(const std::string& name);  // throws std::invalid_argument naming the three

@@ -1,4 +1,5 @@
-// From a human clip to a motion of base and joints together: feet, centre of mass, inverse kinematics, checks.
+// From a human clip to a motion of base and joints together: feet, centre of mass, inverse
+// kinematics, checks.
 #pragma once
 
 #include <array>
@@ -13,34 +14,39 @@ namespace sanso::motion {
 
 /// What the body has to do, tick by tick: the input of solve_body.
 struct BodyTarget {
-  std::vector<std::array<math::Vec3, 2>> p_world_foot;  // ankle-roll origins, right and left; feet level, heading +x   m
+  // ankle-roll origins, right and left; feet level, heading +x   m
+  std::vector<std::array<math::Vec3, 2>> p_world_foot;
   std::vector<std::array<bool, 2>> carries;
-  std::vector<double> base_height;                      // m
-  std::vector<Eigen::Vector2d> ground;                  // wanted ZMP, or CoM when `ground_is_com`   m
+  std::vector<double> base_height;  // m
+  // wanted ZMP, or CoM when `ground_is_com`   m
+  std::vector<Eigen::Vector2d> ground;
   bool ground_is_com = false;
 };
 
 struct Retargeted {
-  Trajectory trajectory;   // at 10 ms, at rest at both ends
+  Trajectory trajectory;  // at 10 ms, at rest at both ends
   BodyTarget target;
-  double reach = 0.0;      // largest |hip - ankle| over the straight leg
+  double reach = 0.0;  // largest |hip - ankle| over the straight leg
 };
 
 /// Throws ClipError when the clip does not hold what the recipe asks for.
 Retargeted retarget(const HumanMotion& clip, const Recipe& recipe);
 
-/// Places the base so that the CoM follows the target (or has the target as its ZMP), and solves the legs.
+/// Places the base so that the CoM follows the target (or has the target as its ZMP), and solves
+/// the legs.
 Retargeted solve_body(const BodyTarget& target);
 
 /// What a reference has to fulfil before a robot sees it.
 struct ReferenceCheck {
-  double peak_joint_speed = 0.0;   // rad/s
+  double peak_joint_speed = 0.0;  // rad/s
   std::string fastest_joint;
-  double zmp_margin_worst_m = 0.0; // distance of the ZMP from the edge of the support polygon; negative: outside
-  double zmp_margin_p5_m = 0.0;    // 5th percentile
-  double joint_margin_rad = 0.0;   // to the nearest joint limit
+  // distance of the ZMP from the edge of the support polygon; negative: outside
+  double zmp_margin_worst_m = 0.0;
+  double zmp_margin_p5_m = 0.0;   // 5th percentile
+  double joint_margin_rad = 0.0;  // to the nearest joint limit
   double reach = 0.0;
-  double feet_gap_m = 0.0;         // smallest distance between the inner edges of the soles while beside each other
+  // smallest distance between the inner edges of the soles while beside each other
+  double feet_gap_m = 0.0;
   double lowest_swing_peak_m = 0.0;  // highest point of the lowest swing
 };
 ReferenceCheck check_reference(const Retargeted& motion);

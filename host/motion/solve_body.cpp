@@ -1,4 +1,5 @@
-// The whole body from feet, base height and a path on the ground: base by the CoM, legs by inverse kinematics.
+// The whole body from feet, base height and a path on the ground: base by the CoM, legs by inverse
+// kinematics.
 #include <cmath>
 
 #include "host/motion/balance.h"
@@ -63,7 +64,8 @@ Retargeted solve_body(const BodyTarget& target) {
   Path base = wanted, com = wanted;
   out.reach = follow_com(target, com, base, out.trajectory);
   if (!target.ground_is_com) {
-    // the pendulum is a point mass; legs are not. What the bodies' ZMP misses is added to the pendulum's reference.
+    // the pendulum is a point mass; legs are not. What the bodies' ZMP misses is added to the
+    // pendulum's reference.
     Path zmp = wanted;
     const double height = body_points(out.trajectory.x.front()).centre_of_mass().z();
     for (int pass = 0; pass < kZmpPasses; ++pass) {
@@ -72,7 +74,8 @@ Retargeted solve_body(const BodyTarget& target) {
       const std::vector<ZmpSample> real = zmp_of(out.trajectory);
       for (int axis : {0, 1}) {
         std::vector<double> missing(n);
-        for (std::size_t k = 0; k < n; ++k) missing[k] = wanted[axis][k] - (axis == 0 ? real[k].x : real[k].y);
+        for (std::size_t k = 0; k < n; ++k)
+          missing[k] = wanted[axis][k] - (axis == 0 ? real[k].x : real[k].y);
         const std::vector<double> correction = low_pass(missing, kTick_s, kSmooth_Hz);
         for (std::size_t k = 1; k + 1 < n; ++k) zmp[axis][k] += correction[k];
       }

@@ -25,7 +25,8 @@ std::string ClauseResult::text() const {
 }
 
 bool Verdict::succeeded() const {
-  return std::none_of(clauses.begin(), clauses.end(), [](const ClauseResult& c) { return c.counts_against(); });
+  return std::none_of(clauses.begin(), clauses.end(),
+                      [](const ClauseResult& c) { return c.counts_against(); });
 }
 
 std::vector<std::string> Verdict::failures() const {
@@ -42,8 +43,8 @@ std::vector<MeasureInfo> known_measures() {
   return infos;
 }
 
-Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode, const Trajectory& reference,
-                 const Window& window) {
+Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode,
+                 const Trajectory& reference, const Window& window) {
   const MeasureInput input{episode, reference, window};
   Verdict verdict;
   for (const Clause& clause : clauses) {
@@ -51,7 +52,8 @@ Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episod
     if (!measure) throw std::invalid_argument("no measure named '" + clause.measure + "'");
     ClauseResult result{clause, EpisodeSample::kUnknown, false};
     if (!episode.samples.empty() && !reference.x.empty()) result.value = measure->of(input);
-    result.holds = result.value == result.value && (!clause.at_least || result.value >= *clause.at_least) &&
+    result.holds = result.value == result.value &&
+                   (!clause.at_least || result.value >= *clause.at_least) &&
                    (!clause.at_most || result.value <= *clause.at_most);
     verdict.clauses.push_back(result);
   }

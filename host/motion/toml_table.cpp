@@ -8,11 +8,13 @@
 namespace sanso::motion {
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
-  if (const auto defect = first_toml_defect(text)) throw MotionError(file + ":" + describe(*defect));
+  if (const auto defect = first_toml_defect(text))
+    throw MotionError(file + ":" + describe(*defect));
   try {
     return toml::parse(text, file);
   } catch (const toml::parse_error& error) {
-    throw MotionError(file + ":" + std::to_string(error.source().begin.line) + ": " + std::string(error.description()));
+    throw MotionError(file + ":" + std::to_string(error.source().begin.line) + ": " +
+                      std::string(error.description()));
   }
 }
 

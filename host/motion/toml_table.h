@@ -1,4 +1,5 @@
-// Strict reading of TOML tables: every key is asked for once, what is left over is an error that names it.
+// Strict reading of TOML tables: every key is asked for once, what is left over is an error that
+// names it.
 #pragma once
 
 #define TOML_EXCEPTIONS 1

@@ -1,4 +1,5 @@
-// A motion of the whole body, sampled evenly: what retargeting produces and what primitives are fitted to.
+// A motion of the whole body, sampled evenly: what retargeting produces and what primitives are
+// fitted to.
 #pragma once
 
 #include <vector>
@@ -14,7 +15,8 @@ struct Trajectory {
   double duration_s() const { return x.empty() ? 0.0 : dt_s * static_cast<double>(x.size() - 1); }
 };
 
-/// Fills the velocities of every sample from the poses: central differences inside, one-sided at the ends.
+/// Fills the velocities of every sample from the poses: central differences inside, one-sided at
+/// the ends.
 void differentiate_poses(Trajectory& trajectory);
 
 }  // namespace sanso::motion

@@ -5,8 +5,9 @@
 //   Quu = luu + B'Vxx B + sigma^2 B' diag(Vxx) B + mu I
 //   k = -Quu^-1 Qu,  K = -Quu^-1 Qux  on the inputs that are not held at a limit
 //
-// The noise is x' = f + sigma F w with one channel per tangent coordinate; dF/du = B exactly, dF/dx is left out (zero at a
-// cold start). The kernels are compiled once per instruction set; the choice is made at run time.
+// The noise is x' = f + sigma F w with one channel per tangent coordinate; dF/du = B exactly, dF/dx
+// is left out (zero at a cold start). The kernels are compiled once per instruction set; the choice
+// is made at run time.
 #pragma once
 
 #include "host/mpc/problem.h"
@@ -15,30 +16,35 @@ namespace sanso::mpc {
 
 /// What the pass says about the step it proposes.
 struct BackwardSummary {
-  bool ok = false;             // false: Quu not positive definite (or not finite) at some stage
-  double linear = 0;           // sum of k'Qu: predicted change of cost at alpha is alpha linear + alpha^2 quadratic
-  double quadratic = 0;        // sum of k'Quu k / 2
+  bool ok = false;  // false: Quu not positive definite (or not finite) at some stage
+  // sum of k'Qu: predicted change of cost at alpha is alpha linear + alpha^2 quadratic
+  double linear = 0;
+  double quadratic = 0;  // sum of k'Quu k / 2
 };
 
 struct BackwardInput {
   int stages = 0;
   const StageDerivatives* derivatives = nullptr;  // [stages]
-  const StageCost* costs = nullptr;               // [stages + 1], the last one without an input part
-  const double (*u)[kNuPadded] = nullptr;         // [stages] nominal upper input, rad
+  // [stages + 1], the last one without an input part
+  const StageCost* costs = nullptr;
+  const double (*u)[kNuPadded] = nullptr;  // [stages] nominal upper input, rad
   double input_limit_rad = 0;
   double sigma = 0;
-  double mu = 0;                                  // added to the diagonal of Quu
-  void (*wait_for)(void* context, int stage) = nullptr;  // called before a stage is read, from the last one on; may be null
+  double mu = 0;  // added to the diagonal of Quu
+  // called before a stage is read, from the last one on; may be null
+  void (*wait_for)(void* context, int stage) = nullptr;
   void* wait_context = nullptr;
 };
 
 struct BackwardOutput {
-  StageGains* gains = nullptr;          // [stages]
-  double (*variance_weight)[kNdx] = nullptr;  // [stages] diag(Vxx) of the knot after the stage: prices the noise
+  StageGains* gains = nullptr;  // [stages]
+  // [stages] diag(Vxx) of the knot after the stage: prices the noise
+  double (*variance_weight)[kNdx] = nullptr;
 };
 
-/// One instruction set's pass (lane_kernels.h has them all). `value` is scratch and ends as the value function of the
-/// first knot.
-using BackwardPassFn = BackwardSummary (*)(const BackwardInput&, const BackwardOutput&, Value& value);
+/// One instruction set's pass (lane_kernels.h has them all). `value` is scratch and ends as the
+/// value function of the first knot.
+using BackwardPassFn = BackwardSummary (*)(const BackwardInput&, const BackwardOutput&,
+                                           Value& value);
 
 }  // namespace sanso::mpc

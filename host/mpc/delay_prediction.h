@@ -1,4 +1,5 @@
-// From the observed state through the delay: one model step per 10 ms tick, with the sum that the controller really forms.
+// From the observed state through the delay: one model step per 10 ms tick, with the sum that the
+// controller really forms.
 // Halves the error of a single 60 ms step with one held input.
 #pragma once
 
@@ -12,9 +13,10 @@ class DelayPrediction {
  public:
   DelayPrediction() : kernels_(lane_kernels()) {}
 
-  /// x at request.plan_tick. `residual` may be null; its training step length is `model.residual_dt_s`. No allocation.
-  model::State predict(const host::AugmentedModel& model, const ResidualWeights* residual, const TrialContext& context,
-                       const PlanRequest& request);
+  /// x at request.plan_tick. `residual` may be null; its training step length is
+  /// `model.residual_dt_s`. No allocation.
+  model::State predict(const host::AugmentedModel& model, const ResidualWeights* residual,
+                       const TrialContext& context, const PlanRequest& request);
 
  private:
   const LaneKernels& kernels_;

@@ -24,8 +24,8 @@ int available_lane_kernels(const LaneKernels** out, int capacity) {
     if (n < capacity) out[n++] = &kernels;
   };
 #ifdef SANSO_HAVE_X86_UNITS
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512bw"))
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
     add(avx512::kKernels);
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) add(avx2::kKernels);
 #endif

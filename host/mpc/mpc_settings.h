@@ -7,21 +7,29 @@ namespace sanso::mpc {
 inline constexpr int kMaxHorizon = 24;
 
 struct MpcSettings {
-  int horizon = 12;                 // states in the horizon, N (paper: 12, with 60 ms 0.66 s of prediction)
-  double dt_s = 0.06;               // s, one model step, one knot of the policy; a multiple of the 10 ms tick
-  int max_iterations = 12;          // iLQG iterations at most
-  double convergence = 2e-4;        // stop when an iteration lowers the cost by less than this fraction
-  double difference_step = 1e-6;    // tangent units, forward difference; chosen in docs/results/mpc.md
-  double regularization = 1e-6;     // first value added to the diagonal of Quu, times the largest entry of Wu
-  double gain_norm_limit = 13.0;    // Frobenius norm of K_up above which K_up is scaled down to it
-  double input_limit_rad = 0.5;     // rad, |u_up| per joint
-  double sigma = 0.1;               // noise amplitude, used when a request does not give its own
-  bool warm_start = false;          // start from the last plan shifted by one knot instead of u_up = 0
-  int threads = 2;                  // including the caller's
-  bool pin_threads = false;         // bind thread i to processor i
-  bool delay_prediction = true;     // predict from the observed state through the delay, tick by tick
+  // states in the horizon, N (paper: 12, with 60 ms 0.66 s of prediction)
+  int horizon = 12;
+  // s, one model step, one knot of the policy; a multiple of the 10 ms tick
+  double dt_s = 0.06;
+  int max_iterations = 12;  // iLQG iterations at most
+  // stop when an iteration lowers the cost by less than this fraction
+  double convergence = 2e-4;
+  // tangent units, forward difference; chosen in docs/results/mpc.md
+  double difference_step = 1e-6;
+  // first value added to the diagonal of Quu, times the largest entry of Wu
+  double regularization = 1e-6;
+  double gain_norm_limit = 13.0;  // Frobenius norm of K_up above which K_up is scaled down to it
+  double input_limit_rad = 0.5;   // rad, |u_up| per joint
+  double sigma = 0.1;             // noise amplitude, used when a request does not give its own
+  // start from the last plan shifted by one knot instead of u_up = 0
+  bool warm_start = false;
+  int threads = 2;           // including the caller's
+  bool pin_threads = false;  // bind thread i to processor i
+  // predict from the observed state through the delay, tick by tick
+  bool delay_prediction = true;
 
-  /// field(name, value, lowest, highest): the file reader, the command line and the settings page walk this list.
+  /// field(name, value, lowest, highest): the file reader, the command line and the settings page
+  /// walk this list.
   constexpr void visit(auto&& field) {
     field("horizon", horizon, 2, kMaxHorizon);
     field("dt_s", dt_s, 0.01, 0.12);

@@ -18,19 +18,27 @@ Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const Stat
 
 constexpr int kStageParts = kConfigurationGroups + 1;  // pieces of work of a stage
 
-double zeta(double distance, double sharpness) { return 1.0 / (1.0 + std::exp(sharpness * distance)); }
+double zeta(double distance, double sharpness) {
+  return 1.0 / (1.0 + std::exp(sharpness * distance));
+}
 
 // Lane arrays seen as the batch step's arguments: the same memory, [component][lane].
-model::StateLanes& as_lanes(double (*x)[kEvaluationLanes]) { return *reinterpret_cast<model::StateLanes*>(x); }
-model::InputLanes& as_input(double (*u)[kEvaluationLanes]) { return *reinterpret_cast<model::InputLanes*>(u); }
-model::StateQuad& as_quad(double (*x)[kRollOutLanes]) { return *reinterpret_cast<model::StateQuad*>(x); }
+model::StateLanes& as_lanes(double (*x)[kEvaluationLanes]) {
+  return *reinterpret_cast<model::StateLanes*>(x);
+}
+model::InputLanes& as_input(double (*u)[kEvaluationLanes]) {
+  return *reinterpret_cast<model::InputLanes*>(u);
+}
+model::StateQuad& as_quad(double (*x)[kRollOutLanes]) {
+  return *reinterpret_cast<model::StateQuad*>(x);
+}
 
 }  // namespace
 
 static_assert(kEvaluationLanes == model::kLanes && kRollOutLanes == model::kQuadLanes);
 
-Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model, SpinPool& pool,
-                     const LaneKernels& kernels)
+Op3Phases::Op3Phases(const Op3PhasesSettings& settings, const host::AugmentedModel& model,
+                     SpinPool& pool, const LaneKernels& kernels)
     : settings_(settings), pool_(pool), kernels_(kernels), work_(std::make_unique<Workspace>()) {
   std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));
   set_model(model);
@@ -53,15 +61,18 @@ void Op3Phases::roll_out(const LinePolicy& policy, const double* steps, LaneTraj
   });
 }
 
-void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, int group, LaneGroup& out) {
+void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, int group,
+                               LaneGroup& out) {
   const Trajectory& nominal = *policy.nominal;
   for (int i = 0; i < kNx; ++i)
     for (int lane = 0; lane < kRollOutLanes; ++lane) out.x[0][i][lane] = nominal.x[0][i];
   std::memset(out.cost, 0, sizeof out.cost);
   std::memset(out.noise_cost, 0, sizeof out.noise_cost);
   model::InputQuad u;
-  // Contact from zero: where friction leaves several solutions, it must not depend on the way to this trajectory.
-  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
+  // Contact from zero: where friction leaves several solutions, it must not depend on the way to
+  // this trajectory.
+  const model::BatchStep step{
+      .h = settings_.dt_s, .substeps = model_.substeps, .warm_start = false};
   for (int k = 0; k < stages(); ++k) {
     const LineStage line{nominal.x[k],
                          nominal.u[k],
@@ -74,8 +85,8 @@ void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, in
     kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
     kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);
     kernels_.add_cost(work_->context, k, out.x[k], out.u[k], out.cost);
-    model::step_quad(model_.analytical, model_.ground, as_quad(out.x[k]), u, step, as_quad(out.x[k + 1]),
-                     &work_->rolled_contact[group][k]);
+    model::step_quad(model_.analytical, model_.ground, as_quad(out.x[k]), u, step,
+                     as_quad(out.x[k + 1]), &work_->rolled_contact[group][k]);
     if (residual()) kernels_.add_residual(*residual(), 1.0, out.x[k], u.v, out.x[k + 1]);
   }
   kernels_.add_cost(work_->context, stages(), out.x[stages()], nullptr, out.cost);
@@ -86,17 +97,21 @@ void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, in
 void Op3Phases::lane_taken(int lane) {
   const model::ContactQuad* contact = work_->rolled_contact[lane / kRollOutLanes];
   for (int k = 0; k < stages(); ++k)
-    for (int i = 0; i < model::kNumContactRows; ++i) work_->nominal_contact[k][i] = contact[k].v[i][lane % kRollOutLanes];
+    for (int i = 0; i < model::kNumContactRows; ++i)
+      work_->nominal_contact[k][i] = contact[k].v[i][lane % kRollOutLanes];
 }
 
-void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                          StageCost* costs) {
   begin_linearize(nominal, derivatives, costs);
   finish_linearize();
 }
 
-void Op3Phases::begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+void Op3Phases::begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                                StageCost* costs) {
   pool_.run(stages(), [&](int stage, int) { prepare_stage(nominal, stage); });
-  pool_.run(stage_groups() * (ground_varies() ? 3 : 2), [&](int item, int) { evaluate_whole(nominal, item); });
+  pool_.run(stage_groups() * (ground_varies() ? 3 : 2),
+            [&](int item, int) { evaluate_whole(nominal, item); });
   cost_model(work_->context, stages(), nominal.x[stages()], nullptr, costs[stages()]);
   for (std::atomic<int>& done : parts_done_) done.store(0, std::memory_order_relaxed);
   parts_ = {this, &nominal, derivatives, costs};
@@ -104,7 +119,8 @@ void Op3Phases::begin_linearize(const Trajectory& nominal, StageDerivatives* der
 }
 
 void Op3Phases::StageParts::operator()(int item, int) const {
-  const int stage = phases->stages() - 1 - item / kStageParts;  // the backward pass begins with the last one
+  // the backward pass begins with the last one
+  const int stage = phases->stages() - 1 - item / kStageParts;
   phases->evaluate_part(stage, item % kStageParts);
   std::atomic<int>& done = phases->parts_done_[stage];
   if (done.fetch_add(1, std::memory_order_acq_rel) + 1 < kStageParts) return;
@@ -133,14 +149,16 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
         n.layer_slope[i][j] = c.K_middle[i][j];
       }
       for (int j = 0; j < 3; ++j)
-        n.layer_slope[i][kTheta + j] = c.K_middle[i][kTheta] * J(0, j) + c.K_middle[i][kTheta + 1] * J(1, j) +
+        n.layer_slope[i][kTheta + j] = c.K_middle[i][kTheta] * J(0, j) +
+                                       c.K_middle[i][kTheta + 1] * J(1, j) +
                                        c.K_middle[i][kTheta + 2] * J(2, j);
     }
   }
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
       const double q = x[model::kXJoint + i];
-      const double below = zeta(q - reflex.lower[i], reflex.sharpness), above = zeta(reflex.upper[i] - q, reflex.sharpness);
+      const double below = zeta(q - reflex.lower[i], reflex.sharpness),
+                   above = zeta(reflex.upper[i] - q, reflex.sharpness);
       n.u_without_upper[i] += reflex.gain * (below - above);
       n.layer_slope[i][model::kDJoint + i] -=
           reflex.gain * reflex.sharpness * (below * (1 - below) + above * (1 - above));
@@ -150,10 +168,12 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
   kernels_.spread(x, n.u_total, settings_.difference_step, work_->evaluations[stage]);
 }
 
-/// From the nominal contact solution, to the tolerance of the solver: what is left over is divided by the difference.
+/// From the nominal contact solution, to the tolerance of the solver: what is left over is divided
+/// by the difference.
 void Op3Phases::evaluate_whole(const Trajectory& nominal, int item) {
   const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
-  const int whole = item / stage_groups(), group = item % stage_groups(), first = group * model::kLanes;
+  const int whole = item / stage_groups(), group = item % stage_groups(),
+            first = group * model::kLanes;
   const int lanes = std::min(model::kLanes, stages() - first);
   model::StateLanes& x = work_->whole_x[whole][group];
   model::InputLanes u;
@@ -161,13 +181,16 @@ void Op3Phases::evaluate_whole(const Trajectory& nominal, int item) {
   for (int lane = 0; lane < model::kLanes; ++lane) {
     const int stage = first + (lane < lanes ? lane : 0);  // idle lanes repeat the first
     const Nominal& n = work_->nominal[stage];
-    for (int i = 0; i < model::kNumContactRows; ++i) contact.v[i][lane] = work_->nominal_contact[stage][i];
+    for (int i = 0; i < model::kNumContactRows; ++i)
+      contact.v[i][lane] = work_->nominal_contact[stage][i];
     for (int i = 0; i < kNx; ++i) x.v[i][lane] = nominal.x[stage][i];
-    for (int i = 0; i < kNu; ++i) u.v[i][lane] = whole == kWithoutUpper ? n.u_without_upper[i] : n.u_total[i];
+    for (int i = 0; i < kNu; ++i)
+      u.v[i][lane] = whole == kWithoutUpper ? n.u_without_upper[i] : n.u_total[i];
     if (whole == kAlongX) x.v[0][lane] += settings_.difference_step;
   }
   if (whole == kNominal && shares()) {
-    model::step_batch_keep(model_.analytical, model_.ground, x, u, step, x, &contact, work_->step + first, lanes);
+    model::step_batch_keep(model_.analytical, model_.ground, x, u, step, x, &contact,
+                           work_->step + first, lanes);
   } else {
     model::step_batch(model_.analytical, model_.ground, &x, &u, step, &x, &contact, 1);
   }
@@ -180,7 +203,8 @@ void Op3Phases::evaluate_part(int stage, int part) {
   model::StateLanes* x = &as_lanes(e.x[part]);
   const model::InputLanes* u = &as_input(e.u[part]);
   if (!shares()) {
-    const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
+    const model::BatchStep step{
+        .h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
     for (int g = 0; g < groups; ++g) {
       model::ContactLanes contact;
       for (int i = 0; i < model::kNumContactRows; ++i)
@@ -190,7 +214,8 @@ void Op3Phases::evaluate_part(int stage, int part) {
   } else if (last) {
     model::step_neighbours(model_.analytical, work_->step[stage], x, u, settings_.dt_s, x, groups);
   } else {
-    model::step_held(model_.analytical, model_.ground, work_->step[stage], x, u, settings_.dt_s, x, groups);
+    model::step_held(model_.analytical, model_.ground, work_->step[stage], x, u, settings_.dt_s, x,
+                     groups);
   }
 }
 
@@ -200,7 +225,8 @@ void Op3Phases::finish_stage(const StageParts& of, int stage) {
   const Nominal& n = work_->nominal[stage];
   double whole[kWholeSteps][kNx];
   for (int step = 0; step < kWholeSteps; ++step)
-    for (int i = 0; i < kNx; ++i) whole[step][i] = work_->whole_x[step][stage / model::kLanes].v[i][stage % model::kLanes];
+    for (int i = 0; i < kNx; ++i)
+      whole[step][i] = work_->whole_x[step][stage / model::kLanes].v[i][stage % model::kLanes];
   const StageFinish finish{.evaluations = &work_->evaluations[stage],
                            .x = x,
                            .u_total = n.u_total,
@@ -214,10 +240,12 @@ void Op3Phases::finish_stage(const StageParts& of, int stage) {
   kernels_.finish_stage(finish, of.derivatives[stage]);
 }
 
-void cost_model(const ProblemContext& context, int knot, const double* x, const double* u, StageCost& out) {
+void cost_model(const ProblemContext& context, int knot, const double* x, const double* u,
+                StageCost& out) {
   const Tangent e = model::minus(as_state(x), as_state(context.x_ref[knot]));
   const double* w = context.state_weight;
-  // e(x ⊕ d) = e + J d with J = identity but for the orientation, where it is the inverse right Jacobian of Exp
+  // e(x ⊕ d) = e + J d with J = identity but for the orientation, where it is the inverse right
+  // Jacobian of Exp
   const math::Mat3 J = math::right_jacobian_inverse(e.segment<3>(kTheta));
   const math::Vec3 w_theta(w[kTheta], w[kTheta + 1], w[kTheta + 2]);
   for (int i = 0; i < kNdx; ++i) {

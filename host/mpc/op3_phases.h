@@ -1,5 +1,6 @@
-// The solver's phases for the OP3: learned whole-body model, sum of the layers, tracking cost. Derivatives are forward
-// differences in SIMD lanes (why: docs/decisions), the residual network's part and the other layers' part are exact.
+// The solver's phases for the OP3: learned whole-body model, sum of the layers, tracking cost.
+// Derivatives are forward differences in SIMD lanes (why: docs/decisions), the residual network's
+// part and the other layers' part are exact.
 #pragma once
 
 #include <atomic>
@@ -16,7 +17,8 @@ struct Op3PhasesSettings {
   int horizon = 12;
   double dt_s = 0.06;
   double difference_step = 1e-6;
-  bool share_nominal_step = true;  // differences about the nominal step, its contact set held (false: for comparison)
+  // differences about the nominal step, its contact set held (false: for comparison)
+  bool share_nominal_step = true;
 };
 
 class Op3Phases : public Phases {
@@ -27,11 +29,15 @@ class Op3Phases : public Phases {
   void set_model(const host::AugmentedModel& model);
   /// Filled by the caller before every solve.
   ProblemContext& context() { return work_->context; }
-  const ResidualWeights* residual() const { return work_->residual.present ? &work_->residual : nullptr; }
+  const ResidualWeights* residual() const {
+    return work_->residual.present ? &work_->residual : nullptr;
+  }
 
   int stages() const override { return settings_.horizon - 1; }
-  void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) override;
-  void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) override;
+  void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                 StageCost* costs) override;
+  void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                       StageCost* costs) override;
   void wait_for(int stage) override;
   void finish_linearize() override { pool_.finish(); }
   void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) override;
@@ -40,7 +46,8 @@ class Op3Phases : public Phases {
  private:
   enum Whole { kNominal, kWithoutUpper, kAlongX, kWholeSteps };
   static constexpr int kStageGroups = (kMaxStages + model::kLanes - 1) / model::kLanes;
-  /// Piece of work of begin_linearize: a part of a stage's evaluations; who ends the last part finishes the stage.
+  /// Piece of work of begin_linearize: a part of a stage's evaluations; who ends the last part
+  /// finishes the stage.
   struct StageParts {
     Op3Phases* phases;
     const Trajectory* nominal;
@@ -58,9 +65,10 @@ class Op3Phases : public Phases {
     StageEvaluations evaluations[kMaxStages];
     Nominal nominal[kMaxStages];
     model::NominalStep step[kMaxStages];
-    model::ContactQuad rolled_contact[kRollOutGroups][kMaxStages];   // of the last roll-out
+    model::ContactQuad rolled_contact[kRollOutGroups][kMaxStages];  // of the last roll-out
     double nominal_contact[kMaxStages][model::kNumContactRows];
-    // whole steps of all stages side by side, lane = stage: the nominal point, without u_up, and farther along base x
+    // whole steps of all stages side by side, lane = stage: the nominal point, without u_up, and
+    // farther along base x
     model::StateLanes whole_x[kWholeSteps][kStageGroups];
   };
 
@@ -83,6 +91,7 @@ class Op3Phases : public Phases {
 };
 
 /// Second-order model of ||x ⊖ x_ref||²_Wx (and of ||u||²_Wu when u is given) on the tangent at x.
-void cost_model(const ProblemContext& context, int knot, const double* x, const double* u, StageCost& out);
+void cost_model(const ProblemContext& context, int knot, const double* x, const double* u,
+                StageCost& out);
 
 }  // namespace sanso::mpc

@@ -1,4 +1,5 @@
-// What the solver asks of a problem: whole phases, so that an implementation can use lanes and threads as it likes.
+// What the solver asks of a problem: whole phases, so that an implementation can use lanes and
+// threads as it likes.
 #pragma once
 
 #include "host/mpc/problem.h"
@@ -6,14 +7,16 @@
 namespace sanso::mpc {
 
 /// Step lengths tried in one roll-out, largest first.
-alignas(64) inline constexpr double kStepLengths[kLineSearchLanes] = {1.0, 0.7, 0.5, 0.35, 0.2, 0.1, 0.03, 0.01};
+alignas(64) inline constexpr double kStepLengths[kLineSearchLanes] = {1.0, 0.7, 0.5,  0.35,
+                                                                      0.2, 0.1, 0.03, 0.01};
 
-/// Roll-outs in step, lane by lane; a group has its own memory, so that two threads share no cache line.
+/// Roll-outs in step, lane by lane; a group has its own memory, so that two threads share no cache
+/// line.
 struct alignas(64) LaneGroup {
   double x[kMaxHorizon][kNxPadded][kRollOutLanes];
   double u[kMaxStages][kNuPadded][kRollOutLanes];
-  double cost[kRollOutLanes];         // deterministic
-  double noise_cost[kRollOutLanes];   // sigma^2/2 sum of weight_i F_i^2 over the stages
+  double cost[kRollOutLanes];        // deterministic
+  double noise_cost[kRollOutLanes];  // sigma^2/2 sum of weight_i F_i^2 over the stages
 };
 
 /// All roll-outs of a line search.
@@ -27,11 +30,12 @@ struct LaneTrajectories {
   LaneGroup& of(int lane) { return group[lane / kRollOutLanes]; }
 };
 
-/// The policy to roll out, u = clamp(ū + step k + K (x ⊖ x̄)), and how the noise it makes is priced.
+/// The policy to roll out, u = clamp(ū + step k + K (x ⊖ x̄)), and how the noise it makes is
+/// priced.
 struct LinePolicy {
   const Trajectory* nominal = nullptr;
-  const StageGains* gains = nullptr;               // null: u = ū, x̄ is not read
-  const StageDerivatives* derivatives = nullptr;   // null: noise is not priced
+  const StageGains* gains = nullptr;              // null: u = ū, x̄ is not read
+  const StageDerivatives* derivatives = nullptr;  // null: noise is not priced
   const double (*variance_weight)[kNdx] = nullptr;
   double sigma = 0;
   double input_limit_rad = 0;
@@ -42,17 +46,22 @@ class Phases {
   virtual ~Phases() = default;
   virtual int stages() const = 0;  // steps, horizon - 1
   /// Derivatives of every stage and cost models of every knot at `nominal`.
-  virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) = 0;
-  /// The same in parts, so that the backward pass can begin while threads still work: stages are ready from the last one
-  /// on. wait_for() returns when a stage and its cost are, finish_linearize() when all are. The last knot's cost always is.
-  virtual void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives, StageCost* costs) {
+  virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                         StageCost* costs) = 0;
+  /// The same in parts, so that the backward pass can begin while threads still work: stages are
+  /// ready from the last one on. wait_for() returns when a stage and its cost are,
+  /// finish_linearize() when all are. The last knot's cost always is.
+  virtual void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives,
+                               StageCost* costs) {
     linearize(nominal, derivatives, costs);
   }
   virtual void wait_for(int stage) { (void)stage; }
   virtual void finish_linearize() {}
-  /// All lanes start in nominal.x[0]. Lane i uses step length steps[i] (64-byte aligned). A lane that leaves the finite numbers gets an infinite cost.
+  /// All lanes start in nominal.x[0]. Lane i uses step length steps[i] (64-byte aligned). A lane
+  /// that leaves the finite numbers gets an infinite cost.
   virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;
-  /// The lane of the last roll-out that becomes the nominal trajectory: what it knows may start the next linearisation.
+  /// The lane of the last roll-out that becomes the nominal trajectory: what it knows may start the
+  /// next linearisation.
   virtual void lane_taken(int lane) { (void)lane; }
 };
 

@@ -1,6 +1,9 @@
-// The numbers that pass between the phases of the solver: trajectories, derivatives and gains, in fixed storage.
-// Layouts are plain row-major arrays, 64-byte aligned, so that the kernels of every instruction set read them directly.
-// No Eigen here or in lanes/: its types change their alignment with the instruction set they are compiled for.
+// The numbers that pass between the phases of the solver: trajectories, derivatives and gains, in
+// fixed storage.
+// Layouts are plain row-major arrays, 64-byte aligned, so that the kernels of every instruction set
+// read them directly.
+// No Eigen here or in lanes/: its types change their alignment with the instruction set they are
+// compiled for.
 #pragma once
 
 #include "host/mpc/mpc_settings.h"
@@ -10,12 +13,14 @@ namespace sanso::mpc {
 
 using model::kNdx, model::kNu, model::kNx;
 inline constexpr int kTheta = model::kDTheta;
-inline constexpr int kColumns = kNdx + kNu;        // columns of [A | B]: 36 tangent directions, 12 inputs
+// columns of [A | B]: 36 tangent directions, 12 inputs
+inline constexpr int kColumns = kNdx + kNu;
 inline constexpr int kMaxStages = kMaxHorizon - 1;  // steps between the states of the horizon
 inline constexpr int kNxPadded = 40, kNuPadded = 16;
-inline constexpr int kNdxPadded = 40;              // row length of square tangent matrices: a multiple of 8 lanes
-inline constexpr int kLineSearchLanes = 8;         // step lengths tried at once
-inline constexpr int kRollOutLanes = 4;            // of them, rolled out in step by one thread
+// row length of square tangent matrices: a multiple of 8 lanes
+inline constexpr int kNdxPadded = 40;
+inline constexpr int kLineSearchLanes = 8;  // step lengths tried at once
+inline constexpr int kRollOutLanes = 4;     // of them, rolled out in step by one thread
 inline constexpr int kRollOutGroups = kLineSearchLanes / kRollOutLanes;
 
 /// States and upper-layer inputs of one roll-out. u[k] leads from x[k] to x[k+1].
@@ -24,17 +29,21 @@ struct alignas(64) Trajectory {
   double u[kMaxStages][kNuPadded];   // u_up, rad
 };
 
-/// x[k+1] ⊖ x̄[k+1] = A (x[k] ⊖ x̄[k]) + B (u[k] - ū[k]) and the noise direction at the nominal point.
+/// x[k+1] ⊖ x̄[k+1] = A (x[k] ⊖ x̄[k]) + B (u[k] - ū[k]) and the noise direction at the nominal
+/// point.
 struct alignas(64) StageDerivatives {
   double AB[kNdx][kColumns];  // [A | B]
-  double F[kNdx];             // f(x, u) ⊖ f(x, u without u_up); multiplied by sigma where it is used
+  // f(x, u) ⊖ f(x, u without u_up); multiplied by sigma where it is used
+  double F[kNdx];
 };
 
-/// Second-order model of the stage cost on the tangent at x̄[k], ū[k] (derivatives, hence the factors 2).
+/// Second-order model of the stage cost on the tangent at x̄[k], ū[k] (derivatives, hence the
+/// factors 2).
 struct alignas(64) StageCost {
   double lx[kNdxPadded];
   double lxx_diagonal[kNdxPadded];  // all but the orientation block
-  double lxx_theta[3][3];           // orientation block, not diagonal: J' W J with J of the logarithm
+  // orientation block, not diagonal: J' W J with J of the logarithm
+  double lxx_theta[3][3];
   double lu[kNu];
   double luu_diagonal[kNu];
 };

@@ -6,7 +6,8 @@
 
 namespace sanso::mpc {
 
-static_assert(kFeatureCount == host::kFeatures && kHiddenUnits == host::kHidden && kOutputCount == model::kNdx);
+static_assert(kFeatureCount == host::kFeatures && kHiddenUnits == host::kHidden &&
+              kOutputCount == model::kNdx);
 
 void fold(const host::ResidualNetwork& n, ResidualWeights& out) {
   std::memset(static_cast<void*>(&out), 0, sizeof out);
@@ -20,7 +21,8 @@ void fold(const host::ResidualNetwork& n, ResidualWeights& out) {
     }
     out.b1[unit] = static_cast<float>(bias);
     out.b2[unit] = n.b2[unit];
-    for (int below = 0; below < kHiddenUnits; ++below) out.W2[below][unit] = out.W2_by_unit[unit][below] = n.W2(unit, below);
+    for (int below = 0; below < kHiddenUnits; ++below)
+      out.W2[below][unit] = out.W2_by_unit[unit][below] = n.W2(unit, below);
     for (int i = 0; i < kOutputCount; ++i) out.W3[unit][i] = n.W3(i, unit) * n.output_scale[i];
   }
   for (int i = 0; i < kOutputCount; ++i) out.b3[i] = n.b3[i] * n.output_scale[i] + n.output_mean[i];

@@ -1,5 +1,6 @@
-// The residual network as the lane kernels read it: single precision, transposed (input by unit), standardisation folded
-// into the first and last layer, rows padded to whole packs of 16. Plain arrays: shared by all instruction sets.
+// The residual network as the lane kernels read it: single precision, transposed (input by unit),
+// standardisation folded into the first and last layer, rows padded to whole packs of 16. Plain
+// arrays: shared by all instruction sets.
 #pragma once
 
 namespace sanso::host {
@@ -8,7 +9,8 @@ struct ResidualNetwork;
 
 namespace sanso::mpc {
 
-inline constexpr int kFeatureCount = 46, kFeaturesPadded = 48, kHiddenUnits = 64, kOutputCount = 36, kOutputsPadded = 48;
+inline constexpr int kFeatureCount = 46, kFeaturesPadded = 48, kHiddenUnits = 64, kOutputCount = 36,
+                     kOutputsPadded = 48;
 
 struct alignas(64) ResidualWeights {
   bool present = false;

@@ -11,9 +11,10 @@ namespace sanso::mpc {
 
 namespace {
 
-constexpr int kMaxProposals = 4;       // regularizations tried at one linearisation
-constexpr double kMuFactor = 100.0;    // between them
-constexpr double kMuFloor = 1e-2;      // first value that does something, per rad^2 of an input weight near 1
+constexpr int kMaxProposals = 4;     // regularizations tried at one linearisation
+constexpr double kMuFactor = 100.0;  // between them
+// first value that does something, per rad^2 of an input weight near 1
+constexpr double kMuFloor = 1e-2;
 
 /// Adds the time between construction and destruction to a counter.
 class Stopwatch {
@@ -31,13 +32,18 @@ class Stopwatch {
 }  // namespace
 
 Nanoseconds steady_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
 Solver::Solver(const SolverSettings& settings, Phases& phases)
-    : settings_(settings), phases_(phases), backward_pass_(lane_kernels().backward_pass), work_(std::make_unique<Workspace>()) {
-  std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));  // touched here, so no page fault in solve()
+    : settings_(settings),
+      phases_(phases),
+      backward_pass_(lane_kernels().backward_pass),
+      work_(std::make_unique<Workspace>()) {
+  // touched here, so no page fault in solve()
+  std::memset(static_cast<void*>(work_.get()), 0, sizeof(Workspace));
 }
 
 void Solver::solve(double sigma, Nanoseconds deadline, SolveResult& result) {
@@ -132,7 +138,9 @@ int Solver::try_step_lengths(double sigma, SolveResult& result) {
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
   int best = 0;
-  const auto merit = [&](int lane) { return work_->lanes.cost(lane) + work_->lanes.noise_cost(lane); };
+  const auto merit = [&](int lane) {
+    return work_->lanes.cost(lane) + work_->lanes.noise_cost(lane);
+  };
   for (int lane = 1; lane < kLineSearchLanes; ++lane)
     if (!(merit(best) <= merit(lane))) best = lane;  // written so that a NaN loses
   return best;

@@ -1,7 +1,9 @@
-// Stochastic iLQG: linearise, backward pass, roll-outs of all step lengths at once, until the cost stops falling.
+// Stochastic iLQG: linearise, backward pass, roll-outs of all step lengths at once, until the cost
+// stops falling.
 //
-// Merit of a roll-out: its deterministic cost plus the price of its noise, sigma^2/2 sum_i Vxx_ii F_i^2, with Vxx of the
-// backward pass that proposed the step and F = F̄ + B (u - ū): the same model of the noise that the backward pass minimises.
+// Merit of a roll-out: its deterministic cost plus the price of its noise, sigma^2/2 sum_i Vxx_ii
+// F_i^2, with Vxx of the backward pass that proposed the step and F = F̄ + B (u - ū): the same
+// model of the noise that the backward pass minimises.
 // Convergence test: an iteration lowers the merit by less than the fraction `convergence` of it.
 #pragma once
 
@@ -21,11 +23,12 @@ struct SolverSettings {
 };
 
 struct SolveResult {
-  bool finite = false;          // false: even the start's roll-out left the finite numbers; nothing else is valid
-  double cost_before = 0;       // deterministic
-  double cost_after = 0;        // deterministic
-  double expected_cost = 0;     // with the price of the noise under the final policy
-  int iterations = 0;           // steps taken
+  // false: even the start's roll-out left the finite numbers; nothing else is valid
+  bool finite = false;
+  double cost_before = 0;    // deterministic
+  double cost_after = 0;     // deterministic
+  double expected_cost = 0;  // with the price of the noise under the final policy
+  int iterations = 0;        // steps taken
   StopReason stop = StopReason::iteration_limit;
   PlanTiming timing;
 };
@@ -34,8 +37,10 @@ class Solver {
  public:
   Solver(const SolverSettings& settings, Phases& phases);
 
-  /// From trajectory().x[0] and trajectory().u (the start); leaves the best trajectory and its gains here.
-  /// `deadline` is a steady-clock time, 0 none: no iteration starts that is not expected to end before it.
+  /// From trajectory().x[0] and trajectory().u (the start); leaves the best trajectory and its
+  /// gains here.
+  /// `deadline` is a steady-clock time, 0 none: no iteration starts that is not expected to end
+  /// before it.
   void solve(double sigma, Nanoseconds deadline, SolveResult& result);
 
   Trajectory& trajectory() { return work_->trajectory; }
@@ -66,8 +71,8 @@ class Solver {
   Phases& phases_;
   BackwardPassFn backward_pass_;
   double mu_ = 0;
-  double cost_ = 0;         // deterministic, of trajectory()
-  double noise_cost_ = 0;   // price of its noise, as the step that led to it was judged
+  double cost_ = 0;        // deterministic, of trajectory()
+  double noise_cost_ = 0;  // price of its noise, as the step that led to it was judged
   std::unique_ptr<Workspace> work_;
 };
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kFieldBits = 20;
 constexpr std::uint64_t kFieldMask = (1u << kFieldBits) - 1;
-// After this many empty looks (some tens of microseconds) a waiting thread lets others run: matters only when more
-// threads want to run than there are processors.
+// After this many empty looks (some tens of microseconds) a waiting thread lets others run: matters
+// only when more threads want to run than there are processors.
 constexpr int kLooksBeforeYield = 4000;
 
 int items_of(std::uint64_t ticket) { return static_cast<int>((ticket >> kFieldBits) & kFieldMask); }
@@ -29,7 +29,8 @@ void bind_to_processor(int processor) {
   cpu_set_t set;
   CPU_ZERO(&set);
   CPU_SET(static_cast<unsigned>(processor) % static_cast<unsigned>(CPU_SETSIZE), &set);
-  // refused when the processor does not exist or is not ours: then the scheduler decides, which is the default anyway
+  // refused when the processor does not exist or is not ours: then the scheduler decides, which is
+  // the default anyway
   (void)pthread_setaffinity_np(pthread_self(), sizeof set, &set);
 }
 
@@ -70,7 +71,8 @@ void SpinPool::begin_items(int items, Call call, const void* context) {
   items_ = items;
   done_.store(0, std::memory_order_relaxed);
   const std::uint64_t phase = (ticket_.load(std::memory_order_relaxed) >> (2 * kFieldBits)) + 1;
-  ticket_.store(phase << (2 * kFieldBits) | static_cast<std::uint64_t>(items) << kFieldBits, std::memory_order_release);
+  ticket_.store(phase << (2 * kFieldBits) | static_cast<std::uint64_t>(items) << kFieldBits,
+                std::memory_order_release);
 }
 
 void SpinPool::finish() {

@@ -1,4 +1,5 @@
-// What the other layers, the reference and the model contribute to one planning problem, sampled once per plan.
+// What the other layers, the reference and the model contribute to one planning problem, sampled
+// once per plan.
 // Plain arrays: read by the kernels of every instruction set.
 #pragma once
 
@@ -7,18 +8,19 @@
 
 namespace sanso::mpc {
 
-/// Middle and lower layer during one step: u = u_up + u_fixed + K_middle (x ⊖ x_middle) + reflex(q).
+/// Middle and lower layer during one step: u = u_up + u_fixed + K_middle (x ⊖ x_middle) +
+/// reflex(q).
 struct alignas(64) StageContext {
-  double u_fixed[kNuPadded];             // u_mid + primitives at the middle of the step, rad
-  double K_middle[kNu][kNdxPadded];      // at the middle of the step
-  double x_middle[kNxPadded];            // at its beginning, where x is compared with it
+  double u_fixed[kNuPadded];         // u_mid + primitives at the middle of the step, rad
+  double K_middle[kNu][kNdxPadded];  // at the middle of the step
+  double x_middle[kNxPadded];        // at its beginning, where x is compared with it
   bool has_middle;
 };
 
 struct ReflexContext {
   bool on;
-  double gain, sharpness;                // rad, 1/rad
-  double lower[kNu], upper[kNu];         // joint limits, rad
+  double gain, sharpness;         // rad, 1/rad
+  double lower[kNu], upper[kNu];  // joint limits, rad
 };
 
 struct alignas(64) ProblemContext {

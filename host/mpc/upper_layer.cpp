@@ -14,7 +14,8 @@ struct UpperLayer::Impl {
   Impl(const MpcSettings& s, const host::AugmentedModel& m)
       : settings(s),
         model(m),
-        ticks_per_knot(std::max(1, static_cast<int>(std::lround(s.dt_s / to_seconds(kTickPeriod))))),
+        ticks_per_knot(
+            std::max(1, static_cast<int>(std::lround(s.dt_s / to_seconds(kTickPeriod))))),
         pool(s.threads, s.pin_threads),
         phases({s.horizon, s.dt_s, s.difference_step}, m, pool),
         solver({s.max_iterations, s.convergence, s.regularization, s.input_limit_rad}, phases) {}
@@ -32,8 +33,8 @@ struct UpperLayer::Impl {
   Solver solver;
   DelayPrediction delay;
   TrialContext trial;
-  policy::Knot knot;                // scratch
-  bool has_last = false;            // a plan of this trial is in the solver
+  policy::Knot knot;      // scratch
+  bool has_last = false;  // a plan of this trial is in the solver
   std::int32_t last_plan_tick = 0;
 };
 
@@ -41,7 +42,8 @@ void UpperLayer::Impl::fill_stage(int stage, double tick) {
   StageContext& c = phases.context().stage[stage];
   const double middle_of_step = tick + 0.5 * ticks_per_knot;
   const model::State reference = reference_at(trial, middle_of_step);
-  const model::Input u_lower = trial.on.lower ? model::Input(model::joints(reference)) : trial.u_rest;
+  const model::Input u_lower =
+      trial.on.lower ? model::Input(model::joints(reference)) : trial.u_rest;
   c.has_middle = trial.on.middle && trial.middle != nullptr && !trial.middle->knots.empty();
   for (int i = 0; i < kNu; ++i) c.u_fixed[i] = u_lower[i];
   if (!c.has_middle) return;
@@ -91,7 +93,8 @@ void UpperLayer::Impl::fill_policy(const PlanRequest& request, PlanResult& resul
   p.trial_id = trial.trial_id;
   p.first_tick = request.plan_tick;
   p.ticks_per_knot = ticks_per_knot;
-  const auto count = std::min<std::size_t>(policy::kMaxUpperKnots, static_cast<std::size_t>(settings.horizon - 1));
+  const auto count =
+      std::min<std::size_t>(policy::kMaxUpperKnots, static_cast<std::size_t>(settings.horizon - 1));
   p.knots.try_resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     policy::Knot& out = p.knots[k];

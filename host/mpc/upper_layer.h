@@ -1,6 +1,7 @@
 // The upper layer as the session sees it: a trial's context once, then one plan per upper period.
-// Everything is allocated at construction; plan() allocates nothing and returns before its deadline with the best
-// policy found so far. Not thread-safe: one caller (which is also the first of the solver's threads).
+// Everything is allocated at construction; plan() allocates nothing and returns before its deadline
+// with the best policy found so far. Not thread-safe: one caller (which is also the first of the
+// solver's threads).
 #pragma once
 
 #include <cstdint>
@@ -15,16 +16,21 @@
 namespace sanso::mpc {
 
 struct PlanResult {
-  Status status = Status::not_ready;  // ok, or out_of_range when the state or the roll-out is not finite
-  policy::UpperPolicy policy;         // kMaxUpperKnots knots (u, x, K), first at plan_tick, dt_s apart
-  double cost_before = 0;             // deterministic cost of the start: u_up = 0, or the shifted last plan
-  double cost_after = 0;              // of the returned policy, same roll-out, same weights
-  double expected_cost = 0;           // with the price of the noise
-  double gain_norm = 0;               // largest Frobenius norm of the knots' K before the limit
-  int iterations = 0;                 // iterations whose step was accepted or that proved convergence
+  // ok, or out_of_range when the state or the roll-out is not finite
+  Status status = Status::not_ready;
+  // kMaxUpperKnots knots (u, x, K), first at plan_tick, dt_s apart
+  policy::UpperPolicy policy;
+  // deterministic cost of the start: u_up = 0, or the shifted last plan
+  double cost_before = 0;
+  double cost_after = 0;     // of the returned policy, same roll-out, same weights
+  double expected_cost = 0;  // with the price of the noise
+  double gain_norm = 0;      // largest Frobenius norm of the knots' K before the limit
+  // iterations whose step was accepted or that proved convergence
+  int iterations = 0;
   StopReason stop = StopReason::iteration_limit;
   PlanTiming timing;
-  model::State x_plan = model::neutral_state();  // predicted state at plan_tick, where the plan starts
+  // predicted state at plan_tick, where the plan starts
+  model::State x_plan = model::neutral_state();
 };
 
 class UpperLayer {
@@ -39,7 +45,8 @@ class UpperLayer {
   void set_model(const host::AugmentedModel& model);
   /// Forgets the last plan (warm start) and takes the context of a new trial.
   void begin_trial(const TrialContext& context);
-  /// `result` belongs to the caller, so that nothing is returned by value. Fails never for finite input.
+  /// `result` belongs to the caller, so that nothing is returned by value. Fails never for finite
+  /// input.
   void plan(const PlanRequest& request, PlanResult& result);
 
   const MpcSettings& settings() const;

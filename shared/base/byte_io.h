@@ -1,5 +1,6 @@
-// Little-endian reading and writing of plain values in a caller's buffer. Both sides share one shape, so that a layout
-// is written once as `archive(field)` and used to write, to read and to measure. No heap, no exceptions.
+// Little-endian reading and writing of plain values in a caller's buffer. Both sides share one
+// shape, so that a layout is written once as `archive(field)` and used to write, to read and to
+// measure. No heap, no exceptions.
 #pragma once
 
 #include <bit>
@@ -16,19 +17,28 @@ namespace detail {
 template <std::size_t Size>
 struct UintOf;
 template <>
-struct UintOf<1> { using type = std::uint8_t; };
+struct UintOf<1> {
+  using type = std::uint8_t;
+};
 template <>
-struct UintOf<2> { using type = std::uint16_t; };
+struct UintOf<2> {
+  using type = std::uint16_t;
+};
 template <>
-struct UintOf<4> { using type = std::uint32_t; };
+struct UintOf<4> {
+  using type = std::uint32_t;
+};
 template <>
-struct UintOf<8> { using type = std::uint64_t; };
+struct UintOf<8> {
+  using type = std::uint64_t;
+};
 }  // namespace detail
 
 template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> && !std::is_same_v<T, bool>;
 
-/// Appends values to a buffer; after the first one that does not fit, ok() is false and nothing more is written.
+/// Appends values to a buffer; after the first one that does not fit, ok() is false and nothing
+/// more is written.
 class ByteWriter {
  public:
   static constexpr bool kReads = false;
@@ -42,13 +52,12 @@ class ByteWriter {
     using U = typename detail::UintOf<sizeof(T)>::type;
     const U bits = std::bit_cast<U>(value);
     if (!claim(sizeof(T))) return;
-    for (std::size_t i = 0; i < sizeof(T); ++i) buffer_[size_++] = static_cast<std::uint8_t>(bits >> (8 * i));
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      buffer_[size_++] = static_cast<std::uint8_t>(bits >> (8 * i));
   }
   template <class T>
-    requires std::is_enum_v<T>
-  void operator()(const T& value) {
-    (*this)(static_cast<std::underlying_type_t<T>>(value));
-  }
+  requires std::is_enum_v<T>
+  void operator()(const T& value) { (*this)(static_cast<std::underlying_type_t<T>>(value)); }
   void bytes(std::span<const std::uint8_t> data) {
     if (!claim(data.size())) return;
     if (!data.empty()) std::memcpy(buffer_.data() + size_, data.data(), data.size());
@@ -68,8 +77,8 @@ class ByteWriter {
   bool ok_ = true;
 };
 
-/// Takes values from a buffer. Past the end, or at a number that is not finite, ok() turns false for good and the
-/// values read from then on are zero.
+/// Takes values from a buffer. Past the end, or at a number that is not finite, ok() turns false
+/// for good and the values read from then on are zero.
 class ByteReader {
  public:
   static constexpr bool kReads = true;
@@ -84,7 +93,8 @@ class ByteReader {
     value = T{};
     if (!claim(sizeof(T))) return;
     U bits = 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i) bits = static_cast<U>(bits | (static_cast<U>(buffer_[at_++]) << (8 * i)));
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bits = static_cast<U>(bits | (static_cast<U>(buffer_[at_++]) << (8 * i)));
     const T read = std::bit_cast<T>(bits);
     if constexpr (std::is_floating_point_v<T>) {
       if (!std::isfinite(read)) return reject();
@@ -92,7 +102,7 @@ class ByteReader {
     value = read;
   }
   template <class T>
-    requires std::is_enum_v<T>
+  requires std::is_enum_v<T>
   void operator()(T& value) {
     std::underlying_type_t<T> raw{};
     (*this)(raw);

@@ -1,4 +1,5 @@
-// CRC-32 as in Ethernet, zlib and PNG: polynomial 0x04C11DB7 reflected, initial value and final XOR all ones.
+// CRC-32 as in Ethernet, zlib and PNG: polynomial 0x04C11DB7 reflected, initial value and final XOR
+// all ones.
 #pragma once
 
 #include <array>

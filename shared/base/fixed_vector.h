@@ -1,4 +1,5 @@
-// A vector whose capacity is part of its type: it never grows, never allocates, and says when it is full.
+// A vector whose capacity is part of its type: it never grows, never allocates, and says when it is
+// full.
 #pragma once
 
 #include <array>
@@ -30,7 +31,8 @@ class FixedVector {
     for (const T& item : items) items_[size_++] = item;
     return true;
   }
-  /// Sets the size; new elements are value-initialised. False (unchanged) when `n` exceeds the capacity.
+  /// Sets the size; new elements are value-initialised. False (unchanged) when `n` exceeds the
+  /// capacity.
   constexpr bool try_resize(std::size_t n) {
     if (n > Capacity) return false;
     for (std::size_t i = size_; i < n; ++i) items_[i] = T{};

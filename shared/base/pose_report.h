@@ -1,7 +1,9 @@
-// A sample of the tracking camera as bytes: position and velocity of the base from outside. Carried like a HID report
-// (first byte = report id) between the pose source and the controller's board layer.
+// A sample of the tracking camera as bytes: position and velocity of the base from outside. Carried
+// like a HID report (first byte = report id) between the pose source and the controller's board
+// layer.
 //
-// Layout, 52 bytes, little-endian: id u8 = 0x40 | confidence u8 0..3 | 0 u16 | sequence u32 | age u32 us |
+// Layout, 52 bytes, little-endian: id u8 = 0x40 | confidence u8 0..3 | 0 u16 | sequence u32 | age
+// u32 us |
 //   p_world_base 3 f32 m | quat_world_base wxyz 4 f32 | v_base_in_world 3 f32 m/s
 #pragma once
 
@@ -54,7 +56,8 @@ inline std::array<std::uint8_t, kPoseReportBytes> encode_pose_report(const PoseR
   return out;
 }
 
-/// malformed: wrong size or id. out_of_range: a number that is not finite, or a quaternion that is not unit.
+/// malformed: wrong size or id. out_of_range: a number that is not finite, or a quaternion that is
+/// not unit.
 inline Result<PoseReport> decode_pose_report(std::span<const std::uint8_t> bytes) {
   if (bytes.size() != kPoseReportBytes || bytes[0] != kPoseReportId) return Status::malformed;
   PoseReport report;
@@ -73,7 +76,8 @@ inline Result<PoseReport> decode_pose_report(std::span<const std::uint8_t> bytes
   for (float& value : report.v_base_in_world) take(value);
   float square = 0;
   for (const float value : report.quat_world_base) square += value * value;
-  if (!finite || square < 0.99f || square > 1.01f || report.confidence > 3) return Status::out_of_range;
+  if (!finite || square < 0.99f || square > 1.01f || report.confidence > 3)
+    return Status::out_of_range;
   return report;
 }
 

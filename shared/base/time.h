@@ -1,11 +1,13 @@
-// Time as the controller counts it: integer nanoseconds since the controller's boot. Never wall-clock time.
+// Time as the controller counts it: integer nanoseconds since the controller's boot. Never
+// wall-clock time.
 #pragma once
 
 #include <cstdint>
 
 namespace sanso {
 
-/// A point in time or a duration, in nanoseconds. Plain integer, so that it is exact on the wire and in tests.
+/// A point in time or a duration, in nanoseconds. Plain integer, so that it is exact on the wire
+/// and in tests.
 using Nanoseconds = std::int64_t;
 
 inline constexpr Nanoseconds kMicrosecond = 1'000;
@@ -13,10 +15,13 @@ inline constexpr Nanoseconds kMillisecond = 1'000'000;
 inline constexpr Nanoseconds kSecond = 1'000'000'000;
 
 constexpr double to_seconds(Nanoseconds t) { return static_cast<double>(t) * 1e-9; }
-constexpr Nanoseconds from_seconds(double s) { return static_cast<Nanoseconds>(s * 1e9 + (s < 0 ? -0.5 : 0.5)); }
+constexpr Nanoseconds from_seconds(double s) {
+  return static_cast<Nanoseconds>(s * 1e9 + (s < 0 ? -0.5 : 0.5));
+}
 
 // The periods of the three layers (paper, "Learning details"): one place for each number.
-inline constexpr Nanoseconds kTickPeriod = 10 * kMillisecond;    // lower layer, low-level controller
+// lower layer, low-level controller
+inline constexpr Nanoseconds kTickPeriod = 10 * kMillisecond;
 inline constexpr Nanoseconds kMiddlePeriod = 30 * kMillisecond;  // middle layer's grid
 inline constexpr Nanoseconds kUpperPeriod = 60 * kMillisecond;   // upper layer, default
 inline constexpr int kTicksPerMiddle = 3;

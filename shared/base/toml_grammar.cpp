@@ -19,10 +19,12 @@ int hex_value(char c) {
   if (c >= 'A' && c <= 'F') return c - 'A' + 10;
   return -1;
 }
-bool is_unicode_scalar(std::uint32_t code) { return code <= 0x10ffff && !(code >= 0xd800 && code <= 0xdfff); }
+bool is_unicode_scalar(std::uint32_t code) {
+  return code <= 0x10ffff && !(code >= 0xd800 && code <= 0xdfff);
+}
 
-/// Recursive descent, one function for each rule of the grammar. A rule returns false when it does not hold; the first
-/// to fail has written the defect.
+/// Recursive descent, one function for each rule of the grammar. A rule returns false when it does
+/// not hold; the first to fail has written the defect.
 class Grammar {
  public:
   explicit Grammar(std::string_view text) : text_(text) {
@@ -38,7 +40,9 @@ class Grammar {
   }
 
  private:
-  char look(std::size_t ahead = 0) const { return at_ + ahead < text_.size() ? text_[at_ + ahead] : kEnd; }
+  char look(std::size_t ahead = 0) const {
+    return at_ + ahead < text_.size() ? text_[at_ + ahead] : kEnd;
+  }
   bool take(char c) {
     if (at_ >= text_.size() || text_[at_] != c) return false;
     ++at_;
@@ -114,7 +118,8 @@ class Grammar {
   }
   bool key_segment() {
     if (look() == '"' || look() == '\'') return string();
-    if (!is_bare_key(look())) return refuse("a name (quotes around text beyond letters, digits, _ and -)");
+    if (!is_bare_key(look()))
+      return refuse("a name (quotes around text beyond letters, digits, _ and -)");
     while (is_bare_key(look())) ++at_;
     return true;
   }
@@ -181,7 +186,8 @@ class Grammar {
 
   bool string() {
     const char quote = look();
-    if (look(1) == quote && look(2) == quote) return refuse("text in one pair of quotes, on one line");
+    if (look(1) == quote && look(2) == quote)
+      return refuse("text in one pair of quotes, on one line");
     ++at_;
     while (at_ < text_.size() && look() != quote) {
       if (look() == '\n' || look() == '\r') return refuse("the closing quote on the same line");
@@ -200,7 +206,8 @@ class Grammar {
   bool unicode_escape(std::size_t count) {
     std::uint32_t code = 0;
     for (std::size_t k = 1; k <= count; ++k) {
-      if (hex_value(look(k)) < 0) return refuse("four hexadecimal digits after \\u, eight after \\U");
+      if (hex_value(look(k)) < 0)
+        return refuse("four hexadecimal digits after \\u, eight after \\U");
       code = code * 16 + static_cast<std::uint32_t>(hex_value(look(k)));
     }
     if (!is_unicode_scalar(code)) return refuse("a Unicode character");
@@ -240,7 +247,8 @@ class Grammar {
 std::optional<TomlDefect> first_toml_defect(std::string_view text) { return Grammar(text).check(); }
 
 std::string describe(const TomlDefect& defect) {
-  const std::string found = defect.found.empty() ? "the end of the text" : '"' + std::string(defect.found) + '"';
+  const std::string found =
+      defect.found.empty() ? "the end of the text" : '"' + std::string(defect.found) + '"';
   return std::to_string(defect.line) + ": found " + found + ", expected " + defect.expected;
 }
 

@@ -1,5 +1,7 @@
-// Rotations: unit quaternions (Hamilton, w x y z in memory), exponential and logarithm, and the tangent operators.
-// Right perturbation everywhere: q ⊕ d = q * Exp(d), d in body axes. World-frame errors are named as such.
+// Rotations: unit quaternions (Hamilton, w x y z in memory), exponential and logarithm, and the
+// tangent operators.
+// Right perturbation everywhere: q ⊕ d = q * Exp(d), d in body axes. World-frame errors are named
+// as such.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +18,10 @@ inline Quat quat_identity() { return {1.0, 0.0, 0.0, 0.0}; }
 inline Quat quat_conjugate(const Quat& q) { return {q[0], -q[1], -q[2], -q[3]}; }
 
 inline Quat quat_multiply(const Quat& a, const Quat& b) {
-  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
 }
 
 /// Unit length; the identity when the input is (numerically) zero.
@@ -50,7 +54,8 @@ inline Quat quat_exp(const Vec3& r) {
   return {std::cos(0.5 * angle), half_sinc * r[0], half_sinc * r[1], half_sinc * r[2]};
 }
 
-/// Log: quaternion to rotation vector [rad], |r| <= pi; q and -q give the same vector (up to the sign at pi).
+/// Log: quaternion to rotation vector [rad], |r| <= pi; q and -q give the same vector (up to the
+/// sign at pi).
 inline Vec3 quat_log(const Quat& q_in) {
   const double sign = q_in[0] < 0 ? -1.0 : 1.0;  // the shorter way round
   const double w = sign * q_in[0];
@@ -60,9 +65,13 @@ inline Vec3 quat_log(const Quat& q_in) {
   return factor * u;
 }
 
-inline Quat quat_plus(const Quat& q, const Vec3& d) { return quat_normalized(quat_multiply(q, quat_exp(d))); }
+inline Quat quat_plus(const Quat& q, const Vec3& d) {
+  return quat_normalized(quat_multiply(q, quat_exp(d)));
+}
 /// a ⊖ b in body axes of b: b ⊕ (a ⊖ b) = a.
-inline Vec3 quat_minus(const Quat& a, const Quat& b) { return quat_log(quat_multiply(quat_conjugate(b), a)); }
+inline Vec3 quat_minus(const Quat& a, const Quat& b) {
+  return quat_log(quat_multiply(quat_conjugate(b), a));
+}
 
 /// Right Jacobian of Exp: Exp(r + dr) = Exp(r) Exp(Jr(r) dr) + O(dr^2).   [Sola 2018, eq. 143]
 inline Mat3 right_jacobian(const Vec3& r) {

@@ -1,4 +1,5 @@
-// Sizes and offsets of state, tangent and input as plain constants: no Eigen, so that kernels and drivers may include them.
+// Sizes and offsets of state, tangent and input as plain constants: no Eigen, so that kernels and
+// drivers may include them.
 // The meaning of every entry is written in state_layout.h.
 #pragma once
 
@@ -14,7 +15,8 @@ inline constexpr int kNu = kNumJoints;      // input
 // Offsets in the state.
 inline constexpr int kXPos = 0, kXQuat = 3, kXJoint = 7, kXVel = 19, kXOmega = 22, kXJointRate = 25;
 // Offsets in the tangent.
-inline constexpr int kDPos = 0, kDTheta = 3, kDJoint = 6, kDVel = 18, kDOmega = 21, kDJointRate = 24;
+inline constexpr int kDPos = 0, kDTheta = 3, kDJoint = 6, kDVel = 18, kDOmega = 21,
+                     kDJointRate = 24;
 
 // Contact: four sole corners on each of two feet (0 right, 1 left), three force components each.
 inline constexpr int kNumFeet = 2;

@@ -5,7 +5,8 @@
 namespace sanso::model {
 namespace {
 
-// Radii of the transitions [m]: at 1.3 m/s the body turns with at most 1.6 rad/s, and a 0.1 m sole sags under 2 mm.
+// Radii of the transitions [m]: at 1.3 m/s the body turns with at most 1.6 rad/s, and a 0.1 m sole
+// sags under 2 mm.
 constexpr double kConvexRadius = 0.8, kConcaveRadius = 1.0;
 constexpr double kKickerStraight = 0.09;  // m, so that the pitch rate dies out before the lip
 
@@ -50,7 +51,9 @@ const GroundSegment& segment_at(const Ground& g, double x) {
   return g.segment[i];
 }
 
-double end_sin(const GroundSegment& s, double x) { return s.sin_slope + s.curvature * (x - s.x_start); }
+double end_sin(const GroundSegment& s, double x) {
+  return s.sin_slope + s.curvature * (x - s.x_start);
+}
 
 }  // namespace
 
@@ -70,10 +73,13 @@ Ground make_ramp(double drop, double angle, double top_length) {
   return b.finish();
 }
 
-Ground make_jump_ramp(double drop, double angle, double exit_angle, double lip_step, double top_length) {
+Ground make_jump_ramp(double drop, double angle, double exit_angle, double lip_step,
+                      double top_length) {
   // net drop from the top to the lip: the run-in must lose what the kicker gains
-  const double gained = arc_drop(exit_angle, kConcaveRadius) + kKickerStraight * std::tan(exit_angle);
-  const double straight = drop + gained - arc_drop(angle, kConvexRadius) - arc_drop(angle, kConcaveRadius);
+  const double gained =
+      arc_drop(exit_angle, kConcaveRadius) + kKickerStraight * std::tan(exit_angle);
+  const double straight =
+      drop + gained - arc_drop(angle, kConvexRadius) - arc_drop(angle, kConcaveRadius);
   ProfileBuilder b;
   b.line(top_length);
   b.arc_to(-angle, kConvexRadius);
@@ -87,7 +93,8 @@ Ground make_jump_ramp(double drop, double angle, double exit_angle, double lip_s
 
 double ground_height(const Ground& ground, double x) {
   const GroundSegment& s = segment_at(ground, x);
-  return s.z + (x - s.x_start) * std::tan(0.5 * (std::asin(s.sin_slope) + std::asin(end_sin(s, x))));
+  return s.z +
+         (x - s.x_start) * std::tan(0.5 * (std::asin(s.sin_slope) + std::asin(end_sin(s, x))));
 }
 
 double ground_slope(const Ground& ground, double x) {

@@ -1,5 +1,6 @@
 // The twelve controlled joints: order, names, servo ids and limits. Declared here and nowhere else.
-// Figures: ROBOTIS OP3 URDF (names, signs), ROBOTIS OP3 device file (ids), ROBOTIS OP3 kinematics (limits x pi rad).
+// Figures: ROBOTIS OP3 URDF (names, signs), ROBOTIS OP3 device file (ids), ROBOTIS OP3 kinematics
+// (limits x pi rad).
 #pragma once
 
 #include <array>

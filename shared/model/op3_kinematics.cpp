@@ -25,7 +25,8 @@ struct LinkVelocity {
 };
 
 template <class Visit>
-void for_each_link_velocity(const StepModel& model, const Kinematics& kin, const State& x, Visit visit) {
+void for_each_link_velocity(const StepModel& model, const Kinematics& kin, const State& x,
+                            Visit visit) {
   Vec3 w[kNumBodies], v[kNumBodies];
   w[0] = kin.R_world_link[0] * x.segment<3>(kXOmega);
   v[0] = x.segment<3>(kXVel);
@@ -46,7 +47,8 @@ Mat3 central_inertia(const StepModel::Body& b, const Mat3& R) {
   Mat3 about_origin;
   about_origin << I[0], I[1], I[2], I[1], I[3], I[4], I[2], I[4], I[5];
   const Mat3 S = math::skew(vec(b.first_moment));
-  return R * (about_origin + S * S / b.mass) * R.transpose();  // skew(c)^2 m = -(parallel-axis term)
+  // skew(c)^2 m = -(parallel-axis term)
+  return R * (about_origin + S * S / b.mass) * R.transpose();
 }
 
 }  // namespace
@@ -58,7 +60,8 @@ void forward_kinematics(const State& x, Kinematics& kin) {
     const JointGeometry& g = kOp3Joints[j];
     const int child = j + 1, parent = parent_body(child);
     kin.p_world_link[child] = kin.p_world_link[parent] + kin.R_world_link[parent] * vec(g.origin);
-    kin.R_world_link[child] = kin.R_world_link[parent] * axis_rotation(g.axis, g.sign * x[kXJoint + j]);
+    kin.R_world_link[child] =
+        kin.R_world_link[parent] * axis_rotation(g.axis, g.sign * x[kXJoint + j]);
     kin.axis_world[j] = g.sign * kin.R_world_link[parent].col(g.axis);
   }
 }
@@ -69,7 +72,9 @@ Vec3 sole_corner_in_foot(int foot, int corner) {
   return {front ? kSoleFront : kSoleBack, side * (outer ? kSoleOuter : kSoleInner), kSoleHeight};
 }
 
-Vec3 sole_centre_in_foot(int foot) { return 0.5 * (sole_corner_in_foot(foot, 0) + sole_corner_in_foot(foot, 2)); }
+Vec3 sole_centre_in_foot(int foot) {
+  return 0.5 * (sole_corner_in_foot(foot, 0) + sole_corner_in_foot(foot, 2));
+}
 
 Eigen::Matrix<double, 3, kNv> point_jacobian(const Kinematics& kin, int body, const Vec3& p_world) {
   Eigen::Matrix<double, 3, kNv> J = Eigen::Matrix<double, 3, kNv>::Zero();
@@ -90,7 +95,8 @@ Eigen::Matrix<double, 3, kNv> rotation_jacobian(const Kinematics& kin, int body)
 Vec3 centre_of_mass(const StepModel& model, const Kinematics& kin) {
   Vec3 moment = Vec3::Zero();
   for (int i = 0; i < kNumBodies; ++i)
-    moment += model.body[i].mass * kin.p_world_link[i] + kin.R_world_link[i] * vec(model.body[i].first_moment);
+    moment += model.body[i].mass * kin.p_world_link[i] +
+              kin.R_world_link[i] * vec(model.body[i].first_moment);
   return moment / model.body[0].subtree_mass;
 }
 
@@ -100,7 +106,8 @@ Momentum momentum(const StepModel& model, const Kinematics& kin, const State& x)
   for_each_link_velocity(model, kin, x, [&](int i, const LinkVelocity& link, const Vec3& p_com) {
     const Vec3 linear = model.body[i].mass * link.v_com;
     total.linear += linear;
-    total.angular += central_inertia(model.body[i], kin.R_world_link[i]) * link.w + (p_com - com).cross(linear);
+    total.angular +=
+        central_inertia(model.body[i], kin.R_world_link[i]) * link.w + (p_com - com).cross(linear);
   });
   return total;
 }

@@ -1,6 +1,9 @@
-// Kinematics of the controlled OP3 in world axes: link poses, feet, sole corners, Jacobians, centre of mass, momentum.
-// Plain and readable; the fast path of the dynamics has its own (kernel/leg.h), and tests hold the two together.
-// Frames: world; base = body_link; link j + 1 is moved by joint j; foot = ankle-roll link (6 right, 12 left).
+// Kinematics of the controlled OP3 in world axes: link poses, feet, sole corners, Jacobians, centre
+// of mass, momentum.
+// Plain and readable; the fast path of the dynamics has its own (kernel/leg.h), and tests hold the
+// two together.
+// Frames: world; base = body_link; link j + 1 is moved by joint j; foot = ankle-roll link (6 right,
+// 12 left).
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +30,8 @@ struct Kinematics {
 /// Poses of all links for a state. Cost: 12 rotations; no allocation.
 void forward_kinematics(const State& x, Kinematics& kin);
 
-/// Corner of a sole in foot axes [m]; corner order as kernel/contact.h: front outer, back outer, back inner, front inner.
+/// Corner of a sole in foot axes [m]; corner order as kernel/contact.h: front outer, back outer,
+/// back inner, front inner.
 Vec3 sole_corner_in_foot(int foot, int corner);
 /// Centre of the four corners in foot axes [m].
 Vec3 sole_centre_in_foot(int foot);
@@ -35,7 +39,8 @@ inline Vec3 point_in_world(const Kinematics& kin, int body, const Vec3& p_body) 
   return kin.p_world_link[body] + kin.R_world_link[body] * p_body;
 }
 
-/// Jacobian of a body-fixed point: velocity in world axes = J (3 x 18) [v_base_in_world | w_base_in_base | joint rates].
+/// Jacobian of a body-fixed point: velocity in world axes = J (3 x 18) [v_base_in_world |
+/// w_base_in_base | joint rates].
 Eigen::Matrix<double, 3, kNv> point_jacobian(const Kinematics& kin, int body, const Vec3& p_world);
 /// Jacobian of a body's angular velocity in world axes, same columns.
 Eigen::Matrix<double, 3, kNv> rotation_jacobian(const Kinematics& kin, int body);
@@ -48,10 +53,12 @@ struct Momentum {
   Vec3 angular;  // kg m^2/s, about the centre of mass, world axes
 };
 Momentum momentum(const StepModel& model, const Kinematics& kin, const State& x);
-/// Kinetic + potential energy [J] without armature; height measured along gravity from the world origin.
+/// Kinetic + potential energy [J] without armature; height measured along gravity from the world
+/// origin.
 double energy(const StepModel& model, const Kinematics& kin, const State& x);
 
-/// The symmetric upright stand of the public figures (base 0.2442 m above the sole, knees bent 65 deg), at rest on z = 0.
+/// The symmetric upright stand of the public figures (base 0.2442 m above the sole, knees bent 65
+/// deg), at rest on z = 0.
 State standing_state();
 
 }  // namespace sanso::model

@@ -2,8 +2,8 @@
 
 namespace sanso::model {
 
-void analytical_step(const StepModel& model, const Ground& ground, const double* x, const double* u, double h,
-                     int substeps, double* x_next, StepScratch& scratch) {
+void analytical_step(const StepModel& model, const Ground& ground, const double* x, const double* u,
+                     double h, int substeps, double* x_next, StepScratch& scratch) {
   portable::analytical_step(model, ground, x, u, h, substeps, x_next, scratch);
 }
 

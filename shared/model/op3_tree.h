@@ -1,5 +1,5 @@
-// The controlled OP3 as a generic tree: the second witness of the specialised dynamics, and a start for tools that work
-// on any robot.
+// The controlled OP3 as a generic tree: the second witness of the specialised dynamics, and a start
+// for tools that work on any robot.
 #pragma once
 
 #include "shared/model/step_model.h"

@@ -1,9 +1,12 @@
-// The layout of state, tangent and input of the controlled OP3: the only place where the orders are written
-// (sizes and offsets as constants: dimensions.h).
+// The layout of state, tangent and input of the controlled OP3: the only place where the orders are
+// written (sizes and offsets as constants: dimensions.h).
 //
-// State x   (37) [p_world_base 0..2 | quat_world_base wxyz 3..6 | q 7..18 | v_base_in_world 19..21 |
-//                 w_base_in_base 22..24 | dq 25..36]                      m, -, rad, m/s, rad/s, rad/s
-// Tangent d (36) [dp 0..2 | dtheta 3..5 | dq 6..17 | dv 18..20 | dw 21..23 | ddq 24..35], dtheta in base axes
+// State x   (37) [p_world_base 0..2 | quat_world_base wxyz 3..6 | q 7..18 | v_base_in_world 19..21
+// |
+//                 w_base_in_base 22..24 | dq 25..36]                      m, -, rad, m/s, rad/s,
+//                 rad/s
+// Tangent d (36) [dp 0..2 | dtheta 3..5 | dq 6..17 | dv 18..20 | dw 21..23 | ddq 24..35], dtheta in
+// base axes
 // Input u   (12) target joint angles, rad, in the order of joints.h
 // This is MuJoCo's qpos | qvel, so plant and peer need no permutation.
 #pragma once
@@ -53,6 +56,8 @@ inline Tangent minus(const State& a, const State& b) {
 }
 
 /// The state between a (s = 0) and b (s = 1): linear, orientation along the geodesic.
-inline State interpolate(const State& a, const State& b, double s) { return plus(a, s * minus(b, a)); }
+inline State interpolate(const State& a, const State& b, double s) {
+  return plus(a, s * minus(b, a));
+}
 
 }  // namespace sanso::model

@@ -4,10 +4,12 @@ namespace sanso::model {
 namespace {
 
 constexpr ServoParameters kXm430{
-    .stiffness = 13.2,     // 4.1 N m x 560 / 128 x 651.9 / 885 duty per rad   [XM430 data sheet, P gain 560]
-    .damping = 1.0,        // 0.85 back-EMF (4.1 N m at stall, 4.82 rad/s without load) + 0.15 viscous
-    .armature = 0.03,      // middle of the plausible interval 0.012 .. 0.045
-    .coulomb = 0.0,        // dry friction switches sign inside a step: left to the residual model by default
+    .stiffness =
+        13.2,  // 4.1 N m x 560 / 128 x 651.9 / 885 duty per rad   [XM430 data sheet, P gain 560]
+    .damping = 1.0,    // 0.85 back-EMF (4.1 N m at stall, 4.82 rad/s without load) + 0.15 viscous
+    .armature = 0.03,  // middle of the plausible interval 0.012 .. 0.045
+    .coulomb =
+        0.0,  // dry friction switches sign inside a step: left to the residual model by default
     .torque_limit = 4.1};  // stall at 12 V
 
 // Inertia about the link origin from inertia about the centre of mass (parallel-axis theorem).
@@ -15,8 +17,9 @@ StepModel::Body about_origin(const BodyInertia& b) {
   const double m = b.mass, x = b.com[0], y = b.com[1], z = b.com[2];
   return {.mass = m,
           .first_moment = {m * x, m * y, m * z},
-          .inertia = {b.inertia[0] + m * (y * y + z * z), b.inertia[1] - m * x * y, b.inertia[2] - m * x * z,
-                      b.inertia[3] + m * (x * x + z * z), b.inertia[4] - m * y * z, b.inertia[5] + m * (x * x + y * y)},
+          .inertia = {b.inertia[0] + m * (y * y + z * z), b.inertia[1] - m * x * y,
+                      b.inertia[2] - m * x * z, b.inertia[3] + m * (x * x + z * z),
+                      b.inertia[4] - m * y * z, b.inertia[5] + m * (x * x + y * y)},
           .subtree_mass = m};
 }
 
@@ -36,7 +39,8 @@ StepModel make_step_model(const ModelParameters& theta) {
   // each leg is a chain: add from the foot upwards, then both legs to the base
   for (int leg = 0; leg < kNumFeet; ++leg) {
     const int hip = 1 + 6 * leg;
-    for (int i = hip + 4; i >= hip; --i) model.body[i].subtree_mass += model.body[i + 1].subtree_mass;
+    for (int i = hip + 4; i >= hip; --i)
+      model.body[i].subtree_mass += model.body[i + 1].subtree_mass;
     model.body[0].subtree_mass += model.body[hip].subtree_mass;
   }
   for (int j = 0; j < kNumJoints; ++j) model.servo[j] = theta.servo[j];

@@ -1,5 +1,7 @@
-// What the one-step model needs to know: parameters theta (masses, servos, friction) and their derived, constant form.
-// Plain data without functions of its own, so that units compiled for different instruction sets may share it.
+// What the one-step model needs to know: parameters theta (masses, servos, friction) and their
+// derived, constant form.
+// Plain data without functions of its own, so that units compiled for different instruction sets
+// may share it.
 #pragma once
 
 #include "shared/model/dimensions.h"
@@ -9,8 +11,9 @@ namespace sanso::model {
 
 /// One P-controlled servo at its output shaft.
 struct ServoParameters {
-  double stiffness;     // N m/rad, torque per position error
-  double damping;       // N m s/rad, back-EMF and viscous friction: the torque-speed line of the motor
+  double stiffness;  // N m/rad, torque per position error
+  // N m s/rad, back-EMF and viscous friction: the torque-speed line of the motor
+  double damping;
   double armature;      // kg m^2, rotor inertia seen at the output
   double coulomb;       // N m, dry friction
   double torque_limit;  // N m, stall torque at full duty
@@ -20,21 +23,25 @@ struct ServoParameters {
 struct ModelParameters {
   BodyInertia body[kNumBodies];
   ServoParameters servo[kNumJoints];
-  double friction_forward;  // along the foot's x axis (rolling direction of a skate), -
-  double friction_sideways; // across it, -
+  double friction_forward;   // along the foot's x axis (rolling direction of a skate), -
+  double friction_sideways;  // across it, -
 };
 
 /// OP3 figures; XM430-W350 at 12 V with the position gain register at 560.
 /// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
 ModelParameters nominal_parameters();
 
-/// Contact solver: rounds of sweeps and a Newton step until every lane is solved; near a solution Newton first. Bounded.
+/// Contact solver: rounds of sweeps and a Newton step until every lane is solved; near a solution
+/// Newton first. Bounded.
 struct ContactSettings {
-  int sweeps = 8;               // of a round: they find which rows touch, stick and slide
-  int rounds = 12;              // at most; nearly all states need one or two (kernel/contact_newton.h)
-  double tolerance = 1e-11;     // N s: solved when the impulses are that near to their own projection
-  double regularization = 0.03; // softness relative to the diagonal: makes forces unique; a standing OP3 sinks 0.8 mm
-  double recovery = 0.3;        // share of a penetration that one step removes
+  int sweeps = 8;  // of a round: they find which rows touch, stick and slide
+  // at most; nearly all states need one or two (kernel/contact_newton.h)
+  int rounds = 12;
+  // N s: solved when the impulses are that near to their own projection
+  double tolerance = 1e-11;
+  // softness relative to the diagonal: makes forces unique; a standing OP3 sinks 0.8 mm
+  double regularization = 0.03;
+  double recovery = 0.3;  // share of a penetration that one step removes
 };
 
 /// Derived constants of one set of parameters. Build with make_step_model, then never change it.

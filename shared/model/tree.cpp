@@ -70,21 +70,23 @@ void composite_bodies(const Tree& tree, TreeScratch& s) {
 struct Momentum {
   Vec3 linear, angular;  // angular about `origin`
 };
-Momentum composite_momentum(const TreeScratch& s, int e, const Vec3& origin, const Vec3& w, const Vec3& v) {
+Momentum composite_momentum(const TreeScratch& s, int e, const Vec3& origin, const Vec3& w,
+                            const Vec3& v) {
   const Vec3 c = s.com[e] - origin;
   const Vec3 linear = s.mass[e] * (v + w.cross(c));
   return {linear, s.inertia[e] * w + c.cross(linear)};
 }
 
 // Component of a momentum (given about `origin`) along the motion of joint i.
-double along_joint(const Tree& tree, const TreeKinematics& kin, int i, const Momentum& h, const Vec3& origin) {
+double along_joint(const Tree& tree, const TreeKinematics& kin, int i, const Momentum& h,
+                   const Vec3& origin) {
   const Vec3& axis = kin.axis_world[entry_of(i)];
   if (tree.joints[i].kind == JointKind::prismatic) return axis.dot(h.linear);
   return axis.dot(h.angular + (origin - kin.p_world_link[entry_of(i)]).cross(h.linear));
 }
 
-void base_rows(const Tree& tree, const TreeKinematics& kin, const Momentum& h, const Vec3& origin, int column,
-               TreeMatrix& M) {
+void base_rows(const Tree& tree, const TreeKinematics& kin, const Momentum& h, const Vec3& origin,
+               int column, TreeMatrix& M) {
   if (!tree.floating) return;
   const Vec3 about_base = h.angular + (origin - kin.p_world_link[0]).cross(h.linear);
   M.block<3, 1>(0, column) = h.linear;
@@ -105,7 +107,8 @@ LinkInertia combined(const LinkInertia& a, const LinkInertia& b) {
 }
 
 void forward_kinematics(const Tree& tree, const TreeVector& q, TreeKinematics& out) {
-  out.R_world_link[0] = tree.floating ? math::rotation_matrix(q.segment<4>(3)) : Mat3(Mat3::Identity());
+  out.R_world_link[0] =
+      tree.floating ? math::rotation_matrix(q.segment<4>(3)) : Mat3(Mat3::Identity());
   out.p_world_link[0] = tree.floating ? Vec3(q.segment<3>(0)) : Vec3(Vec3::Zero());
   out.axis_world[0] = Vec3::Zero();
   const int first = tree.floating ? 7 : 0;
@@ -113,19 +116,21 @@ void forward_kinematics(const Tree& tree, const TreeVector& q, TreeKinematics& o
     const TreeJoint& joint = tree.joints[i];
     const int e = entry_of(i), parent = entry_of(joint.parent);
     const Mat3 R_world_link0 = out.R_world_link[parent] * joint.R_parent_link0;
-    out.p_world_link[e] = out.p_world_link[parent] + out.R_world_link[parent] * joint.p_parent_link0;
+    out.p_world_link[e] =
+        out.p_world_link[parent] + out.R_world_link[parent] * joint.p_parent_link0;
     out.axis_world[e] = R_world_link0 * joint.axis;
     out.R_world_link[e] = R_world_link0;
     if (joint.kind == JointKind::revolute) {
-      out.R_world_link[e] = R_world_link0 * math::rotation_matrix(math::quat_exp(q[first + i] * joint.axis));
+      out.R_world_link[e] =
+          R_world_link0 * math::rotation_matrix(math::quat_exp(q[first + i] * joint.axis));
     } else {
       out.p_world_link[e] += q[first + i] * out.axis_world[e];
     }
   }
 }
 
-void rnea(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& dv, TreeScratch& s,
-          TreeVector& tau) {
+void rnea(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& dv,
+          TreeScratch& s, TreeVector& tau) {
   forward_kinematics(tree, q, s.kin);
   base_motion(tree, v, dv, s);
   const int n = tree.num_joints(), first = tree.first_joint_v();
@@ -158,8 +163,8 @@ void rnea(const Tree& tree, const TreeVector& q, const TreeVector& v, const Tree
     const TreeJoint& joint = tree.joints[i];
     const int e = entry_of(i), p = entry_of(joint.parent);
     const Vec3& axis = s.kin.axis_world[e];
-    tau[first + i] =
-        axis.dot(joint.kind == JointKind::revolute ? s.moment[e] : s.force[e]) + joint.armature * dv[first + i];
+    tau[first + i] = axis.dot(joint.kind == JointKind::revolute ? s.moment[e] : s.force[e]) +
+                     joint.armature * dv[first + i];
     s.moment[p] += s.moment[e] + (s.kin.p_world_link[e] - s.kin.p_world_link[p]).cross(s.force[e]);
     s.force[p] += s.force[e];
   }
@@ -175,7 +180,8 @@ void crba(const Tree& tree, const TreeVector& q, TreeScratch& s, TreeMatrix& M) 
   const int n = tree.num_joints(), first = tree.first_joint_v();
   M.setZero(tree.nv(), tree.nv());
 
-  // column of joint j: momentum of everything behind it per unit rate, seen by each joint on the way to the base
+  // column of joint j: momentum of everything behind it per unit rate, seen by each joint on the
+  // way to the base
   for (int j = 0; j < n; ++j) {
     const int e = entry_of(j);
     const Vec3& origin = s.kin.p_world_link[e];
@@ -192,15 +198,17 @@ void crba(const Tree& tree, const TreeVector& q, TreeScratch& s, TreeMatrix& M) 
   if (!tree.floating) return;
   for (int k = 0; k < 3; ++k) {
     const Vec3& origin = s.kin.p_world_link[0];
-    base_rows(tree, s.kin, composite_momentum(s, 0, origin, Vec3::Zero(), Vec3::Unit(k)), origin, k, M);
-    base_rows(tree, s.kin, composite_momentum(s, 0, origin, s.kin.R_world_link[0].col(k), Vec3::Zero()), origin, 3 + k,
+    base_rows(tree, s.kin, composite_momentum(s, 0, origin, Vec3::Zero(), Vec3::Unit(k)), origin, k,
               M);
+    base_rows(tree, s.kin,
+              composite_momentum(s, 0, origin, s.kin.R_world_link[0].col(k), Vec3::Zero()), origin,
+              3 + k, M);
   }
   M.bottomLeftCorner(n, 6) = M.topRightCorner(6, n).transpose();
 }
 
-Status forward_dynamics(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& tau,
-                        TreeScratch& s, TreeVector& dv) {
+Status forward_dynamics(const Tree& tree, const TreeVector& q, const TreeVector& v,
+                        const TreeVector& tau, TreeScratch& s, TreeVector& dv) {
   dv.setZero(tree.nv());
   rnea(tree, q, v, dv, s, s.bias);
   crba(tree, q, s, s.M);
@@ -215,7 +223,8 @@ void point_jacobian(const Tree& tree, const TreeKinematics& kin, int link, const
                     TreeJacobian& linear, TreeJacobian& angular) {
   linear.setZero(3, tree.nv());
   angular.setZero(3, tree.nv());
-  const Vec3 p_world_point = kin.p_world_link[entry_of(link)] + kin.R_world_link[entry_of(link)] * p_link_point;
+  const Vec3 p_world_point =
+      kin.p_world_link[entry_of(link)] + kin.R_world_link[entry_of(link)] * p_link_point;
   const int first = tree.first_joint_v();
   for (int i = link; i >= 0; i = tree.joints[i].parent) {
     const Vec3& axis = kin.axis_world[entry_of(i)];

@@ -1,10 +1,13 @@
-// Any robot that is a tree of one-degree-of-freedom joints, on a fixed or a floating base: kinematics, inverse and
-// forward dynamics, Jacobians, energy. Size known at run time, storage fixed: no heap. The controlled OP3 has its own,
-// faster code (op3_step.h); this one serves every other robot and is the second witness for it.
+// Any robot that is a tree of one-degree-of-freedom joints, on a fixed or a floating base:
+// kinematics, inverse and forward dynamics, Jacobians, energy. Size known at run time, storage
+// fixed: no heap. The controlled OP3 has its own, faster code (op3_step.h); this one serves every
+// other robot and is the second witness for it.
 //
 // Coordinates    q = [p_world_base 3 | quat_world_base 4 | joints n] (floating), [joints n] (fixed)
-// Velocity       v = [v_base_in_world 3 | w_base_in_base 3 | joint rates n], or [joint rates n]: MuJoCo's qpos, qvel.
-// Forces         dual to v: base force in world axes, base moment in base axes, joint torques (N m) or forces (N).
+// Velocity       v = [v_base_in_world 3 | w_base_in_base 3 | joint rates n], or [joint rates n]:
+// MuJoCo's qpos, qvel.
+// Forces         dual to v: base force in world axes, base moment in base axes, joint torques (N m)
+// or forces (N).
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +24,8 @@ using math::Vec3;
 inline constexpr int kMaxTreeJoints = 32;
 inline constexpr int kMaxTreeNv = kMaxTreeJoints + 6;
 
-/// Mass properties of a link: mass kg; centre of mass from the link's origin, m, link axes; rotational inertia about
-/// the centre of mass, kg m^2, link axes.
+/// Mass properties of a link: mass kg; centre of mass from the link's origin, m, link axes;
+/// rotational inertia about the centre of mass, kg m^2, link axes.
 struct LinkInertia {
   double mass = 0.0;
   Vec3 com = Vec3::Zero();
@@ -34,7 +37,8 @@ LinkInertia combined(const LinkInertia& a, const LinkInertia& b);
 
 enum class JointKind : std::uint8_t { revolute, prismatic };
 
-/// A joint and the link that it moves. At joint position 0 the link's frame is fixed in its parent at (R, p).
+/// A joint and the link that it moves. At joint position 0 the link's frame is fixed in its parent
+/// at (R, p).
 struct TreeJoint {
   int parent = -1;  // index of the parent joint's link, smaller than its own; -1 = base
   JointKind kind = JointKind::revolute;
@@ -83,20 +87,21 @@ struct TreeScratch {
 /// Positions and axes of all links for q (nq).  Cost O(n).
 void forward_kinematics(const Tree& tree, const TreeVector& q, TreeKinematics& out);
 
-/// Inverse dynamics: generalised forces (nv) that make `dv` (nv) happen in (q, v).   [Featherstone 2008, ch. 5]
-void rnea(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& dv, TreeScratch& scratch,
-          TreeVector& tau);
+/// Inverse dynamics: generalised forces (nv) that make `dv` (nv) happen in (q, v).   [Featherstone
+/// 2008, ch. 5]
+void rnea(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& dv,
+          TreeScratch& scratch, TreeVector& tau);
 
 /// Joint-space inertia M(q) (nv x nv), symmetric, armature included.   [Featherstone 2008, ch. 6]
 void crba(const Tree& tree, const TreeVector& q, TreeScratch& scratch, TreeMatrix& M);
 
-/// Accelerations (nv) under generalised forces tau (nv): M dv = tau - bias. not_ready when M is not positive definite
-/// (a link without mass and armature).
-Status forward_dynamics(const Tree& tree, const TreeVector& q, const TreeVector& v, const TreeVector& tau,
-                        TreeScratch& scratch, TreeVector& dv);
+/// Accelerations (nv) under generalised forces tau (nv): M dv = tau - bias. not_ready when M is not
+/// positive definite (a link without mass and armature).
+Status forward_dynamics(const Tree& tree, const TreeVector& q, const TreeVector& v,
+                        const TreeVector& tau, TreeScratch& scratch, TreeVector& dv);
 
-/// Jacobians of a point fixed to link `link` (-1 = base), given in link axes: v -> velocity of the point and angular
-/// velocity of the link, both in world axes. Needs forward_kinematics.
+/// Jacobians of a point fixed to link `link` (-1 = base), given in link axes: v -> velocity of the
+/// point and angular velocity of the link, both in world axes. Needs forward_kinematics.
 void point_jacobian(const Tree& tree, const TreeKinematics& kin, int link, const Vec3& p_link_point,
                     TreeJacobian& linear, TreeJacobian& angular);
 
@@ -106,7 +111,8 @@ struct TreeEnergy {
 };
 TreeEnergy energy(const Tree& tree, const TreeVector& q, const TreeVector& v, TreeScratch& scratch);
 
-/// q after moving with the constant velocity v for `dt` seconds (base orientation by the exponential map).
+/// q after moving with the constant velocity v for `dt` seconds (base orientation by the
+/// exponential map).
 TreeVector integrate(const Tree& tree, const TreeVector& q, const TreeVector& v, double dt);
 
 }  // namespace sanso::model

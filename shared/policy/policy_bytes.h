@@ -1,6 +1,7 @@
-// The byte form of an upper policy and of a middle-layer table, as uploaded to the controller. Numbers travel as
-// 32-bit floats: half the datagrams, and 1e-7 relative is far below an encoder count. Whoever predicts with a policy
-// that a controller executes must use the rounded values: call round_to_wire() before both.
+// The byte form of an upper policy and of a middle-layer table, as uploaded to the controller.
+// Numbers travel as 32-bit floats: half the datagrams, and 1e-7 relative is far below an encoder
+// count. Whoever predicts with a policy that a controller executes must use the rounded values:
+// call round_to_wire() before both.
 #pragma once
 
 #include <span>
@@ -24,8 +25,9 @@ void round_to_wire(MiddleTable& table);
 Result<std::size_t> to_bytes(const UpperPolicy& policy, std::span<std::uint8_t> buffer);
 Result<std::size_t> to_bytes(const MiddleTable& table, std::span<std::uint8_t> buffer);
 
-/// ok, or malformed: wrong length, a number that is not finite, a quaternion that is none, no knots, a spacing below
-/// one tick. `out` is written in place (it may be large) and is cleared of knots when the bytes are malformed.
+/// ok, or malformed: wrong length, a number that is not finite, a quaternion that is none, no
+/// knots, a spacing below one tick. `out` is written in place (it may be large) and is cleared of
+/// knots when the bytes are malformed.
 Status from_bytes(std::span<const std::uint8_t> data, UpperPolicy& out);
 Status from_bytes(std::span<const std::uint8_t> data, MiddleTable& out);
 

@@ -11,7 +11,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kInnerStep_s = 0.001;
 constexpr int kInnerSteps = 10;
 
-/// 1 before `fade_start`, 0 from 1 on, half a cosine in between. `s` is the fraction of the duration.
+/// 1 before `fade_start`, 0 from 1 on, half a cosine in between. `s` is the fraction of the
+/// duration.
 double fade(double s, double fade_start) {
   if (s <= fade_start) return 1.0;
   if (s >= 1.0) return 0.0;
@@ -29,7 +30,8 @@ BasisWindow discrete_basis(const PrimitiveSet& set, double s) {
   BasisWindow window;
   const double gate = fade(s, set.fade_start);
   if (gate == 0.0) return window;
-  // centres c_i = i / (N - 1), width = spacing: psi_i = exp(-(position - i)^2) with position = s (N - 1)
+  // centres c_i = i / (N - 1), width = spacing: psi_i = exp(-(position - i)^2) with position = s (N
+  // - 1)
   const double position = std::max(s, 0.0) * (set.num_basis - 1);
   const int centre = static_cast<int>(std::lround(position));
   for (int i = centre - BasisWindow::kHalfWidth; i <= centre + BasisWindow::kHalfWidth; ++i) {
@@ -61,9 +63,13 @@ BasisWindow rhythmic_basis(const PrimitiveSet& set, double t_s) {
 
 }  // namespace
 
-double PrimitiveSet::tau() const { return form == PrimitiveForm::discrete ? duration_s : period_s / (2.0 * kPi); }
+double PrimitiveSet::tau() const {
+  return form == PrimitiveForm::discrete ? duration_s : period_s / (2.0 * kPi);
+}
 
-int PrimitiveSet::duration_ticks() const { return static_cast<int>(std::lround(duration_s / kPrimitiveStep_s)); }
+int PrimitiveSet::duration_ticks() const {
+  return static_cast<int>(std::lround(duration_s / kPrimitiveStep_s));
+}
 
 model::State PrimitiveSet::start_state() const {
   model::State x = model::neutral_state();
@@ -76,12 +82,14 @@ model::State PrimitiveSet::start_state() const {
     x[model::kXJointRate + j] = scalar[3 + j].start_rate + scalar[3 + j].drift;
   }
   x.segment<4>(model::kXQuat) = orientation.start;
-  x.segment<3>(model::kXOmega) = math::rotation_matrix(orientation.start).transpose() * orientation.start_rate;
+  x.segment<3>(model::kXOmega) =
+      math::rotation_matrix(orientation.start).transpose() * orientation.start_rate;
   return x;
 }
 
 BasisWindow active_basis(const PrimitiveSet& set, double t_s) {
-  return set.form == PrimitiveForm::discrete ? discrete_basis(set, t_s / set.duration_s) : rhythmic_basis(set, t_s);
+  return set.form == PrimitiveForm::discrete ? discrete_basis(set, t_s / set.duration_s)
+                                             : rhythmic_basis(set, t_s);
 }
 
 void PrimitivePlayer::reset(const PrimitiveSet& set) {
@@ -126,7 +134,8 @@ PrimitivePlayer::Forcing PrimitivePlayer::forcing_at(double t_s) const {
   return forcing;
 }
 
-/// e'' + 2 lambda e' + lambda^2 e = a0 + (a1 - a0) t / h with e = y - g, solved exactly over the tick:
+/// e'' + 2 lambda e' + lambda^2 e = a0 + (a1 - a0) t / h with e = y - g, solved exactly over the
+/// tick:
 /// e(t) = (A + B t) exp(-lambda t) + c0 + c1 t.
 void PrimitivePlayer::step_scalar(int i, double a0, double a1) {
   constexpr double h = kPrimitiveStep_s;
@@ -142,13 +151,13 @@ void PrimitivePlayer::step_scalar(int i, double a0, double a1) {
 void PrimitivePlayer::step_orientation(const math::Vec3& a0, const math::Vec3& a1) {
   for (int k = 0; k < kInnerSteps; ++k) {
     const math::Vec3 a = a0 + (a1 - a0) * ((k + 0.5) / kInnerSteps);
-    const math::Vec3 error_in_world =
-        math::quat_log(math::quat_multiply(set_->orientation.goal, math::quat_conjugate(quat_world_base_)));
+    const math::Vec3 error_in_world = math::quat_log(
+        math::quat_multiply(set_->orientation.goal, math::quat_conjugate(quat_world_base_)));
     // implicit in the damping, so that short periods stay stable
     const math::Vec3 w = w_base_in_world_ + kInnerStep_s * (lambda_ * lambda_ * error_in_world + a);
     w_base_in_world_ = w / (1.0 + 2.0 * lambda_ * kInnerStep_s);
-    quat_world_base_ =
-        math::quat_normalized(math::quat_multiply(math::quat_exp(kInnerStep_s * w_base_in_world_), quat_world_base_));
+    quat_world_base_ = math::quat_normalized(
+        math::quat_multiply(math::quat_exp(kInnerStep_s * w_base_in_world_), quat_world_base_));
   }
 }
 
@@ -163,7 +172,8 @@ void PrimitivePlayer::compose_state() {
     x_[model::kXJointRate + j] = v_[3 + j] + set_->scalar[3 + j].drift;
   }
   x_.segment<4>(model::kXQuat) = quat_world_base_;
-  x_.segment<3>(model::kXOmega) = math::rotation_matrix(quat_world_base_).transpose() * w_base_in_world_;
+  x_.segment<3>(model::kXOmega) =
+      math::rotation_matrix(quat_world_base_).transpose() * w_base_in_world_;
 }
 
 }  // namespace sanso::policy

@@ -1,5 +1,6 @@
-// Bytes of a primitive set: little-endian, doubles for what is few, floats for the weights (1e-7 of full scale: below
-// any servo's resolution). Layout: version, form, num_basis (u16), duration, period, fade_start, 15 scalars, orientation.
+// Bytes of a primitive set: little-endian, doubles for what is few, floats for the weights (1e-7 of
+// full scale: below any servo's resolution). Layout: version, form, num_basis (u16), duration,
+// period, fade_start, 15 scalars, orientation.
 #include <bit>
 #include <cmath>
 
@@ -9,10 +10,10 @@ namespace sanso::policy {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-constexpr double kMaxLength_m = 20.0;       // farther than any motion of 60 s goes
-constexpr double kMaxAngle_rad = 3.2;       // a servo's range
-constexpr double kMaxRate = 50.0;           // rad/s or m/s: ten times what the servo can do
-constexpr double kMaxWeight = 1e9f;         // forcing of 60 s motions at the highest acceleration
+constexpr double kMaxLength_m = 20.0;  // farther than any motion of 60 s goes
+constexpr double kMaxAngle_rad = 3.2;  // a servo's range
+constexpr double kMaxRate = 50.0;      // rad/s or m/s: ten times what the servo can do
+constexpr double kMaxWeight = 1e9f;    // forcing of 60 s motions at the highest acceleration
 constexpr double kQuatTolerance = 1e-6;
 
 class ByteWriter {
@@ -20,7 +21,8 @@ class ByteWriter {
   explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
   template <class Unsigned>
   void put_unsigned(Unsigned value) {
-    for (std::size_t k = 0; k < sizeof(Unsigned); ++k) out_[at_++] = static_cast<std::uint8_t>(value >> (8 * k));
+    for (std::size_t k = 0; k < sizeof(Unsigned); ++k)
+      out_[at_++] = static_cast<std::uint8_t>(value >> (8 * k));
   }
   void put(double value) { put_unsigned(std::bit_cast<std::uint64_t>(value)); }
   void put(float value) { put_unsigned(std::bit_cast<std::uint32_t>(value)); }
@@ -38,7 +40,8 @@ class ByteReader {
   template <class Unsigned>
   Unsigned get_unsigned() {
     std::uint64_t value = 0;
-    for (std::size_t k = 0; k < sizeof(Unsigned); ++k) value |= std::uint64_t{in_[at_++]} << (8 * k);
+    for (std::size_t k = 0; k < sizeof(Unsigned); ++k)
+      value |= std::uint64_t{in_[at_++]} << (8 * k);
     return static_cast<Unsigned>(value);
   }
   void get(double& value) { value = std::bit_cast<double>(get_unsigned<std::uint64_t>()); }
@@ -55,7 +58,8 @@ constexpr std::size_t size_for(int num_basis) {
 }
 static_assert(size_for(kMaxBasis) == kMaxPrimitiveBytes);
 
-/// Calls `field` for every number after the head, in the order of the format. One list for writing and reading.
+/// Calls `field` for every number after the head, in the order of the format. One list for writing
+/// and reading.
 template <class Set, class Field>
 void visit_fields(Set& set, Field&& field) {
   field(set.duration_s);
@@ -109,12 +113,15 @@ Status validate(const PrimitiveSet& set) {
   const bool rhythmic = set.form == PrimitiveForm::rhythmic;
   if (!rhythmic && set.form != PrimitiveForm::discrete) return Status::out_of_range;
   if (set.num_basis < 2 || set.num_basis > kMaxBasis) return Status::out_of_range;
-  if (!(set.duration_s >= 0.1 && set.duration_s <= kMaxPrimitiveDuration_s)) return Status::out_of_range;
-  if (!(set.period_s >= 0.1 && set.period_s <= kMaxPrimitiveDuration_s)) return Status::out_of_range;
+  if (!(set.duration_s >= 0.1 && set.duration_s <= kMaxPrimitiveDuration_s))
+    return Status::out_of_range;
+  if (!(set.period_s >= 0.1 && set.period_s <= kMaxPrimitiveDuration_s))
+    return Status::out_of_range;
   if (!(set.fade_start >= 0.0 && set.fade_start < 1.0)) return Status::out_of_range;
   for (int i = 0; i < kNumScalarPrimitives; ++i) {
     const double bound = i < 3 ? kMaxLength_m : kMaxAngle_rad;
-    if (!scalar_in_range(set.scalar[i], bound, set.num_basis, rhythmic)) return Status::out_of_range;
+    if (!scalar_in_range(set.scalar[i], bound, set.num_basis, rhythmic))
+      return Status::out_of_range;
   }
   return orientation_in_range(set.orientation, set.num_basis) ? Status::ok : Status::out_of_range;
 }
@@ -137,7 +144,8 @@ Status from_bytes(std::span<const std::uint8_t> bytes, PrimitiveSet& set) {
   if (reader.get_unsigned<std::uint8_t>() != kVersion) return Status::unsupported;
   set.form = static_cast<PrimitiveForm>(reader.get_unsigned<std::uint8_t>());
   const int num_basis = reader.get_unsigned<std::uint16_t>();
-  if (num_basis < 2 || num_basis > kMaxBasis || bytes.size() != size_for(num_basis)) return Status::malformed;
+  if (num_basis < 2 || num_basis > kMaxBasis || bytes.size() != size_for(num_basis))
+    return Status::malformed;
   set.num_basis = num_basis;
   visit_fields(set, [&](auto& value) { reader.get(value); });
   return validate(set);

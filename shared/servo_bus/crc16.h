@@ -21,7 +21,8 @@ constexpr std::array<std::uint16_t, 256> make_crc_table() {
 inline constexpr std::array<std::uint16_t, 256> kCrcTable = make_crc_table();
 }  // namespace detail
 
-/// CRC of `bytes`, continued from `crc` (0 to begin): crc16(b, crc16(a)) is the CRC of a followed by b.
+/// CRC of `bytes`, continued from `crc` (0 to begin): crc16(b, crc16(a)) is the CRC of a followed
+/// by b.
 constexpr std::uint16_t crc16(std::span<const std::uint8_t> bytes, std::uint16_t crc = 0) {
   for (const std::uint8_t byte : bytes) {
     crc = static_cast<std::uint16_t>((crc << 8) ^ detail::kCrcTable[((crc >> 8) ^ byte) & 0xff]);

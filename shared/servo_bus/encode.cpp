@@ -5,7 +5,8 @@
 namespace sanso::servo_bus {
 namespace {
 
-/// Appends bytes with stuffing: after every FF FF FD one more FD, so that no header can appear inside a packet.
+/// Appends bytes with stuffing: after every FF FF FD one more FD, so that no header can appear
+/// inside a packet.
 class StuffedWriter {
  public:
   explicit StuffedWriter(PacketBuffer& out) : out_(out) {}
@@ -47,7 +48,8 @@ Status begin(PacketBuffer& out, std::uint8_t id) {
 
 bool append_crc(PacketBuffer& out) {
   const std::uint16_t crc = crc16(out.view());
-  return out.try_push(static_cast<std::uint8_t>(crc & 0xff)) && out.try_push(static_cast<std::uint8_t>(crc >> 8));
+  return out.try_push(static_cast<std::uint8_t>(crc & 0xff)) &&
+         out.try_push(static_cast<std::uint8_t>(crc >> 8));
 }
 
 Status finish(PacketBuffer& out, bool ok) {
@@ -73,16 +75,16 @@ Status frame(PacketBuffer& out, std::uint8_t id, Instruction instruction, Body&&
   return finish(out, writer.ok());
 }
 
-Status addressed_write(PacketBuffer& out, std::uint8_t id, Instruction instruction, std::uint16_t address,
-                       std::span<const std::uint8_t> data) {
+Status addressed_write(PacketBuffer& out, std::uint8_t id, Instruction instruction,
+                       std::uint16_t address, std::span<const std::uint8_t> data) {
   return frame(out, id, instruction, [&](StuffedWriter& w) {
     w.put_u16(address);
     w.put(data);
   });
 }
 
-Status sync_request(PacketBuffer& out, Instruction instruction, std::uint16_t address, std::uint16_t length,
-                    std::span<const std::uint8_t> ids) {
+Status sync_request(PacketBuffer& out, Instruction instruction, std::uint16_t address,
+                    std::uint16_t length, std::span<const std::uint8_t> ids) {
   return frame(out, kBroadcastId, instruction, [&](StuffedWriter& w) {
     w.put_u16(address);
     w.put_u16(length);
@@ -102,26 +104,36 @@ Status bulk_request(PacketBuffer& out, Instruction instruction, std::span<const 
 
 }  // namespace
 
-Status encode(PacketBuffer& out, std::uint8_t id, Instruction instruction, std::span<const std::uint8_t> parameters) {
+Status encode(PacketBuffer& out, std::uint8_t id, Instruction instruction,
+              std::span<const std::uint8_t> parameters) {
   return frame(out, id, instruction, [&](StuffedWriter& w) { w.put(parameters); });
 }
 
-Status encode_ping(PacketBuffer& out, std::uint8_t id) { return encode(out, id, Instruction::ping, {}); }
-Status encode_reboot(PacketBuffer& out, std::uint8_t id) { return encode(out, id, Instruction::reboot, {}); }
-Status encode_action(PacketBuffer& out, std::uint8_t id) { return encode(out, id, Instruction::action, {}); }
+Status encode_ping(PacketBuffer& out, std::uint8_t id) {
+  return encode(out, id, Instruction::ping, {});
+}
+Status encode_reboot(PacketBuffer& out, std::uint8_t id) {
+  return encode(out, id, Instruction::reboot, {});
+}
+Status encode_action(PacketBuffer& out, std::uint8_t id) {
+  return encode(out, id, Instruction::action, {});
+}
 
-Status encode_read(PacketBuffer& out, std::uint8_t id, std::uint16_t address, std::uint16_t length) {
+Status encode_read(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
+                   std::uint16_t length) {
   return frame(out, id, Instruction::read, [&](StuffedWriter& w) {
     w.put_u16(address);
     w.put_u16(length);
   });
 }
 
-Status encode_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address, std::span<const std::uint8_t> data) {
+Status encode_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
+                    std::span<const std::uint8_t> data) {
   return addressed_write(out, id, Instruction::write, address, data);
 }
 
-Status encode_reg_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address, std::span<const std::uint8_t> data) {
+Status encode_reg_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
+                        std::span<const std::uint8_t> data) {
   return addressed_write(out, id, Instruction::reg_write, address, data);
 }
 
@@ -157,7 +169,8 @@ Status encode_fast_bulk_read(PacketBuffer& out, std::span<const BulkRange> range
   return bulk_request(out, Instruction::fast_bulk_read, ranges);
 }
 
-Status encode_bulk_write(PacketBuffer& out, std::span<const BulkRange> ranges, std::span<const std::uint8_t> data) {
+Status encode_bulk_write(PacketBuffer& out, std::span<const BulkRange> ranges,
+                         std::span<const std::uint8_t> data) {
   out.clear();
   std::size_t total = 0;
   for (const BulkRange& range : ranges) total += range.length;
@@ -174,7 +187,8 @@ Status encode_bulk_write(PacketBuffer& out, std::span<const BulkRange> ranges, s
   });
 }
 
-Status encode_status(PacketBuffer& out, std::uint8_t id, std::uint8_t error, std::span<const std::uint8_t> data) {
+Status encode_status(PacketBuffer& out, std::uint8_t id, std::uint8_t error,
+                     std::span<const std::uint8_t> data) {
   return frame(out, id, Instruction::status, [&](StuffedWriter& w) {
     w.put(error);
     w.put(data);
@@ -204,7 +218,8 @@ Status FastStatusWriter::append(PacketBuffer& out, std::uint8_t id, std::uint8_t
   out.try_push(id);
   out.try_append(data);
   const std::uint16_t crc = crc16(out.view().subspan(start), crc_);
-  const std::uint8_t crc_bytes[] = {static_cast<std::uint8_t>(crc & 0xff), static_cast<std::uint8_t>(crc >> 8)};
+  const std::uint8_t crc_bytes[] = {static_cast<std::uint8_t>(crc & 0xff),
+                                    static_cast<std::uint8_t>(crc >> 8)};
   out.try_append(crc_bytes);
   crc_ = crc16(crc_bytes, crc);  // the next block's CRC covers this one
   return Status::ok;

@@ -7,8 +7,9 @@
 namespace sanso::servo_bus::opencr {
 
 inline constexpr std::uint8_t kId = 200;
-inline constexpr std::uint16_t kModel = 0x7400;      // 29696
-inline constexpr std::uint16_t kServoPower = 24;     // u8: 1 switches the servo supply on; without it no servo answers
+inline constexpr std::uint16_t kModel = 0x7400;  // 29696
+// u8: 1 switches the servo supply on; without it no servo answers
+inline constexpr std::uint16_t kServoPower = 24;
 inline constexpr std::uint16_t kLed = 25;            // u8
 inline constexpr std::uint16_t kRgbLed = 26;         // u16, 5-5-5 bits
 inline constexpr std::uint16_t kBuzzer = 28;         // u16
@@ -20,7 +21,8 @@ inline constexpr std::uint16_t kRollPitchYaw = 44;   // 3 x i16, 0.1 deg
 inline constexpr std::uint16_t kImuControl = 50;     // u8
 inline constexpr std::uint16_t kTableBytes = 51;
 
-inline constexpr std::uint8_t kButtonMode = 0x01, kButtonStart = 0x02, kButtonUser = 0x04, kButtonReset = 0x08;
+inline constexpr std::uint8_t kButtonMode = 0x01, kButtonStart = 0x02, kButtonUser = 0x04,
+                              kButtonReset = 0x08;
 
 inline constexpr double kGyroCountsPerDegPerSecond = 16.4;
 inline constexpr double kAccelCountsPerG = 16384.0;

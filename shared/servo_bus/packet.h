@@ -1,4 +1,5 @@
-// What a Protocol 2.0 packet is: codes, sizes, and a packet as a plain value. Making bytes: encode.h; reading:
+// What a Protocol 2.0 packet is: codes, sizes, and a packet as a plain value. Making bytes:
+// encode.h; reading:
 // parser.h. Source: ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0".
 #pragma once
 
@@ -15,8 +16,9 @@ inline constexpr std::uint8_t kMaxId = 252;  // 253 and 255 would look like a he
 // FF FF FD 00 | id | length low, high | instruction | parameters | CRC low, high
 inline constexpr std::size_t kHeaderBytes = 7;  // up to and including the length
 inline constexpr std::size_t kInstructionOffset = 7;
-inline constexpr std::size_t kMinPacketBytes = 10;    // no parameters
-inline constexpr std::size_t kMaxPacketBytes = 1024;  // largest in use: fast reply of 20 servos x 21 bytes = 508
+inline constexpr std::size_t kMinPacketBytes = 10;  // no parameters
+// largest in use: fast reply of 20 servos x 21 bytes = 508
+inline constexpr std::size_t kMaxPacketBytes = 1024;
 inline constexpr std::size_t kMaxParameters = kMaxPacketBytes - kMinPacketBytes;
 
 using PacketBuffer = FixedVector<std::uint8_t, kMaxPacketBytes>;
@@ -54,7 +56,8 @@ enum class StatusError : std::uint8_t {
 /// Top bit of the error byte: Hardware Error Status (register 70) is not zero.
 inline constexpr std::uint8_t kAlertBit = 0x80;
 
-/// One packet, parameters without stuffing. In a status packet the error byte is split off into `error`.
+/// One packet, parameters without stuffing. In a status packet the error byte is split off into
+/// `error`.
 struct Packet {
   std::uint8_t id = 0;
   Instruction instruction = Instruction::ping;
@@ -75,12 +78,16 @@ constexpr std::int64_t wire_time_ns(std::size_t bytes, std::int64_t baud) {
 constexpr std::uint16_t get_u16(std::span<const std::uint8_t> b) {
   return static_cast<std::uint16_t>(b[0] | (b[1] << 8));
 }
-constexpr std::int16_t get_i16(std::span<const std::uint8_t> b) { return static_cast<std::int16_t>(get_u16(b)); }
+constexpr std::int16_t get_i16(std::span<const std::uint8_t> b) {
+  return static_cast<std::int16_t>(get_u16(b));
+}
 constexpr std::uint32_t get_u32(std::span<const std::uint8_t> b) {
   return static_cast<std::uint32_t>(b[0]) | (static_cast<std::uint32_t>(b[1]) << 8) |
          (static_cast<std::uint32_t>(b[2]) << 16) | (static_cast<std::uint32_t>(b[3]) << 24);
 }
-constexpr std::int32_t get_i32(std::span<const std::uint8_t> b) { return static_cast<std::int32_t>(get_u32(b)); }
+constexpr std::int32_t get_i32(std::span<const std::uint8_t> b) {
+  return static_cast<std::int32_t>(get_u32(b));
+}
 
 /// Writes the low `size` bytes of `value` (two's complement) to `out`.
 constexpr void put_le(std::uint8_t* out, std::size_t size, std::int64_t value) {

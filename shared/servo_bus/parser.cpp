@@ -11,7 +11,8 @@ constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kMinLength = 3;  // instruction and CRC
 
 /// Copies instruction-and-parameter bytes without the FD that follows every FF FF FD.
-void unstuff(std::span<const std::uint8_t> body, FixedVector<std::uint8_t, kMaxParameters + 1>& plain) {
+void unstuff(std::span<const std::uint8_t> body,
+             FixedVector<std::uint8_t, kMaxParameters + 1>& plain) {
   int matched = 0;
   for (std::size_t i = 0; i < body.size(); ++i) {
     plain.try_push(body[i]);
@@ -25,7 +26,8 @@ void unstuff(std::span<const std::uint8_t> body, FixedVector<std::uint8_t, kMaxP
 }
 
 bool is_fast_reply(std::span<const std::uint8_t> frame) {
-  return frame[4] == kBroadcastId && frame[kInstructionOffset] == static_cast<std::uint8_t>(Instruction::status);
+  return frame[4] == kBroadcastId &&
+         frame[kInstructionOffset] == static_cast<std::uint8_t>(Instruction::status);
 }
 
 }  // namespace
@@ -54,12 +56,14 @@ void PacketParser::drop_byte() {
   ++garbage_bytes_;
 }
 
-/// Moves begin_ to the next FF FF FD 00 (or to a tail that may become one). False: not enough bytes for a header.
+/// Moves begin_ to the next FF FF FD 00 (or to a tail that may become one). False: not enough bytes
+/// for a header.
 bool PacketParser::find_header() {
   constexpr std::uint8_t kHeader[] = {0xFF, 0xFF, 0xFD, 0x00};
   for (; begin_ < end_; drop_byte()) {
     std::size_t matched = 0;
-    while (matched < 4 && begin_ + matched < end_ && buffer_[begin_ + matched] == kHeader[matched]) ++matched;
+    while (matched < 4 && begin_ + matched < end_ && buffer_[begin_ + matched] == kHeader[matched])
+      ++matched;
     if (matched == 4) return true;
     if (begin_ + matched == end_) return false;
   }

@@ -8,7 +8,8 @@
 namespace sanso::servo_bus {
 
 inline constexpr double kRadPerCount = 2.0 * 3.14159265358979323846 / 4096.0;  // 0.087890625 deg
-inline constexpr std::int32_t kCenter_raw = 2048;                              // count of joint angle 0
+// count of joint angle 0
+inline constexpr std::int32_t kCenter_raw = 2048;
 inline constexpr double kRadPerSecondPerCount = 0.229 * 2.0 * 3.14159265358979323846 / 60.0;
 inline constexpr double kAmperePerCount = 2.69e-3;
 inline constexpr double kVoltPerCount = 0.1;
@@ -37,6 +38,8 @@ inline std::int16_t pwm_raw(double duty_cycle) {
 }
 
 constexpr double voltage_V(std::uint16_t raw) { return raw * kVoltPerCount; }
-inline std::uint16_t voltage_raw(double volt) { return static_cast<std::uint16_t>(std::lround(volt / kVoltPerCount)); }
+inline std::uint16_t voltage_raw(double volt) {
+  return static_cast<std::uint16_t>(std::lround(volt / kVoltPerCount));
+}
 
 }  // namespace sanso::servo_bus

@@ -7,7 +7,7 @@
 namespace sanso::wire {
 namespace {
 
-// --- building blocks -------------------------------------------------------------------------------------------------
+// --- building blocks -----------------------------------------------------------------------------
 
 template <class Archive, class Vector>
 void each(Archive& ar, Vector& values) {
@@ -27,7 +27,8 @@ void require(Archive& ar, bool condition) {
 template <class Archive, class Enum>
 void enumerator(Archive& ar, Enum& value, std::uint8_t lowest, std::uint8_t highest) {
   ar(value);
-  require(ar, static_cast<std::uint8_t>(value) >= lowest && static_cast<std::uint8_t>(value) <= highest);
+  require(ar, static_cast<std::uint8_t>(value) >= lowest &&
+                  static_cast<std::uint8_t>(value) <= highest);
 }
 
 template <class Archive, class Flag>
@@ -42,7 +43,7 @@ void state(Archive& ar, State& x) {
   require(ar, std::abs(x.template segment<4>(model::kXQuat).norm() - 1.0) < 1e-3);
 }
 
-// --- the layouts: one function a message, in the order of messages.h --------------------------------------------------
+// --- the layouts: one function a message, in the order of messages.h -----------------------------
 
 template <class Archive>
 void layout(Archive& ar, typename Archive::template Ref<Command> m) {
@@ -104,7 +105,8 @@ std::size_t piece_length(std::uint32_t total_bytes, std::uint16_t index) {
 }
 
 bool consistent(const UploadChunk& m) {
-  const std::size_t count = (static_cast<std::size_t>(m.total_bytes) + kChunkPayload - 1) / kChunkPayload;
+  const std::size_t count =
+      (static_cast<std::size_t>(m.total_bytes) + kChunkPayload - 1) / kChunkPayload;
   return m.total_bytes > 0 && m.count == count && m.index < m.count &&
          m.payload.size() == piece_length(m.total_bytes, m.index);
 }
@@ -138,7 +140,7 @@ void layout(Archive& ar, typename Archive::template Ref<UploadAck> m) {
   ar(m.first_missing);
 }
 
-// --- frame -----------------------------------------------------------------------------------------------------------
+// --- frame ---------------------------------------------------------------------------------------
 
 template <class Message>
 Result<std::size_t> encode_as(MessageType type, const Message& message, Buffer buffer) {
@@ -174,16 +176,32 @@ Result<MessageType> message_type(Bytes data) {
   return static_cast<MessageType>(data[1]);
 }
 
-Result<std::size_t> encode(const Command& m, Buffer buffer) { return encode_as(MessageType::command, m, buffer); }
-Result<std::size_t> encode(const CommandAck& m, Buffer buffer) { return encode_as(MessageType::command_ack, m, buffer); }
-Result<std::size_t> encode(const Observation& m, Buffer buffer) { return encode_as(MessageType::observation, m, buffer); }
-Result<std::size_t> encode(const UploadChunk& m, Buffer buffer) { return encode_as(MessageType::upload_chunk, m, buffer); }
-Result<std::size_t> encode(const UploadAck& m, Buffer buffer) { return encode_as(MessageType::upload_ack, m, buffer); }
+Result<std::size_t> encode(const Command& m, Buffer buffer) {
+  return encode_as(MessageType::command, m, buffer);
+}
+Result<std::size_t> encode(const CommandAck& m, Buffer buffer) {
+  return encode_as(MessageType::command_ack, m, buffer);
+}
+Result<std::size_t> encode(const Observation& m, Buffer buffer) {
+  return encode_as(MessageType::observation, m, buffer);
+}
+Result<std::size_t> encode(const UploadChunk& m, Buffer buffer) {
+  return encode_as(MessageType::upload_chunk, m, buffer);
+}
+Result<std::size_t> encode(const UploadAck& m, Buffer buffer) {
+  return encode_as(MessageType::upload_ack, m, buffer);
+}
 
 Status decode(Bytes data, Command& out) { return decode_as(MessageType::command, data, out); }
-Status decode(Bytes data, CommandAck& out) { return decode_as(MessageType::command_ack, data, out); }
-Status decode(Bytes data, Observation& out) { return decode_as(MessageType::observation, data, out); }
-Status decode(Bytes data, UploadChunk& out) { return decode_as(MessageType::upload_chunk, data, out); }
+Status decode(Bytes data, CommandAck& out) {
+  return decode_as(MessageType::command_ack, data, out);
+}
+Status decode(Bytes data, Observation& out) {
+  return decode_as(MessageType::observation, data, out);
+}
+Status decode(Bytes data, UploadChunk& out) {
+  return decode_as(MessageType::upload_chunk, data, out);
+}
 Status decode(Bytes data, UploadAck& out) { return decode_as(MessageType::upload_ack, data, out); }
 
 }  // namespace sanso::wire

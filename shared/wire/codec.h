@@ -1,6 +1,7 @@
-// Bytes of the messages in messages.h: fixed little-endian layout, protocol version and message type first.
-// A decoder accepts exactly what an encoder makes: right version and type, right length, every number finite, every
-// enumerator known, every value in its range. docs/wire.md lists the fields.
+// Bytes of the messages in messages.h: fixed little-endian layout, protocol version and message
+// type first.
+// A decoder accepts exactly what an encoder makes: right version and type, right length, every
+// number finite, every enumerator known, every value in its range. docs/wire.md lists the fields.
 #pragma once
 
 #include <span>
@@ -13,11 +14,12 @@ namespace sanso::wire {
 using Bytes = std::span<const std::uint8_t>;
 using Buffer = std::span<std::uint8_t>;
 
-/// Version and type of a message; unsupported when the version is not ours, malformed when shorter than two bytes or
-/// of an unknown type.
+/// Version and type of a message; unsupported when the version is not ours, malformed when shorter
+/// than two bytes or of an unknown type.
 Result<MessageType> message_type(Bytes data);
 
-/// Number of bytes written, or `full` when the buffer is too small. Every message fits 1400 bytes after sealing.
+/// Number of bytes written, or `full` when the buffer is too small. Every message fits 1400 bytes
+/// after sealing.
 Result<std::size_t> encode(const Command& message, Buffer buffer);
 Result<std::size_t> encode(const CommandAck& message, Buffer buffer);
 Result<std::size_t> encode(const Observation& message, Buffer buffer);

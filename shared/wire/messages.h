@@ -1,5 +1,5 @@
-// The messages between host and controller, as plain values. Their bytes are made and read in codec.h; docs/wire.md
-// lists every field. A message that does not decode completely is no message.
+// The messages between host and controller, as plain values. Their bytes are made and read in
+// codec.h; docs/wire.md lists every field. A message that does not decode completely is no message.
 #pragma once
 
 #include <array>
@@ -17,20 +17,31 @@ inline constexpr std::size_t kMaxDatagram = 1400;
 enum class MessageType : std::uint8_t {
   hello = 1,        // both ways: opens a session (nonces, versions)
   observation = 2,  // controller -> host, every tick
-  upload_chunk = 3, // host -> controller: a piece of a primitive set, a middle table or an upper policy
+  // host -> controller: a piece of a primitive set, a middle table or an upper policy
+  upload_chunk = 3,
   upload_ack = 4,   // controller -> host: what of an upload is complete, and its checksum
   command = 5,      // host -> controller
   command_ack = 6,  // controller -> host
 };
 
 enum class SupervisorState : std::uint8_t {
-  boot = 0, self_test = 1, idle = 2, stand_up = 3, hold = 4, run = 5, soft_stop = 6, fault = 7,
+  boot = 0,
+  self_test = 1,
+  idle = 2,
+  stand_up = 3,
+  hold = 4,
+  run = 5,
+  soft_stop = 6,
+  fault = 7,
 };
 
-/// What the host may ask for. A command that the present state does not allow is refused in its acknowledgement.
+/// What the host may ask for. A command that the present state does not allow is refused in its
+/// acknowledgement.
 enum class CommandKind : std::uint8_t {
   none = 0,
-  arm = 1,          // idle -> (torque on, present = goal) stand_up -> hold in the first pose of the uploaded primitives
+  // idle -> (torque on, present = goal) stand_up -> hold in the first pose of the uploaded
+  // primitives
+  arm = 1,
   start_trial = 2,  // hold -> run: trial clock 0 is the next tick
   stop = 3,         // run -> soft_stop -> hold
   disarm = 4,       // hold | soft_stop -> idle (torque off after lowering to the safe posture)
@@ -38,14 +49,22 @@ enum class CommandKind : std::uint8_t {
 };
 
 /// Which layers add to the sum during a trial (ablations; bit set = layer on).
-enum LayerMask : std::uint8_t { kLayerLower = 1, kLayerMiddle = 2, kLayerUpper = 4, kLayerReflex = 8, kLayerAll = 15 };
+enum LayerMask : std::uint8_t {
+  kLayerLower = 1,
+  kLayerMiddle = 2,
+  kLayerUpper = 4,
+  kLayerReflex = 8,
+  kLayerAll = 15
+};
 
 struct Command {
-  std::uint32_t sequence = 0;   // acknowledged by number; repeated until acknowledged, executed once
+  // acknowledged by number; repeated until acknowledged, executed once
+  std::uint32_t sequence = 0;
   CommandKind kind = CommandKind::none;
   std::uint32_t trial_id = 0;
   std::uint8_t layers = kLayerAll;
-  std::int32_t duration_ticks = 0;  // start_trial: the controller ends the trial by itself after this many ticks
+  // start_trial: the controller ends the trial by itself after this many ticks
+  std::int32_t duration_ticks = 0;
 };
 
 struct CommandAck {
@@ -59,42 +78,43 @@ enum class UploadKind : std::uint8_t { primitives = 1, middle_table = 2, upper_p
 
 /// Controller -> host at every tick.
 struct Observation {
-  std::uint64_t tick = 0;             // since boot
-  Nanoseconds time = 0;               // controller clock at the start of the tick
-  std::int32_t trial_tick = -1;       // tick of the running trial; -1 outside
+  std::uint64_t tick = 0;        // since boot
+  Nanoseconds time = 0;          // controller clock at the start of the tick
+  std::int32_t trial_tick = -1;  // tick of the running trial; -1 outside
   std::uint32_t trial_id = 0;
   SupervisorState state = SupervisorState::boot;
   std::uint16_t fault = 0;            // latched fault number, 0 = none
   std::uint32_t limits = 0;           // bit set of LimitedBy, this tick
   std::uint8_t contact = 0;           // bit 0 right, bit 1 left sole loaded (estimator's belief)
   std::uint8_t pose_age_ticks = 255;  // age of the last external pose sample; 255 = none
-  model::State x = model::neutral_state();  // estimate
+  model::State x = model::neutral_state();                    // estimate
   std::array<std::int16_t, model::kNumJoints> current_raw{};  // 2.69 mA
-  std::array<double, 3> imu_acc{};    // base axes, m/s^2
-  std::array<double, 3> imu_gyro{};   // base axes, rad/s
+  std::array<double, 3> imu_acc{};                            // base axes, m/s^2
+  std::array<double, 3> imu_gyro{};                           // base axes, rad/s
   float voltage_V = 0;
   float max_temperature_C = 0;
   std::uint32_t upper_sequence = 0;   // sequence of the upper policy in use
   std::int16_t upper_age_ticks = -1;  // ticks since its last knot; below 0: still inside its span
   float upper_weight = 0;             // 1 = full, falls to 0 as a stale policy fades out
-  model::Input u_upper = model::Input::Zero();   // rad, u_up + K_up (x - x_up), after the fade
+  model::Input u_upper = model::Input::Zero();  // rad, u_up + K_up (x - x_up), after the fade
   model::Input u_middle = model::Input::Zero();
-  model::Input u_lower = model::Input::Zero();   // primitives and reflex
-  model::Input u_out = model::Input::Zero();     // what was sent to the servos, after the guard
+  model::Input u_lower = model::Input::Zero();  // primitives and reflex
+  model::Input u_out = model::Input::Zero();    // what was sent to the servos, after the guard
   std::uint32_t tick_cpu_ns = 0;
-  std::uint32_t late_ticks = 0;       // ticks that missed their deadline, since boot
-  std::uint32_t bus_lost = 0;         // servo replies missing, since boot
-  std::uint32_t bus_corrupt = 0;      // servo replies damaged, since boot
+  std::uint32_t late_ticks = 0;         // ticks that missed their deadline, since boot
+  std::uint32_t bus_lost = 0;           // servo replies missing, since boot
+  std::uint32_t bus_corrupt = 0;        // servo replies damaged, since boot
   std::uint32_t datagrams_dropped = 0;  // malformed, replayed, forged, stale
 };
 
-/// A piece of an upload. Pieces may come in any order and more than once; the whole counts only when its checksum fits.
+/// A piece of an upload. Pieces may come in any order and more than once; the whole counts only
+/// when its checksum fits.
 inline constexpr std::size_t kChunkPayload = 1280;
 struct UploadChunk {
   UploadKind kind = UploadKind::primitives;
-  std::uint32_t upload_id = 0;   // new for every upload of a kind
+  std::uint32_t upload_id = 0;  // new for every upload of a kind
   std::uint32_t total_bytes = 0;
-  std::uint32_t checksum = 0;    // CRC-32 of the whole
+  std::uint32_t checksum = 0;  // CRC-32 of the whole
   std::uint16_t index = 0;
   std::uint16_t count = 0;
   FixedVector<std::uint8_t, kChunkPayload> payload;
@@ -103,8 +123,8 @@ struct UploadChunk {
 struct UploadAck {
   UploadKind kind = UploadKind::primitives;
   std::uint32_t upload_id = 0;
-  std::uint8_t complete = 0;      // 1: whole, checksum right, contents valid
-  std::uint8_t refused = 0;       // 1: whole but invalid; `reason` says why
+  std::uint8_t complete = 0;  // 1: whole, checksum right, contents valid
+  std::uint8_t refused = 0;   // 1: whole but invalid; `reason` says why
   std::uint16_t reason = 0;
   std::uint16_t first_missing = 0;
 };

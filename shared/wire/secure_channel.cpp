@@ -15,7 +15,8 @@ static_assert(kKeyBytes == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
 static_assert(crypto_aead_xchacha20poly1305_ietf_NPUBBYTES == 24 && kTag == 16);
 
 void require_sodium() {
-  [[maybe_unused]] static const int ready = sodium_init();  // idempotent, picks the fastest code for this processor
+  // idempotent, picks the fastest code for this processor
+  [[maybe_unused]] static const int ready = sodium_init();
   assert(ready >= 0);
 }
 
@@ -41,25 +42,29 @@ Key derive_key(const Key& preshared, const char* label, const Parts&... parts) {
   Key key{};
   crypto_generichash_state state;
   crypto_generichash_init(&state, preshared.data(), preshared.size(), key.size());
-  crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(label), std::strlen(label));
+  crypto_generichash_update(&state, reinterpret_cast<const unsigned char*>(label),
+                            std::strlen(label));
   (crypto_generichash_update(&state, parts.data(), parts.size()), ...);
   crypto_generichash_final(&state, key.data(), key.size());
   return key;
 }
 
 Key hello_key(const Key& preshared, Role sender) {
-  return derive_key(preshared, sender == Role::host ? "sanso hello host" : "sanso hello controller");
+  return derive_key(preshared,
+                    sender == Role::host ? "sanso hello host" : "sanso hello controller");
 }
 
 }  // namespace
 
 Result<Key> key_from_hex(std::span<const char> text) {
-  while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' ')) text = text.first(text.size() - 1);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\r' || text.back() == ' '))
+    text = text.first(text.size() - 1);
   Key key{};
   std::size_t written = 0;
   const char* end = nullptr;
   if (text.size() != 2 * kKeyBytes ||
-      sodium_hex2bin(key.data(), key.size(), text.data(), text.size(), nullptr, &written, &end) != 0 ||
+      sodium_hex2bin(key.data(), key.size(), text.data(), text.size(), nullptr, &written, &end) !=
+          0 ||
       written != kKeyBytes || end != text.data() + text.size())
     return Status::malformed;
   return key;
@@ -72,7 +77,7 @@ Key random_key() {
   return key;
 }
 
-// --- replay window -----------------------------------------------------------------------------------------------
+// --- replay window -------------------------------------------------------------------------------
 
 bool ReplayWindow::seen(std::uint64_t counter) const {
   if (counter == 0) return true;
@@ -92,9 +97,11 @@ void ReplayWindow::mark(std::uint64_t counter) {
   seen_[counter % kSize] = true;
 }
 
-// --- handshake ---------------------------------------------------------------------------------------------------
+// --- handshake -----------------------------------------------------------------------------------
 
-SecureChannel::SecureChannel(Role role, const Key& preshared) : role_(role), preshared_(preshared) { require_sodium(); }
+SecureChannel::SecureChannel(Role role, const Key& preshared) : role_(role), preshared_(preshared) {
+  require_sodium();
+}
 
 SecureChannel::~SecureChannel() {
   sodium_memzero(preshared_.data(), preshared_.size());
@@ -104,7 +111,8 @@ SecureChannel::~SecureChannel() {
   }
 }
 
-SecureChannel::Session SecureChannel::derive(const Nonce& host_nonce, const Nonce& controller_nonce) const {
+SecureChannel::Session SecureChannel::derive(const Nonce& host_nonce,
+                                             const Nonce& controller_nonce) const {
   Session session;
   session.valid = true;
   session.host_nonce = host_nonce;
@@ -116,7 +124,8 @@ SecureChannel::Session SecureChannel::derive(const Nonce& host_nonce, const Nonc
   return session;
 }
 
-std::size_t SecureChannel::write_hello(std::span<std::uint8_t> datagram, const Nonce& own, const Nonce& echoed) const {
+std::size_t SecureChannel::write_hello(std::span<std::uint8_t> datagram, const Nonce& own,
+                                       const Nonce& echoed) const {
   std::uint8_t* out = datagram.data();
   out[0] = kProtocolVersion;
   out[1] = static_cast<std::uint8_t>(MessageType::hello);
@@ -126,7 +135,8 @@ std::size_t SecureChannel::write_hello(std::span<std::uint8_t> datagram, const N
   std::copy(own.begin(), own.end(), plain.begin());
   std::copy(echoed.begin(), echoed.end(), plain.begin() + 32);
   const Key key = hello_key(preshared_, role_);
-  crypto_aead_xchacha20poly1305_ietf_encrypt(out + 27, nullptr, plain.data(), plain.size(), out, 3, nullptr, out + 3, key.data());
+  crypto_aead_xchacha20poly1305_ietf_encrypt(out + 27, nullptr, plain.data(), plain.size(), out, 3,
+                                             nullptr, out + 3, key.data());
   return kHelloBytes;
 }
 
@@ -146,13 +156,16 @@ SecureChannel::Opened SecureChannel::drop(Status why) {
   return {why, 0, 0};
 }
 
-SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> reply) {
+SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> datagram,
+                                                std::span<std::uint8_t> reply) {
   const Role sender = role_ == Role::host ? Role::controller : Role::host;
-  if (datagram.size() != kHelloBytes || datagram[2] != static_cast<std::uint8_t>(sender)) return drop(Status::malformed);
+  if (datagram.size() != kHelloBytes || datagram[2] != static_cast<std::uint8_t>(sender))
+    return drop(Status::malformed);
   std::array<std::uint8_t, 64> plain{};
   const Key key = hello_key(preshared_, sender);
-  if (crypto_aead_xchacha20poly1305_ietf_decrypt(plain.data(), nullptr, nullptr, datagram.data() + 27, datagram.size() - 27,
-                                                 datagram.data(), 3, datagram.data() + 3, key.data()) != 0)
+  if (crypto_aead_xchacha20poly1305_ietf_decrypt(
+          plain.data(), nullptr, nullptr, datagram.data() + 27, datagram.size() - 27,
+          datagram.data(), 3, datagram.data() + 3, key.data()) != 0)
     return drop(Status::rejected);
   Nonce theirs{}, echoed{};
   std::copy_n(plain.begin(), 32, theirs.begin());
@@ -166,7 +179,8 @@ SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> da
     return {Status::empty, 0, 0};
   }
 
-  // Controller: the same hello again gets the same answer; a new one gets a session that has to prove itself first.
+  // Controller: the same hello again gets the same answer; a new one gets a session that has to
+  // prove itself first.
   if (reply.size() < kHelloBytes) return drop(Status::full);
   const bool known = active_.valid && active_.host_nonce == theirs;
   if (!known && !(pending_.valid && pending_.host_nonce == theirs)) {
@@ -178,7 +192,7 @@ SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> da
   return {Status::empty, 0, write_hello(reply, own, theirs)};
 }
 
-// --- messages ----------------------------------------------------------------------------------------------------
+// --- messages ------------------------------------------------------------------------------------
 
 Status SecureChannel::try_open(Session& session, std::span<const std::uint8_t> datagram,
                                std::span<std::uint8_t> message) const {
@@ -186,22 +200,25 @@ Status SecureChannel::try_open(Session& session, std::span<const std::uint8_t> d
   const std::uint64_t counter = get_counter(datagram.data() + 2);
   if (session.window.seen(counter)) return Status::rejected;
   const AeadNonce nonce = nonce_of(counter);
-  if (crypto_aead_chacha20poly1305_ietf_decrypt(message.data() + 2, nullptr, nullptr, datagram.data() + kHeader,
-                                                datagram.size() - kHeader, datagram.data(), kHeader, nonce.data(),
-                                                session.receive_key.data()) != 0)
+  if (crypto_aead_chacha20poly1305_ietf_decrypt(message.data() + 2, nullptr, nullptr,
+                                                datagram.data() + kHeader,
+                                                datagram.size() - kHeader, datagram.data(), kHeader,
+                                                nonce.data(), session.receive_key.data()) != 0)
     return Status::rejected;
   session.window.mark(counter);
   return Status::ok;
 }
 
-SecureChannel::Opened SecureChannel::open_message(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message) {
+SecureChannel::Opened SecureChannel::open_message(std::span<const std::uint8_t> datagram,
+                                                  std::span<std::uint8_t> message) {
   if (datagram.size() < kHeader + kTag) return drop(Status::malformed);
   const std::size_t plain_bytes = datagram.size() - kHeader - kTag + 2;
   if (message.size() < plain_bytes) return drop(Status::full);
   Status status = try_open(active_, datagram, message);
   if (status != Status::ok && pending_.valid) {
     status = try_open(pending_, datagram, message);
-    if (status == Status::ok) {  // the host holds the new keys: it is alive and this is its present session
+    if (status ==
+        Status::ok) {  // the host holds the new keys: it is alive and this is its present session
       active_ = pending_;
       pending_ = Session{};
       ++sessions_;
@@ -213,15 +230,18 @@ SecureChannel::Opened SecureChannel::open_message(std::span<const std::uint8_t> 
   return {Status::ok, plain_bytes, 0};
 }
 
-SecureChannel::Opened SecureChannel::open(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message,
+SecureChannel::Opened SecureChannel::open(std::span<const std::uint8_t> datagram,
+                                          std::span<std::uint8_t> message,
                                           std::span<std::uint8_t> reply) {
   if (datagram.size() < 3 || datagram.size() > kMaxDatagram) return drop(Status::malformed);
   if (datagram[0] != kProtocolVersion) return drop(Status::unsupported);
-  if (datagram[1] == static_cast<std::uint8_t>(MessageType::hello)) return open_hello(datagram, reply);
+  if (datagram[1] == static_cast<std::uint8_t>(MessageType::hello))
+    return open_hello(datagram, reply);
   return open_message(datagram, message);
 }
 
-Result<std::size_t> SecureChannel::seal(std::span<const std::uint8_t> message, std::span<std::uint8_t> datagram) {
+Result<std::size_t> SecureChannel::seal(std::span<const std::uint8_t> message,
+                                        std::span<std::uint8_t> datagram) {
   if (!active_.valid) return Status::not_ready;
   if (message.size() < 2) return Status::malformed;
   const std::size_t total = message.size() + kMessageOverhead;
@@ -230,8 +250,9 @@ Result<std::size_t> SecureChannel::seal(std::span<const std::uint8_t> message, s
   datagram[1] = message[1];
   put_counter(datagram.data() + 2, ++active_.sent);
   const AeadNonce nonce = nonce_of(active_.sent);
-  crypto_aead_chacha20poly1305_ietf_encrypt(datagram.data() + kHeader, nullptr, message.data() + 2, message.size() - 2,
-                                            datagram.data(), kHeader, nullptr, nonce.data(), active_.send_key.data());
+  crypto_aead_chacha20poly1305_ietf_encrypt(datagram.data() + kHeader, nullptr, message.data() + 2,
+                                            message.size() - 2, datagram.data(), kHeader, nullptr,
+                                            nonce.data(), active_.send_key.data());
   return total;
 }
 

@@ -1,13 +1,17 @@
-// Authenticated, encrypted datagrams between host and controller, from one pre-shared key (libsodium).
+// Authenticated, encrypted datagrams between host and controller, from one pre-shared key
+// (libsodium).
 //
-// Hello      [version | type 1 | role | nonce 24 | XChaCha20-Poly1305 of {own nonce 32, echoed nonce 32}]
-// Message    [version | type   | counter u64     | ChaCha20-Poly1305 of the message behind version and type]
+// Hello      [version | type 1 | role | nonce 24 | XChaCha20-Poly1305 of {own nonce 32, echoed
+// nonce 32}]
+// Message    [version | type   | counter u64     | ChaCha20-Poly1305 of the message behind version
+// and type]
 //
-// The host's hello carries a nonce fresh for every handshake; the controller answers with a fresh nonce of its own and
-// echoes the host's. Both derive one key per direction from the pre-shared key and both nonces, so a recorded datagram
-// opens in no other session, nor back at its sender. The controller keeps the session in use until the first message
-// of the new one has opened: a replayed hello cannot end a running session. Counters never repeat within a session; a
-// window of 1024 lets datagrams overtake one another and drops every second copy.
+// The host's hello carries a nonce fresh for every handshake; the controller answers with a fresh
+// nonce of its own and echoes the host's. Both derive one key per direction from the pre-shared key
+// and both nonces, so a recorded datagram opens in no other session, nor back at its sender. The
+// controller keeps the session in use until the first message of the new one has opened: a replayed
+// hello cannot end a running session. Counters never repeat within a session; a window of 1024 lets
+// datagrams overtake one another and drops every second copy.
 // Not in the real-time library: the link thread opens and seals.
 #pragma once
 
@@ -53,19 +57,22 @@ class SecureChannel {
   SecureChannel(const SecureChannel&) = delete;
   SecureChannel& operator=(const SecureChannel&) = delete;
 
-  /// Host: the hello to send, again and again until established(). `fresh` starts a new handshake (new nonce) and
-  /// forgets the session in use. Returns the number of bytes.
+  /// Host: the hello to send, again and again until established(). `fresh` starts a new handshake
+  /// (new nonce) and forgets the session in use. Returns the number of bytes.
   Result<std::size_t> make_hello(std::span<std::uint8_t> datagram, bool fresh);
 
   struct Opened {
-    Status status = Status::empty;  // ok: a message; empty: a good hello, nothing to read; else dropped and counted
+    // ok: a message; empty: a good hello, nothing to read; else dropped and counted
+    Status status = Status::empty;
     std::size_t message_bytes = 0;  // in `message`: version, type, body
     std::size_t reply_bytes = 0;    // in `reply`: to be sent to where the datagram came from
   };
   /// Opens one datagram. `message` and `reply` need kMaxDatagram bytes.
-  Opened open(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message, std::span<std::uint8_t> reply);
+  Opened open(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message,
+              std::span<std::uint8_t> reply);
 
-  /// Seals an encoded message (version and type first). not_ready before a session, full when it does not fit.
+  /// Seals an encoded message (version and type first). not_ready before a session, full when it
+  /// does not fit.
   Result<std::size_t> seal(std::span<const std::uint8_t> message, std::span<std::uint8_t> datagram);
 
   bool established() const { return active_.valid; }
@@ -86,17 +93,19 @@ class SecureChannel {
 
   Opened open_hello(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> reply);
   Opened open_message(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message);
-  Status try_open(Session& session, std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message) const;
-  std::size_t write_hello(std::span<std::uint8_t> datagram, const Nonce& own, const Nonce& echoed) const;
+  Status try_open(Session& session, std::span<const std::uint8_t> datagram,
+                  std::span<std::uint8_t> message) const;
+  std::size_t write_hello(std::span<std::uint8_t> datagram, const Nonce& own,
+                          const Nonce& echoed) const;
   Session derive(const Nonce& host_nonce, const Nonce& controller_nonce) const;
   Opened drop(Status why);
 
   Role role_;
   Key preshared_;
-  Nonce own_nonce_{};     // host: of the handshake under way
+  Nonce own_nonce_{};      // host: of the handshake under way
   bool awaiting_ = false;  // host: hello sent, answer not yet here
   Session active_;
-  Session pending_;        // controller: answered, not yet proved live
+  Session pending_;  // controller: answered, not yet proved live
   std::uint32_t dropped_ = 0;
   std::uint32_t sessions_ = 0;
 };

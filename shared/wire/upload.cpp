@@ -43,7 +43,8 @@ Status UploadAssembler::accept(const UploadChunk& chunk) {
   if (chunk.total_bytes != total_bytes_ || chunk.checksum != checksum_) return Status::malformed;
   if (received_[chunk.index]) return Status::ok;
 
-  std::copy(chunk.payload.begin(), chunk.payload.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(at));
+  std::copy(chunk.payload.begin(), chunk.payload.end(),
+            buffer_.begin() + static_cast<std::ptrdiff_t>(at));
   received_[chunk.index] = 1;
   --missing_;
   if (missing_ == 0 && crc32(blob()) != checksum_) {
@@ -56,7 +57,8 @@ Status UploadAssembler::accept(const UploadChunk& chunk) {
 std::uint16_t UploadAssembler::first_missing() const {
   if (!active_) return 0;
   const auto end = received_.begin() + count_;
-  return static_cast<std::uint16_t>(std::find(received_.begin(), end, std::uint8_t{0}) - received_.begin());
+  return static_cast<std::uint16_t>(std::find(received_.begin(), end, std::uint8_t{0}) -
+                                    received_.begin());
 }
 
 }  // namespace sanso::wire

@@ -1,5 +1,6 @@
-// Blobs larger than a datagram: cut into pieces, put together again in fixed memory in any order, counted as whole only
-// when the CRC-32 fits. What the blobs contain is the business of shared/policy.
+// Blobs larger than a datagram: cut into pieces, put together again in fixed memory in any order,
+// counted as whole only when the CRC-32 fits. What the blobs contain is the business of
+// shared/policy.
 #pragma once
 
 #include <array>
@@ -13,21 +14,26 @@
 namespace sanso::wire {
 
 /// Pieces that `total_bytes` need.
-constexpr std::size_t chunk_count(std::size_t total_bytes) { return (total_bytes + kChunkPayload - 1) / kChunkPayload; }
+constexpr std::size_t chunk_count(std::size_t total_bytes) {
+  return (total_bytes + kChunkPayload - 1) / kChunkPayload;
+}
 
-/// Piece `index` of `blob`. Needs index < chunk_count(blob.size()). `checksum` is crc32(blob), computed once by the caller.
+/// Piece `index` of `blob`. Needs index < chunk_count(blob.size()). `checksum` is crc32(blob),
+/// computed once by the caller.
 UploadChunk make_chunk(UploadKind kind, std::uint32_t upload_id, std::span<const std::uint8_t> blob,
                        std::uint32_t checksum, std::size_t index);
 
-/// Puts the pieces of one upload together in memory that its maker owns. A piece with a new upload_id starts over.
+/// Puts the pieces of one upload together in memory that its maker owns. A piece with a new
+/// upload_id starts over.
 class UploadAssembler {
  public:
   /// `buffer` bounds the blob; `received` needs one byte for every piece of a full buffer.
   UploadAssembler(std::span<std::uint8_t> buffer, std::span<std::uint8_t> received)
       : buffer_(buffer), received_(received) {}
 
-  /// ok: stored (or known already). full: the blob is larger than the buffer. malformed: contradicts its upload's
-  /// first piece or its own counts. rejected: the last piece came and the checksum is wrong; everything is forgotten.
+  /// ok: stored (or known already). full: the blob is larger than the buffer. malformed:
+  /// contradicts its upload's first piece or its own counts. rejected: the last piece came and the
+  /// checksum is wrong; everything is forgotten.
   Status accept(const UploadChunk& chunk);
 
   bool complete() const { return active_ && missing_ == 0; }

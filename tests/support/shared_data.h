@@ -1,4 +1,5 @@
-// Where data that is not part of the repository lives. Tests that need it skip, and say so, when it is absent.
+// Where data that is not part of the repository lives. Tests that need it skip, and say so, when it
+// is absent.
 #pragma once
 
 #include <cstdlib>

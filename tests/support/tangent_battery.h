@@ -1,4 +1,5 @@
-// One battery of laws for every space with ⊕ and ⊖: round trips, derivatives against differences on the tangent.
+// One battery of laws for every space with ⊕ and ⊖: round trips, derivatives against differences on
+// the tangent.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +10,8 @@
 namespace sanso::testing {
 
 /// A space: `Point`, `Tangent` (fixed-size Eigen vector), and how to move and to compare.
-///   Point plus(const Point&, const Tangent&)   Tangent minus(const Point& a, const Point& b): b ⊕ result = a
+///   Point plus(const Point&, const Tangent&)   Tangent minus(const Point& a, const Point& b): b ⊕
+///   result = a
 template <class Space>
 class TangentBattery {
  public:
@@ -19,13 +21,17 @@ class TangentBattery {
 
   explicit TangentBattery(unsigned seed) : seed_(seed), rng_(seed) {}
 
-  /// (x ⊕ d) ⊖ x = d for tangents of the given length of the rotation part (below pi), and x ⊕ (y ⊖ x) = y.
+  /// (x ⊕ d) ⊖ x = d for tangents of the given length of the rotation part (below pi), and x ⊕ (y ⊖
+  /// x) = y.
   void round_trips(double rotation_length, double tolerance) {
     for (int k = 0; k < 200; ++k) {
       const Point x = Space::random(rng_), y = Space::random(rng_);
       const Tangent d = Space::random_tangent(rng_, rotation_length);
-      EXPECT_LE((Space::minus(Space::plus(x, d), x) - d).norm(), tolerance * (1 + d.norm())) << where(k);
-      EXPECT_LE(Space::minus(Space::plus(x, Space::minus(y, x)), y).norm(), tolerance * (1 + d.norm())) << where(k);
+      EXPECT_LE((Space::minus(Space::plus(x, d), x) - d).norm(), tolerance * (1 + d.norm()))
+          << where(k);
+      EXPECT_LE(Space::minus(Space::plus(x, Space::minus(y, x)), y).norm(),
+                tolerance * (1 + d.norm()))
+          << where(k);
     }
   }
 
@@ -35,10 +41,11 @@ class TangentBattery {
     EXPECT_LE(Space::minus(Space::plus(x, Tangent::Zero()), x).norm(), 1e-14);
   }
 
-  /// A function's Jacobian (tangent out, tangent in) against central differences on the tangent; step 1e-6 leaves 1e-9.
+  /// A function's Jacobian (tangent out, tangent in) against central differences on the tangent;
+  /// step 1e-6 leaves 1e-9.
   template <class Function>
-  void derivative_matches(const Function& f, const Point& x, const Eigen::Matrix<double, kSize, kSize>& J,
-                          double tolerance) {
+  void derivative_matches(const Function& f, const Point& x,
+                          const Eigen::Matrix<double, kSize, kSize>& J, double tolerance) {
     constexpr double h = 1e-6;
     for (int i = 0; i < kSize; ++i) {
       const auto f_at = [&](double s) { return f(Space::plus(x, s * h * Tangent::Unit(i))); };
@@ -48,7 +55,9 @@ class TangentBattery {
   }
 
  private:
-  std::string where(int k) const { return "sample " + std::to_string(k) + ", seed " + std::to_string(seed_); }
+  std::string where(int k) const {
+    return "sample " + std::to_string(k) + ", seed " + std::to_string(seed_);
+  }
   unsigned seed_;
   std::mt19937 rng_;
 };

@@ -8,7 +8,8 @@
 
 namespace sanso::test {
 
-/// Made where the machine keeps temporary files ($TMPDIR), removed with everything in it at the end.
+/// Made where the machine keeps temporary files ($TMPDIR), removed with everything in it at the
+/// end.
 class TempFolder {
  public:
   TempFolder() {

@@ -41,7 +41,8 @@ Sample standing_sample() {
       d[model::kDPos + 2] = 0.001 * normal(rng);
       const model::State x = model::plus(model::standing_state(), d);
       for (int i = 0; i < model::kNx; ++i) s.x[g].v[i][l] = x[i];
-      for (int j = 0; j < model::kNu; ++j) s.u[g].v[j][l] = x[model::kXJoint + j] + 0.05 * normal(rng);
+      for (int j = 0; j < model::kNu; ++j)
+        s.u[g].v[j][l] = x[model::kXJoint + j] + 0.05 * normal(rng);
     }
   return s;
 }
@@ -57,7 +58,8 @@ Time time_of(Run run, double evaluations) {
   for (int i = 0; i < kRepeats; ++i) {
     const auto start = Clock::now();
     run();
-    ns.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count() / evaluations);
+    ns.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count() /
+                 evaluations);
   }
   std::sort(ns.begin(), ns.end());
   return {ns.front(), ns[ns.size() / 2]};
@@ -73,25 +75,37 @@ Counts count_step(const model::StepModel& m, const model::Ground& ground, const 
   return counts;
 }
 
-nlohmann::json measure(const char* isa, const model::StepModel& m, const model::Ground& ground, Sample& s, long flops) {
+nlohmann::json measure(const char* isa, const model::StepModel& m, const model::Ground& ground,
+                       Sample& s, long flops) {
   const Time t = time_of(
       [&] {
-        model::step_batch(m, ground, s.x.data(), s.u.data(), {.h = kStep}, s.next.data(), nullptr, kGroups);
+        model::step_batch(m, ground, s.x.data(), s.u.data(), {.h = kStep}, s.next.data(), nullptr,
+                          kGroups);
       },
       kGroups * model::kLanes);
   const double peak = peak_flops(isa), achieved = static_cast<double>(flops) / (t.min_ns * 1e-9);
-  return {{"isa", isa},           {"ns_per_lane", t.min_ns},     {"ns_per_lane_median", t.median_ns},
-          {"gflops", achieved / 1e9}, {"peak_gflops", peak / 1e9}, {"share_of_peak", peak > 0 ? achieved / peak : 0.0}};
+  return {{"isa", isa},
+          {"ns_per_lane", t.min_ns},
+          {"ns_per_lane_median", t.median_ns},
+          {"gflops", achieved / 1e9},
+          {"peak_gflops", peak / 1e9},
+          {"share_of_peak", peak > 0 ? achieved / peak : 0.0}};
 }
 
 void print_table(const nlohmann::json& r) {
-  std::printf("one 60 ms step, 8 contact points, %d sweeps a round: %ld additions and multiplications, %ld divisions and roots, %ld selections\n",
-              r["sweeps"].get<int>(), r["arithmetic"].get<long>(), r["divisions"].get<long>(), r["selections"].get<long>());
-  std::printf("%-10s %14s %10s %10s %10s %8s\n", "unit", "ns per lane", "median", "GFLOP/s", "peak", "share");
-  std::printf("%-10s %14.0f %10.0f\n", "scalar", r["scalar_ns"].get<double>(), r["scalar_ns_median"].get<double>());
+  std::printf(
+      "one 60 ms step, 8 contact points, %d sweeps a round: %ld additions and multiplications, "
+      "%ld divisions and roots, %ld selections\n",
+      r["sweeps"].get<int>(), r["arithmetic"].get<long>(), r["divisions"].get<long>(),
+      r["selections"].get<long>());
+  std::printf("%-10s %14s %10s %10s %10s %8s\n", "unit", "ns per lane", "median", "GFLOP/s", "peak",
+              "share");
+  std::printf("%-10s %14.0f %10.0f\n", "scalar", r["scalar_ns"].get<double>(),
+              r["scalar_ns_median"].get<double>());
   for (const auto& unit : r["units"])
-    std::printf("%-10s %14.0f %10.0f %10.1f %10.1f %7.1f%%\n", unit["isa"].get<std::string>().c_str(),
-                unit["ns_per_lane"].get<double>(), unit["ns_per_lane_median"].get<double>(), unit["gflops"].get<double>(),
+    std::printf("%-10s %14.0f %10.0f %10.1f %10.1f %7.1f%%\n",
+                unit["isa"].get<std::string>().c_str(), unit["ns_per_lane"].get<double>(),
+                unit["ns_per_lane_median"].get<double>(), unit["gflops"].get<double>(),
                 unit["peak_gflops"].get<double>(), 100 * unit["share_of_peak"].get<double>());
   std::printf("chosen on this machine: %s\n", r["chosen"].get<std::string>().c_str());
 }
@@ -103,8 +117,12 @@ int bench_dynamics(bool json) {
   const model::Ground ground = model::make_plane();
   Sample s = standing_sample();
   const Counts c = count_step(m, ground, s);
-  nlohmann::json result{{"sweeps", m.contact.sweeps}, {"arithmetic", c.arithmetic}, {"divisions", c.division},
-                        {"selections", c.selection},  {"threads", 1},               {"units", nlohmann::json::array()}};
+  nlohmann::json result{{"sweeps", m.contact.sweeps},
+                        {"arithmetic", c.arithmetic},
+                        {"divisions", c.division},
+                        {"selections", c.selection},
+                        {"threads", 1},
+                        {"units", nlohmann::json::array()}};
   const std::string chosen = model::batch_isa();
   result["chosen"] = chosen;
 
@@ -121,7 +139,8 @@ int bench_dynamics(bool json) {
   result["scalar_ns"] = scalar.min_ns;
   result["scalar_ns_median"] = scalar.median_ns;
   for (const char* isa : {"portable", "avx2", "avx512"})
-    if (model::select_batch_isa(isa)) result["units"].push_back(measure(isa, m, ground, s, c.arithmetic + c.division));
+    if (model::select_batch_isa(isa))
+      result["units"].push_back(measure(isa, m, ground, s, c.arithmetic + c.division));
   model::select_batch_isa(chosen.c_str());
 
   if (json)

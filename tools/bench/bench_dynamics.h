@@ -1,4 +1,5 @@
-// sanso bench dynamics: time of one 60 ms whole-body step, arithmetic counted, share of the machine's peak.
+// sanso bench dynamics: time of one 60 ms whole-body step, arithmetic counted, share of the
+// machine's peak.
 #pragma once
 
 namespace sanso::bench {

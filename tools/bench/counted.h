@@ -1,4 +1,5 @@
-// A number that counts what is done with it: the kernel's arithmetic is counted by running the kernel itself.
+// A number that counts what is done with it: the kernel's arithmetic is counted by running the
+// kernel itself.
 #pragma once
 
 #include <cmath>

@@ -33,7 +33,8 @@ class Stopwatch {
 InstantBus::InstantBus() {
   for (int slot = 0; slot < firmware::kNumServos; ++slot) {
     for (const bus::Register& r : bus::xm430::kRegisters)
-      if (r.address + r.size <= kTable) bus::put_le(&table_[static_cast<std::size_t>(slot)][r.address], r.size, r.initial_raw);
+      if (r.address + r.size <= kTable)
+        bus::put_le(&table_[static_cast<std::size_t>(slot)][r.address], r.size, r.initial_raw);
     poke(slot, 6, 1, bus::xm430::kFirmwareWithFastRead);
     poke(slot, 132, 4, 2048);
     poke(slot, 144, 2, 120);
@@ -47,11 +48,14 @@ void InstantBus::poke(int slot, std::uint16_t address, std::uint8_t size, std::i
 
 std::int32_t InstantBus::get(int slot, std::uint16_t address, std::uint8_t size) const {
   std::uint32_t value = 0;
-  for (std::size_t i = size; i-- > 0;) value = (value << 8) | table_[static_cast<std::size_t>(slot)][address + i];
+  for (std::size_t i = size; i-- > 0;)
+    value = (value << 8) | table_[static_cast<std::size_t>(slot)][address + i];
   return static_cast<std::int32_t>(value);
 }
 
-int InstantBus::row_of(std::uint8_t id) const { return id == bus::opencr::kId ? kOpenCr : firmware::slot_of(id); }
+int InstantBus::row_of(std::uint8_t id) const {
+  return id == bus::opencr::kId ? kOpenCr : firmware::slot_of(id);
+}
 
 /// A servo without friction or delay: with torque on it is where it is told to be.
 void InstantBus::wrote(int slot) {
@@ -78,7 +82,8 @@ Result<std::size_t> InstantBus::read(board::Buffer buffer, Nanoseconds) {
 }
 
 void InstantBus::reply(int row, std::span<const std::uint8_t> data) {
-  const std::uint8_t id = row == kOpenCr ? bus::opencr::kId : firmware::kServoIds[static_cast<std::size_t>(row)];
+  const std::uint8_t id =
+      row == kOpenCr ? bus::opencr::kId : firmware::kServoIds[static_cast<std::size_t>(row)];
   const bool alert = row < kOpenCr && table_[static_cast<std::size_t>(row)][70] != 0;
   (void)bus::encode_status(out_, id, alert ? bus::kAlertBit : 0, data);
   (void)pending_.try_append(out_.view());
@@ -87,10 +92,14 @@ void InstantBus::reply(int row, std::span<const std::uint8_t> data) {
 void InstantBus::answer(const bus::Packet& packet) {
   const auto p = packet.parameters.view();
   switch (packet.instruction) {
-    case bus::Instruction::sync_read: return read_many(packet, false);
-    case bus::Instruction::fast_sync_read: return read_many(packet, true);
-    case bus::Instruction::sync_write: return write_many(packet);
-    default: break;
+    case bus::Instruction::sync_read:
+      return read_many(packet, false);
+    case bus::Instruction::fast_sync_read:
+      return read_many(packet, true);
+    case bus::Instruction::sync_write:
+      return write_many(packet);
+    default:
+      break;
   }
   const int row = row_of(packet.id);
   if (row < 0 || silent(row)) return;
@@ -111,7 +120,8 @@ void InstantBus::answer(const bus::Packet& packet) {
         reply(row, {});
       }
       return;
-    default: return;
+    default:
+      return;
   }
 }
 
@@ -124,9 +134,11 @@ void InstantBus::read_many(const bus::Packet& packet, bool merged) {
   for (const std::uint8_t id : ids) {
     const int row = row_of(id);
     if (row < 0 || silent(row)) break;  // those behind wait for it in vain
-    const auto data = std::span<const std::uint8_t>(table_[static_cast<std::size_t>(row)]).subspan(address, length);
+    const auto data = std::span<const std::uint8_t>(table_[static_cast<std::size_t>(row)])
+                          .subspan(address, length);
     if (merged)
-      (void)writer.append(out_, id, table_[static_cast<std::size_t>(row)][70] != 0 ? bus::kAlertBit : 0, data);
+      (void)writer.append(
+          out_, id, table_[static_cast<std::size_t>(row)][70] != 0 ? bus::kAlertBit : 0, data);
     else
       reply(row, data);
   }
@@ -139,7 +151,9 @@ void InstantBus::write_many(const bus::Packet& packet) {
   for (auto rest = p.subspan(4); rest.size() > length; rest = rest.subspan(length + 1)) {
     const int row = row_of(rest[0]);
     if (row < 0 || silent(row)) continue;
-    std::copy_n(rest.begin() + 1, length, table_[static_cast<std::size_t>(row)].begin() + static_cast<std::ptrdiff_t>(address));
+    std::copy_n(
+        rest.begin() + 1, length,
+        table_[static_cast<std::size_t>(row)].begin() + static_cast<std::ptrdiff_t>(address));
     wrote(row);
   }
 }

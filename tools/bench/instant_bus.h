@@ -1,5 +1,6 @@
-// Twenty servos and the OpenCR board that answer at once from fixed memory, real packets both ways: for timing the
-// controller's tick without the physics of the emulator, and for tests that count allocations.
+// Twenty servos and the OpenCR board that answer at once from fixed memory, real packets both ways:
+// for timing the controller's tick without the physics of the emulator, and for tests that count
+// allocations.
 #pragma once
 
 #include <array>

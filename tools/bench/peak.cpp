@@ -51,8 +51,10 @@ double fastest(void (*run)(), int width) {
 
 double peak_flops(const char* isa) {
 #ifdef __x86_64__
-  if (std::strcmp(isa, "avx512") == 0) return __builtin_cpu_supports("avx512f") ? fastest(run_avx512, 8) : 0;
-  if (std::strcmp(isa, "avx2") == 0) return __builtin_cpu_supports("avx2") ? fastest(run_avx2, 4) : 0;
+  if (std::strcmp(isa, "avx512") == 0)
+    return __builtin_cpu_supports("avx512f") ? fastest(run_avx512, 8) : 0;
+  if (std::strcmp(isa, "avx2") == 0)
+    return __builtin_cpu_supports("avx2") ? fastest(run_avx2, 4) : 0;
 #endif
   return std::strcmp(isa, "portable") == 0 ? fastest(run_portable, 2) : 0;
 }

@@ -57,7 +57,8 @@ void TickRig::publish_policy() {
   policy.trial_id = kTrial;
   policy.first_tick = controller_->observation().trial_tick + 2;
   policy.knots.clear();
-  for (std::size_t k = 0; k < policy::kMaxUpperKnots; ++k) (void)policy.knots.try_push(small_knot(1e-4));
+  for (std::size_t k = 0; k < policy::kMaxUpperKnots; ++k)
+    (void)policy.knots.try_push(small_knot(1e-4));
   handover_->upper.publish();
 }
 
@@ -65,17 +66,21 @@ Nanoseconds TickRig::tick() {
   now_ += kTickPeriod;
   clock_.set(now_);
   publish_imu();
-  if (controller_->state() == wire::SupervisorState::run && imu_sequence_ % kTicksPerUpper == 0) publish_policy();
+  if (controller_->state() == wire::SupervisorState::run && imu_sequence_ % kTicksPerUpper == 0)
+    publish_policy();
   handover_->host_heard.store(now_);
   const Nanoseconds bus_before = bus_.cpu_ns(), before = clock_.thread_cpu();
   controller_->tick(now_);
   const Nanoseconds spent = clock_.thread_cpu() - before - (bus_.cpu_ns() - bus_before);
   wire::Observation observation;
-  while (handover_->observations.pop(observation)) {}
+  while (handover_->observations.pop(observation)) {
+  }
   wire::CommandAck ack;
-  while (handover_->acks.pop(ack)) {}
+  while (handover_->acks.pop(ack)) {
+  }
   firmware::LogRecord record;
-  while (handover_->log.pop(record)) {}
+  while (handover_->log.pop(record)) {
+  }
   return spent;
 }
 
@@ -89,7 +94,8 @@ bool TickRig::start_trial() {
   policy::MiddleTable& table = handover_->middle.back();
   table.trial_id = kTrial;
   table.knots.clear();
-  while (table.knots.try_push(small_knot(1e-4))) {}
+  while (table.knots.try_push(small_knot(1e-4))) {
+  }
   handover_->middle.publish();
   if (!reach(wire::SupervisorState::idle)) return false;
   handover_->commands.push({1, wire::CommandKind::arm, kTrial, wire::kLayerAll, 0});

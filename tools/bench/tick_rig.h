@@ -1,5 +1,5 @@
-// A controller on an InstantBus, in a trial with all three layers full: what `bench tick` times and the test of "no
-// allocation, no page fault" runs.
+// A controller on an InstantBus, in a trial with all three layers full: what `bench tick` times and
+// the test of "no allocation, no page fault" runs.
 #pragma once
 
 #include <memory>
@@ -23,10 +23,11 @@ class RigClock : public board::Clock {
 class TickRig {
  public:
   TickRig();
-  /// Boots, arms and starts a trial that never ends, with a full middle table. False: it did not get there.
+  /// Boots, arms and starts a trial that never ends, with a full middle table. False: it did not
+  /// get there.
   bool start_trial();
-  /// One tick, with an IMU sample and, every sixth, a policy of four knots. Returns the tick's own CPU time [ns]: what
-  /// the servos' emulation takes is left out.
+  /// One tick, with an IMU sample and, every sixth, a policy of four knots. Returns the tick's own
+  /// CPU time [ns]: what the servos' emulation takes is left out.
   Nanoseconds tick();
   const firmware::Controller& controller() const { return *controller_; }
   InstantBus& bus() { return bus_; }

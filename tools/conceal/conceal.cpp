@@ -20,19 +20,21 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::array<std::pair<Family, const char*>, 6> kFamilies{{{Family::clean, "clean"},
-                                                                   {Family::single, "single"},
-                                                                   {Family::pair, "pair"},
-                                                                   {Family::decoy, "decoy"},
-                                                                   {Family::outside, "outside"},
-                                                                   {Family::ambiguous, "ambiguous"}}};
+constexpr std::array<std::pair<Family, const char*>, 6> kFamilies{
+    {{Family::clean, "clean"},
+     {Family::single, "single"},
+     {Family::pair, "pair"},
+     {Family::decoy, "decoy"},
+     {Family::outside, "outside"},
+     {Family::ambiguous, "ambiguous"}}};
 // Pairs of which one tends to hide the other (diagnosis method, section 4).
-constexpr std::array<std::pair<const char*, const char*>, 6> kMaskingPairs{{{"command_delay", "viscous_friction"},
-                                                                            {"servo_p_gain", "coulomb_friction"},
-                                                                            {"link_mass", "encoder_offset"},
-                                                                            {"backlash", "stribeck_friction"},
-                                                                            {"supply_sag", "current_limit"},
-                                                                            {"link_mass", "torque_constant"}}};
+constexpr std::array<std::pair<const char*, const char*>, 6> kMaskingPairs{
+    {{"command_delay", "viscous_friction"},
+     {"servo_p_gain", "coulomb_friction"},
+     {"link_mass", "encoder_offset"},
+     {"backlash", "stribeck_friction"},
+     {"supply_sag", "current_limit"},
+     {"link_mass", "torque_constant"}}};
 
 /// A case while it is being made.
 struct Case {
@@ -83,10 +85,12 @@ const Hideable& draw_hideable(Random& random, const std::function<bool(const Hid
 
 /// Hides one more effect at the target ratio against a world without it.
 void hide(Case& c, const Hideable& effect, const SeverityMeter& meter, Random& random) {
-  const int at = static_cast<int>(random.bits() % static_cast<std::uint64_t>(c.without.robot.size()));
+  const int at =
+      static_cast<int>(random.bits() % static_cast<std::uint64_t>(c.without.robot.size()));
   const Random parameters(random.bits());
   double reached = 0;
-  const double size = size_for_ratio(effect, at, c.without, meter, c.ratio_target, parameters, reached);
+  const double size =
+      size_for_ratio(effect, at, c.without, meter, c.ratio_target, parameters, reached);
   Random same = parameters;
   c.effects.push_back(effect.apply(c.with, at, size, same));
   c.ratios.push_back(reached);
@@ -94,14 +98,17 @@ void hide(Case& c, const Hideable& effect, const SeverityMeter& meter, Random& r
 
 void hide_effects(Case& c, const ConcealOptions& options, Random& random) {
   // one recording of each condition is enough to measure loudness
-  const SeverityMeter meter(c.without, {c.experiments[0], c.experiments[2], c.experiments[4]}, random.bits());
+  const SeverityMeter meter(c.without, {c.experiments[0], c.experiments[2], c.experiments[4]},
+                            random.bits());
   const auto in_library = [](const Hideable& h) { return h.in_library; };
   if (c.family == Family::single) {
-    hide(c, options.effect ? hideable(*options.effect) : draw_hideable(random, in_library), meter, random);
+    hide(c, options.effect ? hideable(*options.effect) : draw_hideable(random, in_library), meter,
+         random);
   } else if (c.family == Family::outside) {
     hide(c, draw_hideable(random, [](const Hideable& h) { return !h.in_library; }), meter, random);
   } else if (c.family == Family::ambiguous) {
-    const Hideable& effect = draw_hideable(random, [](const Hideable& h) { return !h.twins.empty(); });
+    const Hideable& effect =
+        draw_hideable(random, [](const Hideable& h) { return !h.twins.empty(); });
     hide(c, effect, meter, random);
     c.twins = effect.twins;
   } else if (c.family == Family::pair && random.chance(0.5)) {
@@ -111,20 +118,25 @@ void hide_effects(Case& c, const ConcealOptions& options, Random& random) {
   } else if (c.family == Family::pair) {
     const Hideable& first = draw_hideable(random, in_library);
     hide(c, first, meter, random);
-    hide(c, draw_hideable(random, [&](const Hideable& h) { return h.in_library && h.id != first.id; }), meter, random);
+    hide(c,
+         draw_hideable(random, [&](const Hideable& h) { return h.in_library && h.id != first.id; }),
+         meter, random);
   }
 }
 
 std::string model_toml(const RobotSpec& robot) {
   const JointTruth j;
   return fmt::format(
-      "format = 1\n[robot]\nurdf = \"robot.urdf\"\nbase = \"fixed\"\ngravity = [0.0, 0.0, -9.81]\n[control]\nperiod_s "
+      "format = 1\n[robot]\nurdf = \"robot.urdf\"\nbase = \"fixed\"\ngravity = [0.0, 0.0, -9.81]\n"
+      "[control]\nperiod_s "
       "= {}\n"
-      "[joint_default]   # {}: XM430-W350 servos at 12 V\nactuator = \"dc_servo\"\np_gain = {}\nvoltage = {:.1f}\n"
-      "resistance = {}\ntorque_constant = {}\nback_emf = {}\narmature = {}\nviscous = {}\ncoulomb = {}\n"
+      "[joint_default]   # {}: XM430-W350 servos at 12 V\nactuator = \"dc_servo\"\np_gain = {}\n"
+      "voltage = {:.1f}\n"
+      "resistance = {}\ntorque_constant = {}\nback_emf = {}\narmature = {}\nviscous = {}\ncoulomb "
+      "= {}\n"
       "command_delay_s = {}\nsensor_delay_s = {}\nposition_quantum = {:.12g}\n",
-      kControlPeriod_s, robot.name, j.p_gain, j.voltage, j.resistance, j.torque_constant, j.back_emf, j.armature,
-      j.viscous, j.coulomb, j.command_delay_s, j.sensor_delay_s, j.quantum);
+      kControlPeriod_s, robot.name, j.p_gain, j.voltage, j.resistance, j.torque_constant,
+      j.back_emf, j.armature, j.viscous, j.coulomb, j.command_delay_s, j.sensor_delay_s, j.quantum);
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
@@ -141,8 +153,9 @@ std::string answer_json(const Case& c, const ConcealOptions& options) {
                        {"parameters", c.effects[i].parameters},
                        {"ratio", c.ratios[i]}});
   }
-  json answer{{"robot", options.robot}, {"seed", options.seed},           {"family", to_string(c.family)},
-              {"effects", effects},     {"ratio_target", c.ratio_target}, {"twins", c.twins}};
+  json answer{{"robot", options.robot},         {"seed", options.seed},
+              {"family", to_string(c.family)},  {"effects", effects},
+              {"ratio_target", c.ratio_target}, {"twins", c.twins}};
   if (c.decoy) answer["decoy"] = {{"defect", c.decoy->defect}, {"file", c.decoy->file}};
   return answer.dump();
 }
@@ -167,7 +180,8 @@ Concealed conceal(const ConcealOptions& options) {
   const RobotSpec nominal = make_robot(options.robot);
   const fs::path out(options.out);
   if (fs::exists(out / "answer.sealed")) {
-    throw plant::WorldError(options.out + " holds a case already; choose another --out or remove it");
+    throw plant::WorldError(options.out +
+                            " holds a case already; choose another --out or remove it");
   }
   Random random(options.seed * 0x9E3779B97F4A7C15ull + 0xC0);
   Case c;
@@ -187,7 +201,8 @@ Concealed conceal(const ConcealOptions& options) {
   for (std::size_t i = 0; i < c.experiments.size(); ++i) {
     if (ambiguous && c.experiments[i].condition != c.experiments[0].condition) continue;
     const Signals signals = run_experiment(c.with, c.experiments[i], random.bits());
-    recordings.push_back(as_recording(c.with, c.experiments[i], signals, random.bits(), !ambiguous));
+    recordings.push_back(
+        as_recording(c.with, c.experiments[i], signals, random.bits(), !ambiguous));
   }
   if (c.family == Family::decoy) c.decoy = spoil(recordings, random);
 

@@ -1,6 +1,8 @@
-// Makes a case for the diagnosis: recordings of a hidden world, a nominal model folder, and the sealed answer.
+// Makes a case for the diagnosis: recordings of a hidden world, a nominal model folder, and the
+// sealed answer.
 //
-//   DIR/model/robot.urdf, DIR/model/model.toml, DIR/recordings/rec_N.csv (+ .toml), DIR/answer.sealed
+//   DIR/model/robot.urdf, DIR/model/model.toml, DIR/recordings/rec_N.csv (+ .toml),
+//   DIR/answer.sealed
 //
 // Neither seed nor family is written anywhere in the clear.
 #pragma once
@@ -20,10 +22,11 @@ std::optional<Family> family_from_string(const std::string& name);
 
 struct ConcealOptions {
   std::uint64_t seed = 1;
-  std::string robot = "pendulum";     // "pendulum" | "arm" | "op3-stand"
-  std::string out;                    // directory; made, must not hold a case already
-  std::optional<Family> family;       // drawn when not given
-  std::optional<double> ratio;        // target severity; drawn from 0.3, 1, 3, 10, 30 when not given
+  std::string robot = "pendulum";  // "pendulum" | "arm" | "op3-stand"
+  std::string out;                 // directory; made, must not hold a case already
+  std::optional<Family> family;    // drawn when not given
+  // target severity; drawn from 0.3, 1, 3, 10, 30 when not given
+  std::optional<double> ratio;
   std::optional<std::string> effect;  // for single: which; drawn when not given
 };
 
@@ -33,7 +36,8 @@ struct Concealed {
   std::vector<std::string> recordings;  // files
 };
 
-/// Deterministic: the same options give the same bytes. Throws plant::WorldError or recording::InputError.
+/// Deterministic: the same options give the same bytes. Throws plant::WorldError or
+/// recording::InputError.
 Concealed conceal(const ConcealOptions& options);
 
 }  // namespace sanso::conceal

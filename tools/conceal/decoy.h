@@ -1,4 +1,5 @@
-// Decoys: recordings spoiled as real ones are, which a diagnosis has to refuse by name instead of explaining.
+// Decoys: recordings spoiled as real ones are, which a diagnosis has to refuse by name instead of
+// explaining.
 #pragma once
 
 #include <string>

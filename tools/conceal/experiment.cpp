@@ -8,7 +8,8 @@ namespace {
 
 constexpr int kRows = 2000;  // 20 s
 
-/// Hold, multisine, slow triangle, steps, hold: reversals, standstill, slow and fast motion in every recording.
+/// Hold, multisine, slow triangle, steps, hold: reversals, standstill, slow and fast motion in
+/// every recording.
 std::vector<double> joint_command(double centre, double amplitude, Random& random) {
   constexpr int kSines = 4;
   double frequency[kSines], phase[kSines];
@@ -59,7 +60,8 @@ std::vector<Experiment> make_experiments(const RobotSpec& robot, Random& random)
     }
     std::vector<std::vector<double>> by_joint;
     for (int j = 0; j < robot.size(); ++j) {
-      by_joint.push_back(joint_command(robot.posture[static_cast<std::size_t>(j)], robot.amplitude_rad, random));
+      by_joint.push_back(
+          joint_command(robot.posture[static_cast<std::size_t>(j)], robot.amplitude_rad, random));
     }
     for (int row = 0; row < kRows; ++row) {
       std::vector<double> u;

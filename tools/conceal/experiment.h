@@ -1,5 +1,5 @@
-// What is done with a hidden robot: commands over time, and under which condition. The same for every case of a robot
-// up to its seed, whether an effect is hidden or not.
+// What is done with a hidden robot: commands over time, and under which condition. The same for
+// every case of a robot up to its seed, whether an effect is hidden or not.
 #pragma once
 
 #include <string>

@@ -11,15 +11,19 @@ constexpr double kToothStiffness = 2500;  // N m/rad, where a gear has play but 
 constexpr double kToothDamping = 1.0;     // N m s/rad
 
 /// Torque that dry friction can reach at this speed (LuGre's g).
-double friction_level(const JointTruth& j, double rate, double angle, double motor, double external, double rest_s) {
+double friction_level(const JointTruth& j, double rate, double angle, double motor, double external,
+                      double rest_s) {
   const double slow = std::abs(rate) / j.stribeck_speed;
   double level = j.coulomb + j.stribeck * std::exp(-slow * slow);
   level += j.load * std::abs(motor - external);
   level += std::abs(j.drive * motor - j.backdrive * external);
   level += j.quadratic * (motor - external) * (motor - external);
-  level += j.ripple_sine * std::sin(j.ripple_order * angle) + j.ripple_cosine * std::cos(j.ripple_order * angle);
+  level += j.ripple_sine * std::sin(j.ripple_order * angle) +
+           j.ripple_cosine * std::cos(j.ripple_order * angle);
   level += (rate >= 0 ? 1 : -1) * j.coulomb_difference;
-  if (rest_s > 0) level += j.static_friction + (j.static_friction + j.coulomb) * j.dwell_rate * std::log1p(rest_s);
+  if (rest_s > 0)
+    level +=
+        j.static_friction + (j.static_friction + j.coulomb) * j.dwell_rate * std::log1p(rest_s);
   return std::max(level, 1e-6);
 }
 
@@ -37,7 +41,8 @@ double limited_goal(const JointTruth& j, double goal, double period_s, JointMemo
   if (j.profile_speed >= 1e9 && j.profile_acceleration >= 1e9) return m.profile = goal;
   const double distance = goal - m.profile;
   const double reach = std::sqrt(2 * std::min(j.profile_acceleration, 1e6) * std::abs(distance));
-  double wanted = std::copysign(std::min({j.profile_speed, reach, std::abs(distance) / period_s}), distance);
+  double wanted =
+      std::copysign(std::min({j.profile_speed, reach, std::abs(distance) / period_s}), distance);
   const double change = j.profile_acceleration * period_s;
   wanted = std::clamp(wanted, m.profile_rate - change, m.profile_rate + change);
   m.profile_rate = wanted;
@@ -49,10 +54,12 @@ double limited_goal(const JointTruth& j, double goal, double period_s, JointMemo
 bool two_masses(const JointTruth& joint) { return joint.backlash > 0 || joint.compliance > 0; }
 
 double encoder_angle(const JointTruth& j, double q) {
-  return (1 + j.encoder_scale) * q + j.offset + j.encoder_sine * std::sin(q) + j.encoder_cosine * std::cos(q);
+  return (1 + j.encoder_scale) * q + j.offset + j.encoder_sine * std::sin(q) +
+         j.encoder_cosine * std::cos(q);
 }
 
-void run_servo(const JointTruth& j, double goal, bool on, double link_angle, double period_s, JointMemory& m) {
+void run_servo(const JointTruth& j, double goal, bool on, double link_angle, double period_s,
+               JointMemory& m) {
   const double counts = std::round(encoder_angle(j, link_angle) / j.quantum);
   const double aim = limited_goal(j, goal, period_s, m);
   const double error = std::round(aim / j.quantum) * j.quantum - counts * j.quantum;
@@ -64,20 +71,22 @@ void run_servo(const JointTruth& j, double goal, bool on, double link_angle, dou
                             j.feed_forward_s * m.goal_rate);
   duty -= j.d_gain * m.motor_rate;
   if (j.dead_zone > 0) duty = std::copysign(std::max(0.0, std::abs(duty) - j.dead_zone), duty);
-  m.filtered += (duty - m.filtered) * (j.output_filter_s > 0 ? 1 - std::exp(-period_s / j.output_filter_s) : 1);
+  m.filtered += (duty - m.filtered) *
+                (j.output_filter_s > 0 ? 1 - std::exp(-period_s / j.output_filter_s) : 1);
   const double whole = std::round(kPwmSteps * std::clamp(m.filtered, -j.duty_limit, j.duty_limit));
   m.duty = on ? whole / kPwmSteps : 0;
   m.started = true;
 }
 
-double run_gear(const JointTruth& j, double supply_V, bool on, double link_angle, double link_rate, double external,
-                double h, JointMemory& m) {
+double run_gear(const JointTruth& j, double supply_V, bool on, double link_angle, double link_rate,
+                double external, double h, JointMemory& m) {
   const bool split = two_masses(j);
   const double rate = split ? m.motor_rate : link_rate;
   const double angle = split ? m.motor_angle : link_angle;
 
-  m.current =
-      on ? std::clamp((m.duty * supply_V - j.back_emf * rate) / j.resistance, -j.current_limit, j.current_limit) : 0.0;
+  m.current = on ? std::clamp((m.duty * supply_V - j.back_emf * rate) / j.resistance,
+                              -j.current_limit, j.current_limit)
+                 : 0.0;
   m.motor_torque = j.torque_constant * m.current;
   double drive = m.motor_torque;
   if (j.efficiency < 1) drive *= drive * rate > 0 ? j.efficiency : 1 / j.efficiency;
@@ -91,10 +100,13 @@ double run_gear(const JointTruth& j, double supply_V, bool on, double link_angle
 
   // springs and ripple that lose nothing
   m.creep_angle += (link_angle - m.creep_angle) * h / j.creep_time_s;
-  double passive = -j.spring * link_angle + j.spring_torque - j.cubic_spring * link_angle * link_angle * link_angle -
+  double passive = -j.spring * link_angle + j.spring_torque -
+                   j.cubic_spring * link_angle * link_angle * link_angle -
                    j.creep_spring * (link_angle - m.creep_angle);
-  passive += j.cogging_sine * std::sin(j.cogging_order * angle) + j.cogging_cosine * std::cos(j.cogging_order * angle);
-  passive -= j.stop_side * j.stop_stiffness * std::max(0.0, j.stop_side * (link_angle - j.stop_position));
+  passive += j.cogging_sine * std::sin(j.cogging_order * angle) +
+             j.cogging_cosine * std::cos(j.cogging_order * angle);
+  passive -=
+      j.stop_side * j.stop_stiffness * std::max(0.0, j.stop_side * (link_angle - j.stop_position));
 
   if (!split) {
     m.motor_rate = link_rate;

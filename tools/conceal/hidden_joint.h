@@ -1,5 +1,6 @@
-// One joint of a hidden world, from goal to joint torque: an integer-PWM servo at 1 kHz, a DC motor, LuGre friction, a
-// gear that may have play or give. Own formulas, small explicit steps: nothing here is the diagnosis's simulator.
+// One joint of a hidden world, from goal to joint torque: an integer-PWM servo at 1 kHz, a DC
+// motor, LuGre friction, a gear that may have play or give. Own formulas, small explicit steps:
+// nothing here is the diagnosis's simulator.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +10,16 @@ namespace sanso::conceal {
 /// Everything that may be hidden. The defaults are a joint without any effect.
 struct JointTruth {
   // servo and motor; figures of the XM430-W350 at 12 V
-  double p_gain = 3.223, d_gain = 0, i_rate = 0, feed_forward_s = 0;  // duty/rad; duty s/rad; 1/s; s, relative to P
+  // duty/rad; duty s/rad; 1/s; s, relative to P
+  double p_gain = 3.223, d_gain = 0, i_rate = 0, feed_forward_s = 0;
   double duty_limit = 1, voltage = 12, resistance = 5.22, torque_constant = 1.78, back_emf = 2.49;
-  double current_limit = 1e9, output_filter_s = 0, dead_zone = 0, profile_speed = 1e9, profile_acceleration = 1e9;
+  double current_limit = 1e9, output_filter_s = 0, dead_zone = 0, profile_speed = 1e9,
+         profile_acceleration = 1e9;
   double armature = 0.03;
   // friction
   double viscous = 0.05, coulomb = 0.05, stribeck = 0, stribeck_speed = 0.2;
-  double load = 0, drive = 0, backdrive = 0, quadratic = 0, coulomb_difference = 0, viscous_difference = 0;
+  double load = 0, drive = 0, backdrive = 0, quadratic = 0, coulomb_difference = 0,
+         viscous_difference = 0;
   double ripple_sine = 0, ripple_cosine = 0, ripple_order = 1;
   double static_friction = 0, dwell_rate = 0;
   double bristle_stiffness = 4000, bristle_damping = 0.4;  // N m/rad, N m s/rad
@@ -31,9 +35,10 @@ struct JointTruth {
   double offset = 0, encoder_sine = 0, encoder_cosine = 0, encoder_scale = 0, velocity_filter_s = 0;
   double quantum = 0.00153398078788564;
   // physics that the diagnosis's library has no name for
-  double cubic_spring = 0;                      // N m/rad^3
-  double angle_damping = 0;                     // N m s/rad, times sin^2 of the angle
-  double gain_softening = 0;                    // duty lost at a large error: P e (1 - softening e^2)
+  double cubic_spring = 0;   // N m/rad^3
+  double angle_damping = 0;  // N m s/rad, times sin^2 of the angle
+  // duty lost at a large error: P e (1 - softening e^2)
+  double gain_softening = 0;
   double creep_spring = 0, creep_time_s = 0.5;  // spring whose rest angle follows the joint slowly
 };
 
@@ -52,10 +57,12 @@ bool two_masses(const JointTruth& joint);
 double encoder_angle(const JointTruth& joint, double link_angle);
 
 /// The servo's own loop, once a period: duty from the goal. `on` false: bridge open.
-void run_servo(const JointTruth& joint, double goal, bool on, double link_angle, double period_s, JointMemory& memory);
+void run_servo(const JointTruth& joint, double goal, bool on, double link_angle, double period_s,
+               JointMemory& memory);
 
-/// One step of `h`: torque on the link [N m]. `external` is what gravity and the other links put on the joint.
-double run_gear(const JointTruth& joint, double supply_V, bool on, double link_angle, double link_rate, double external,
-                double h, JointMemory& memory);
+/// One step of `h`: torque on the link [N m]. `external` is what gravity and the other links put on
+/// the joint.
+double run_gear(const JointTruth& joint, double supply_V, bool on, double link_angle,
+                double link_rate, double external, double h, JointMemory& memory);
 
 }  // namespace sanso::conceal

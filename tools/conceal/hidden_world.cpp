@@ -18,13 +18,15 @@ constexpr double kCurrentQuantum = 2.69e-3, kPwmSteps = 885, kVoltQuantum = 0.1;
 /// The command as each servo gets it: delayed, held, sometimes lost.
 class CommandLine {
  public:
-  CommandLine(const WorldTruth& world, const Experiment& experiment, Random& random) : experiment_(experiment) {
+  CommandLine(const WorldTruth& world, const Experiment& experiment, Random& random)
+      : experiment_(experiment) {
     const std::size_t rows = experiment.command.size();
     for (int j = 0; j < world.robot.size(); ++j) {
       const JointTruth& joint = world.joints[static_cast<std::size_t>(j)];
       std::vector<std::size_t> source(rows);
       for (std::size_t row = 0; row < rows; ++row) {
-        const bool taken = row % static_cast<std::size_t>(joint.hold_cycles) == 0 && !random.chance(joint.loss);
+        const bool taken =
+            row % static_cast<std::size_t>(joint.hold_cycles) == 0 && !random.chance(joint.loss);
         source[row] = row == 0 || taken ? row : source[row - 1];
       }
       source_.push_back(std::move(source));
@@ -47,18 +49,21 @@ class CommandLine {
 /// MuJoCo's model of the world with the joints' own masses where they belong.
 class Body {
  public:
-  Body(const WorldTruth& world, const Experiment& experiment) : world_(world), experiment_(experiment) {
+  Body(const WorldTruth& world, const Experiment& experiment)
+      : world_(world), experiment_(experiment) {
     std::vector<double> armature;
     // a motor behind play or compliance is a mass of its own; the last gear stays with the link
     for (const JointTruth& j : world.joints) armature.push_back(two_masses(j) ? 1e-4 : j.armature);
-    model_ = plant::compile_mjcf(to_mjcf(world.robot, armature, kStep_s, experiment.gravity), "the hidden world");
+    model_ = plant::compile_mjcf(to_mjcf(world.robot, armature, kStep_s, experiment.gravity),
+                                 "the hidden world");
     data_ = plant::DataPtr(mj_makeData(model_.get()));
     for (const LinkSpec& link : world.robot.links) {
       const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, link.joint.c_str());
       qpos_.push_back(model_->jnt_qposadr[joint]);
       dof_.push_back(model_->jnt_dofadr[joint]);
       body_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, link.link.c_str()));
-      payload_body_.push_back(mj_name2id(model_.get(), mjOBJ_BODY, (link.link + "_payload").c_str()));
+      payload_body_.push_back(
+          mj_name2id(model_.get(), mjOBJ_BODY, (link.link + "_payload").c_str()));
     }
     set_payloads(-kSettle_s);
     for (int j = 0; j < world.robot.size(); ++j) data_->qpos[qpos_[j]] = experiment.command[0][j];
@@ -84,7 +89,8 @@ class Body {
  private:
   void set_payloads(double t) {
     std::vector<double> mass(body_.size(), 1e-9);
-    if (experiment_.payload_kg > 0) mass[static_cast<std::size_t>(world_.robot.payload_link)] += experiment_.payload_kg;
+    if (experiment_.payload_kg > 0)
+      mass[static_cast<std::size_t>(world_.robot.payload_link)] += experiment_.payload_kg;
     if (world_.payload.link >= 0 && t >= world_.payload.from_s) {
       mass[static_cast<std::size_t>(world_.payload.link)] += world_.payload.mass;
       late_on_ = true;
@@ -125,23 +131,25 @@ Signals run_experiment(const WorldTruth& world, const Experiment& experiment, st
     memory[j].motor_angle = memory[j].creep_angle = body.angle(j);
   }
 
-  const auto record_steps =
-      static_cast<long>(std::lround((static_cast<double>(rows) * kControlPeriod_s + 0.05) / kStep_s));
+  const auto record_steps = static_cast<long>(
+      std::lround((static_cast<double>(rows) * kControlPeriod_s + 0.05) / kStep_s));
   const auto settle_steps = static_cast<long>(std::lround(kSettle_s / kStep_s));
   std::vector<Track> q(n), dq(n), current(n), duty(n);
   Track volt;
   double supply_drop = 0;
   for (long step = -settle_steps; step < record_steps; ++step) {
     const double t = static_cast<double>(step) * kStep_s;
-    const double open_circuit = 1 + world.supply_level + world.supply_slope_per_min * std::max(0.0, t) / 60;
+    const double open_circuit =
+        1 + world.supply_level + world.supply_slope_per_min * std::max(0.0, t) / 60;
     double load = 0;
     for (int j = 0; j < n; ++j) {
       if ((step + settle_steps) % kServoEvery == 0) {
-        run_servo(joints[j], commands.goal(j, t), true, body.angle(j), kServoEvery * kStep_s, memory[j]);
+        run_servo(joints[j], commands.goal(j, t), true, body.angle(j), kServoEvery * kStep_s,
+                  memory[j]);
       }
       const double supply = joints[j].voltage * open_circuit - supply_drop;
-      double torque =
-          run_gear(joints[j], supply, true, body.angle(j), body.rate(j), body.external(j), kStep_s, memory[j]);
+      double torque = run_gear(joints[j], supply, true, body.angle(j), body.rate(j),
+                               body.external(j), kStep_s, memory[j]);
       if (world.coupling.to == j) torque -= world.coupling.viscous * body.rate(world.coupling.from);
       body.set_torque(j, torque);
       load += std::abs(memory[j].current * memory[j].duty);
@@ -161,7 +169,8 @@ Signals run_experiment(const WorldTruth& world, const Experiment& experiment, st
 
   Signals s;
   s.volt.resize(rows);
-  for (std::size_t row = 0; row < rows; ++row) s.volt[row] = volt.at(static_cast<double>(row) * kControlPeriod_s);
+  for (std::size_t row = 0; row < rows; ++row)
+    s.volt[row] = volt.at(static_cast<double>(row) * kControlPeriod_s);
   for (int j = 0; j < n; ++j) {
     const JointTruth& joint = world.joints[j];
     std::vector<double> qs(rows), dqs(rows), is(rows), ds(rows);
@@ -169,13 +178,15 @@ Signals run_experiment(const WorldTruth& world, const Experiment& experiment, st
     for (std::size_t row = 0; row < rows; ++row) {
       const double stamp = static_cast<double>(row) * kControlPeriod_s;
       const double t = stamp - joint.sensor_delay_s + joint.jitter_s * random.normal();
-      const double blend = joint.velocity_filter_s > 0 ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s) : 1;
+      const double blend = joint.velocity_filter_s > 0
+                               ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s)
+                               : 1;
       filtered += blend * (dq[j].at(t) - filtered);
       qs[row] = encoder_angle(joint, q[j].at(t));
       dqs[row] = filtered;
       is[row] = current[j].at(t);
-      ds[row] =
-          duty[j].values[static_cast<std::size_t>(std::clamp(t / kStep_s, 0.0, static_cast<double>(record_steps - 1)))];
+      ds[row] = duty[j].values[static_cast<std::size_t>(
+          std::clamp(t / kStep_s, 0.0, static_cast<double>(record_steps - 1)))];
     }
     s.q.push_back(std::move(qs));
     s.dq.push_back(std::move(dqs));
@@ -185,15 +196,20 @@ Signals run_experiment(const WorldTruth& world, const Experiment& experiment, st
   return s;
 }
 
-recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment, const Signals& signals,
-                                  std::uint64_t seed, bool electrical_channels) {
+recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment,
+                                  const Signals& signals, std::uint64_t seed,
+                                  bool electrical_channels) {
   Random random(seed ^ 0xB05);
   const std::size_t rows = experiment.command.size();
-  const auto grid = [](double value, double quantum) { return std::round(value / quantum) * quantum + 0.0; };  // no -0
+  // no -0
+  const auto grid = [](double value, double quantum) {
+    return std::round(value / quantum) * quantum + 0.0;
+  };
   recording::Recording r;
   r.file = experiment.name + ".csv";
   r.condition = experiment.condition;
-  for (std::size_t row = 0; row < rows; ++row) r.t.push_back(static_cast<double>(row) * kControlPeriod_s);
+  for (std::size_t row = 0; row < rows; ++row)
+    r.t.push_back(static_cast<double>(row) * kControlPeriod_s);
   for (int j = 0; j < world.robot.size(); ++j) {
     const std::string& name = world.robot.links[static_cast<std::size_t>(j)].joint;
     std::vector<double> u(rows), q(rows), dq(rows), current(rows), pwm(rows);
@@ -201,7 +217,8 @@ recording::Recording as_recording(const WorldTruth& world, const Experiment& exp
       u[row] = grid(experiment.command[row][static_cast<std::size_t>(j)], world.joints[j].quantum);
       q[row] = grid(signals.q[j][row], world.joints[j].quantum);
       dq[row] = grid(signals.dq[j][row], kRateQuantum);
-      current[row] = grid(signals.current[j][row] + kCurrentQuantum * random.normal(), kCurrentQuantum);
+      current[row] =
+          grid(signals.current[j][row] + kCurrentQuantum * random.normal(), kCurrentQuantum);
       pwm[row] = std::round(signals.duty[j][row] * kPwmSteps) / kPwmSteps;
     }
     r.set("u:" + name, std::move(u));
@@ -232,8 +249,9 @@ recording::Recording as_recording(const WorldTruth& world, const Experiment& exp
   }
   if (experiment.payload_kg > 0) {
     const LinkSpec& link = world.robot.links[static_cast<std::size_t>(world.robot.payload_link)];
-    r.payloads.push_back(
-        {link.link, experiment.payload_kg, {link.payload_at[0], link.payload_at[1], link.payload_at[2]}});
+    r.payloads.push_back({link.link,
+                          experiment.payload_kg,
+                          {link.payload_at[0], link.payload_at[1], link.payload_at[2]}});
   }
   return r;
 }

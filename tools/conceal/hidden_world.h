@@ -1,4 +1,5 @@
-// A hidden world: the robot as it was really built, on MuJoCo, with whatever is hidden in it; and what its sensors log.
+// A hidden world: the robot as it was really built, on MuJoCo, with whatever is hidden in it; and
+// what its sensors log.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,8 @@ struct LinkForce {
   double from_s = -1e9, until_s = 1e9;
 };
 
-/// Torque on one joint in proportion to another's rate: a belt or cable that the model does not know of.
+/// Torque on one joint in proportion to another's rate: a belt or cable that the model does not
+/// know of.
 struct Coupling {
   int from = -1, to = -1;
   double viscous = 0;  // N m s/rad
@@ -34,7 +36,8 @@ struct WorldTruth {
   std::vector<JointTruth> joints;
   double supply_level = 0, supply_slope_per_min = 0;  // relative
   double supply_resistance = 0;                       // ohm, carries the sum of |i duty|
-  double bus_skew_s = 0;                              // the k-th joint's command comes k skews later
+  // the k-th joint's command comes k skews later
+  double bus_skew_s = 0;
   LatePayload payload;
   LinkForce push, tether;
   Coupling coupling;
@@ -50,8 +53,9 @@ struct Signals {
 Signals run_experiment(const WorldTruth& world, const Experiment& experiment, std::uint64_t seed);
 
 /// What the bus logs of it: encoder steps, register units, noise.
-recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment, const Signals& signals,
-                                  std::uint64_t seed, bool electrical_channels);
+recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment,
+                                  const Signals& signals, std::uint64_t seed,
+                                  bool electrical_channels);
 
 inline constexpr double kRateQuantum = 0.229 * 2 * plant::kPi / 60;  // rad/s
 

@@ -15,7 +15,9 @@ using Scope = Hideable::Scope;
 using Parameters = std::map<std::string, double>;
 
 JointTruth& joint(WorldTruth& world, int at) { return world.joints[static_cast<std::size_t>(at)]; }
-LinkSpec& link(WorldTruth& world, int at) { return world.robot.links[static_cast<std::size_t>(at)]; }
+LinkSpec& link(WorldTruth& world, int at) {
+  return world.robot.links[static_cast<std::size_t>(at)];
+}
 double sign(Random& random) { return random.chance(0.5) ? 1.0 : -1.0; }
 
 /// An effect of one joint: `change` sets the joint and returns the parameters by name.
@@ -23,15 +25,16 @@ Hideable on_joint(std::string id, double typical, double largest,
                   std::function<Parameters(JointTruth&, double size, Random&)> change,
                   std::vector<std::string> twins = {}) {
   const std::string name = id;
-  return {std::move(id),
-          Scope::joint,
-          typical,
-          largest,
-          true,
-          [name, change](WorldTruth& world, int at, double size, Random& random) {
-            return HiddenEffect{name, {link(world, at).joint}, change(joint(world, at), size, random)};
-          },
-          std::move(twins)};
+  return {
+      std::move(id),
+      Scope::joint,
+      typical,
+      largest,
+      true,
+      [name, change](WorldTruth& world, int at, double size, Random& random) {
+        return HiddenEffect{name, {link(world, at).joint}, change(joint(world, at), size, random)};
+      },
+      std::move(twins)};
 }
 
 Hideable on_link(std::string id, double typical, double largest,
@@ -116,7 +119,8 @@ std::vector<Hideable> friction_effects() {
       on_joint("asymmetric_friction", 0.06, 0.3,
                [](JointTruth& j, double s, Random& r) {
                  s *= sign(r);
-                 j.coulomb += std::max(0.0, std::abs(s) - j.coulomb);  // friction stays positive both ways
+                 // friction stays positive both ways
+                 j.coulomb += std::max(0.0, std::abs(s) - j.coulomb);
                  j.coulomb_difference = s;
                  return Parameters{{"coulomb_difference", s}};
                }),
@@ -135,7 +139,9 @@ std::vector<Hideable> friction_effects() {
                  j.ripple_sine = s * std::sin(phase);
                  j.ripple_cosine = s * std::cos(phase);
                  j.coulomb += std::max(0.0, s - j.coulomb);
-                 return Parameters{{"sine", j.ripple_sine}, {"cosine", j.ripple_cosine}, {"order", j.ripple_order}};
+                 return Parameters{{"sine", j.ripple_sine},
+                                   {"cosine", j.ripple_cosine},
+                                   {"order", j.ripple_order}};
                }),
       on_joint("dwell_stiction", 0.1, 0.5,
                [](JointTruth& j, double s, Random& r) {
@@ -165,7 +171,9 @@ std::vector<Hideable> gear_effects() {
                  j.cogging_order = 4 + static_cast<double>(r.bits() % 20);
                  j.cogging_sine = s * std::sin(phase);
                  j.cogging_cosine = s * std::cos(phase);
-                 return Parameters{{"sine", j.cogging_sine}, {"cosine", j.cogging_cosine}, {"order", j.cogging_order}};
+                 return Parameters{{"sine", j.cogging_sine},
+                                   {"cosine", j.cogging_cosine},
+                                   {"order", j.cogging_order}};
                }),
       on_joint("rotor_inertia", 0.02, 0.1,
                [](JointTruth& j, double s, Random&) {
@@ -188,7 +196,8 @@ std::vector<Hideable> gear_effects() {
                  j.stop_stiffness = s;
                  j.stop_side = sign(r);
                  j.stop_position = j.stop_side * r.uniform(0.2, 0.3);
-                 return Parameters{{"stiffness", s}, {"position", j.stop_position}, {"side", j.stop_side}};
+                 return Parameters{
+                     {"stiffness", s}, {"position", j.stop_position}, {"side", j.stop_side}};
                }),
       on_joint("air_drag", 0.04, 0.2,
                [](JointTruth& j, double s, Random&) {
@@ -224,14 +233,16 @@ std::vector<Hideable> mass_effects() {
               [](WorldTruth& w, int at, double s, Random& r) {
                 w.payload = {at, s, r.uniform(5, 12)};
                 const Vec3& p = link(w, at).payload_at;
-                return Parameters{{"mass", s}, {"x", p[0]}, {"y", p[1]}, {"z", p[2]}, {"from", w.payload.from_s}};
+                return Parameters{
+                    {"mass", s}, {"x", p[0]}, {"y", p[1]}, {"z", p[2]}, {"from", w.payload.from_s}};
               }),
       on_link("external_push", 3, 50,
               [](WorldTruth& w, int at, double s, Random& r) {
                 const double from = r.uniform(3, 15), duration = r.uniform(0.1, 0.4);
                 const Vec3 force{s * sign(r), 0, 0};
                 w.push = {at, force, from, from + duration};
-                return Parameters{{"x", force[0]}, {"y", 0}, {"z", 0}, {"from", from}, {"duration", duration}};
+                return Parameters{
+                    {"x", force[0]}, {"y", 0}, {"z", 0}, {"from", from}, {"duration", duration}};
               }),
       on_link("tether", 1, 15,
               [](WorldTruth& w, int at, double s, Random& r) {
@@ -356,7 +367,8 @@ std::vector<Hideable> clock_and_sensor_effects() {
 
 std::vector<Hideable> outside_effects() {
   return {
-      outside("cubic_spring", 1.0, 10, [](WorldTruth& w, int at, double s, Random&) { joint(w, at).cubic_spring = s; }),
+      outside("cubic_spring", 1.0, 10,
+              [](WorldTruth& w, int at, double s, Random&) { joint(w, at).cubic_spring = s; }),
       outside("angle_damping", 0.5, 4,
               [](WorldTruth& w, int at, double s, Random&) { joint(w, at).angle_damping = s; }),
       outside("gain_softening", 1.0, 12,
@@ -373,7 +385,9 @@ std::vector<Hideable> outside_effects() {
                   joint(w, at).cubic_spring = 4 * s;  // one joint has nothing to be coupled with
                   return;
                 }
-                w.coupling = {(at + 1 + static_cast<int>(r.bits() % static_cast<std::uint64_t>(n - 1))) % n, at, s};
+                w.coupling = {
+                    (at + 1 + static_cast<int>(r.bits() % static_cast<std::uint64_t>(n - 1))) % n,
+                    at, s};
               }),
   };
 }
@@ -383,8 +397,8 @@ std::vector<Hideable> outside_effects() {
 const std::vector<Hideable>& hideables() {
   static const std::vector<Hideable> all = [] {
     std::vector<Hideable> out;
-    for (auto make : {friction_effects, gear_effects, mass_effects, electrical_effects, clock_and_sensor_effects,
-                      outside_effects}) {
+    for (auto make : {friction_effects, gear_effects, mass_effects, electrical_effects,
+                      clock_and_sensor_effects, outside_effects}) {
       for (Hideable& h : make()) out.push_back(std::move(h));
     }
     return out;

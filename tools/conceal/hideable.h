@@ -1,5 +1,6 @@
-// What can be hidden: the effects of the diagnosis's library that a fixed-base world can show (by their ids and
-// parameter names, docs/model-folder.md), and some physics that the library has no name for.
+// What can be hidden: the effects of the diagnosis's library that a fixed-base world can show (by
+// their ids and parameter names, docs/model-folder.md), and some physics that the library has no
+// name for.
 #pragma once
 
 #include <functional>
@@ -23,9 +24,11 @@ struct Hideable {
   enum class Scope { joint, link, robot } scope;
   double typical, largest;  // of the size that severity scales
   bool in_library;
-  /// Draws the other parameters, applies the effect of this size to joint or link `at`, and tells what it did.
+  /// Draws the other parameters, applies the effect of this size to joint or link `at`, and tells
+  /// what it did.
   std::function<HiddenEffect(WorldTruth& world, int at, double size, Random& random)> apply;
-  /// Confounders that data without electrical channels and without a second gain cannot tell apart; empty: none known.
+  /// Confounders that data without electrical channels and without a second gain cannot tell apart;
+  /// empty: none known.
   std::vector<std::string> twins;
 };
 

@@ -24,7 +24,8 @@ std::string read_file(const std::string& path) {
 }
 
 std::vector<std::string> strings(const json& object, const char* key) {
-  return object.contains(key) ? object.at(key).get<std::vector<std::string>>() : std::vector<std::string>{};
+  return object.contains(key) ? object.at(key).get<std::vector<std::string>>()
+                              : std::vector<std::string>{};
 }
 
 /// Effect ids that a finding stands for: its own and its set's.
@@ -36,7 +37,8 @@ std::set<std::string> set_of(const json& finding) {
 }
 
 bool same_place(const std::vector<std::string>& truth, const std::vector<std::string>& said) {
-  return truth.empty() || std::set(truth.begin(), truth.end()) == std::set(said.begin(), said.end());
+  return truth.empty() ||
+         std::set(truth.begin(), truth.end()) == std::set(said.begin(), said.end());
 }
 
 void compare_parameters(const json& effect, const json& finding, Score& score) {
@@ -46,9 +48,12 @@ void compare_parameters(const json& effect, const json& finding, Score& score) {
     const double truth = value.get<double>();
     const json& fitted = finding.at("parameters").at(name);
     const std::string key = effect.at("id").get<std::string>() + "." + name;
-    if (truth != 0) score.relative_error[key] = std::abs(fitted.at("value").get<double>() - truth) / std::abs(truth);
+    if (truth != 0)
+      score.relative_error[key] =
+          std::abs(fitted.at("value").get<double>() - truth) / std::abs(truth);
     if (fitted.contains("low") && fitted.at("low").is_number() && fitted.at("high").is_number()) {
-      score.covered[key] = fitted.at("low").get<double>() <= truth && truth <= fitted.at("high").get<double>();
+      score.covered[key] =
+          fitted.at("low").get<double>() <= truth && truth <= fitted.at("high").get<double>();
     }
   }
 }
@@ -70,14 +75,15 @@ void score_effects(const json& answer, const json& findings, Score& score) {
     }
     hits += by_name;
     score.in_set = score.in_set && match != nullptr;
-    score.where_exact = score.where_exact && match && same_place(strings(effect, "where"), strings(*match, "where"));
+    score.where_exact = score.where_exact && match &&
+                        same_place(strings(effect, "where"), strings(*match, "where"));
     if (match && by_name) compare_parameters(effect, *match, score);
   }
   double sizes = 0;
   for (const json& finding : findings) sizes += static_cast<double>(set_of(finding).size());
   score.set_size = findings.empty() ? 0 : sizes / static_cast<double>(findings.size());
-  score.named_first =
-      !score.named.empty() && std::find(score.truth.begin(), score.truth.end(), score.named[0]) != score.truth.end();
+  score.named_first = !score.named.empty() && std::find(score.truth.begin(), score.truth.end(),
+                                                        score.named[0]) != score.truth.end();
   const double total = static_cast<double>(score.truth.size() + score.named.size());
   score.f1 = total > 0 ? 2.0 * static_cast<double>(hits) / total : 0;
 }
@@ -89,15 +95,17 @@ void score_decoy(const json& answer, const json& verdict, Score& score) {
     const bool same_file = file.ends_with(answer.at("decoy").at("file").get<std::string>());
     // a copy shows in two files; either may be called the copy
     const std::string defect = answer.at("decoy").at("defect").get<std::string>();
-    score.refused_by_name = score.refused_by_name ||
-                            (refused.value("defect", "") == defect && (same_file || defect == "copy of another file"));
+    score.refused_by_name =
+        score.refused_by_name ||
+        (refused.value("defect", "") == defect && (same_file || defect == "copy of another file"));
   }
 }
 
 /// Outside the library: said so, and pointed at the right joint.
 void score_outside(const json& answer, const json& verdict, Score& score) {
   const std::string joint = answer.at("effects").at(0).at("where").at(0).get<std::string>();
-  const bool placed_by_rest = verdict.contains("unexplained") && verdict.at("unexplained").is_object() &&
+  const bool placed_by_rest = verdict.contains("unexplained") &&
+                              verdict.at("unexplained").is_object() &&
                               verdict.at("unexplained").value("where", "") == joint;
   const bool placed_by_map = verdict.contains("locations") && !verdict.at("locations").empty() &&
                              verdict.at("locations").at(0).value("where", "") == joint;
@@ -127,7 +135,8 @@ Score reveal(const std::string& directory, const std::string& verdict_file) {
     score.status = verdict.at("status").get<std::string>();
     score.detected = verdict.at("mismatch").get<bool>();
     const json findings = verdict.value("findings", json::array());
-    for (const json& finding : findings) score.named.push_back(finding.at("effect").get<std::string>());
+    for (const json& finding : findings)
+      score.named.push_back(finding.at("effect").get<std::string>());
     score.robot = answer.at("robot").get<std::string>();
     score.family = answer.at("family").get<std::string>();
     score.ratio_target = answer.at("ratio_target").get<double>();

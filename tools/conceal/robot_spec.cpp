@@ -19,7 +19,8 @@ using plant::norm;
 namespace {
 
 /// A rod along -z with a weight at its end.
-LinkSpec rod(const std::string& link, const std::string& joint, double rod_kg, double length_m, double tip_kg) {
+LinkSpec rod(const std::string& link, const std::string& joint, double rod_kg, double length_m,
+             double tip_kg) {
   LinkSpec l;
   l.link = link;
   l.joint = joint;
@@ -46,7 +47,8 @@ RobotSpec pendulum() {
 RobotSpec arm() {
   RobotSpec robot;
   robot.name = "arm";
-  robot.links = {rod("upper_arm", "shoulder", 0.12, 0.16, 0.10), rod("forearm", "elbow", 0.08, 0.13, 0.10)};
+  robot.links = {rod("upper_arm", "shoulder", 0.12, 0.16, 0.10),
+                 rod("forearm", "elbow", 0.08, 0.13, 0.10)};
   robot.links[1].parent = 0;
   robot.links[1].origin = {0, 0, -0.16};
   robot.amplitude_rad = 0.7;
@@ -65,9 +67,10 @@ RobotSpec op3_stand() {
   for (const char* side : {"r", "l"}) {
     for (const char* part : {"hip_yaw", "hip_roll", "hip_pitch", "knee", "ank_pitch", "ank_roll"}) {
       const std::string name = fmt::format("{}_{}", side, part);
-      const auto joint = std::find_if(body.joints.begin(), body.joints.end(), [&](auto& j) { return j.name == name; });
-      const auto link =
-          std::find_if(body.links.begin(), body.links.end(), [&](auto& l) { return l.name == joint->child; });
+      const auto joint = std::find_if(body.joints.begin(), body.joints.end(),
+                                      [&](auto& j) { return j.name == name; });
+      const auto link = std::find_if(body.links.begin(), body.links.end(),
+                                     [&](auto& l) { return l.name == joint->child; });
       LinkSpec l;
       l.link = link->name;
       l.joint = name;
@@ -90,17 +93,21 @@ RobotSpec op3_stand() {
 
 std::string text(const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v[0], v[1], v[2]); }
 
-void write_body(std::string& out, const RobotSpec& robot, const std::vector<double>& armature, int index) {
+void write_body(std::string& out, const RobotSpec& robot, const std::vector<double>& armature,
+                int index) {
   const LinkSpec& l = robot.links[static_cast<std::size_t>(index)];
   const double* i = l.inertia;
   out += fmt::format(
       R"(<body name="{0}" pos="{1}"><joint name="{2}" type="hinge" axis="{3}" armature="{4:.9g}"/>)"
-      R"(<inertial pos="{5}" mass="{6:.9g}" fullinertia="{7:.9g} {8:.9g} {9:.9g} {10:.9g} {11:.9g} {12:.9g}"/>)"
-      R"(<body name="{0}_payload" pos="{13}"><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/></body>)",
-      l.link, text(l.origin), l.joint, text(l.axis), armature[static_cast<std::size_t>(index)], text(l.com), l.mass,
-      i[0], i[1], i[2], i[3], i[4], i[5], text(l.payload_at));
+      R"(<inertial pos="{5}" mass="{6:.9g}" fullinertia="{7:.9g} {8:.9g} {9:.9g} {10:.9g} )"
+      R"({11:.9g} {12:.9g}"/>)"
+      R"(<body name="{0}_payload" pos="{13}"><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 )"
+      R"(1e-12 1e-12"/></body>)",
+      l.link, text(l.origin), l.joint, text(l.axis), armature[static_cast<std::size_t>(index)],
+      text(l.com), l.mass, i[0], i[1], i[2], i[3], i[4], i[5], text(l.payload_at));
   for (int child = 0; child < robot.size(); ++child) {
-    if (robot.links[static_cast<std::size_t>(child)].parent == index) write_body(out, robot, armature, child);
+    if (robot.links[static_cast<std::size_t>(child)].parent == index)
+      write_body(out, robot, armature, child);
   }
   out += "</body>\n";
 }
@@ -126,17 +133,22 @@ RobotSpec as_built(const RobotSpec& nominal, Random& random) {
 }
 
 std::string to_urdf(const RobotSpec& robot) {
-  std::string out = fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", robot.name);
+  std::string out = fmt::format(
+      "<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", robot.name);
   for (const LinkSpec& l : robot.links) {
     const double* i = l.inertia;
-    const std::string parent = l.parent < 0 ? "base" : robot.links[static_cast<std::size_t>(l.parent)].link;
+    const std::string parent =
+        l.parent < 0 ? "base" : robot.links[static_cast<std::size_t>(l.parent)].link;
     out += fmt::format(
-        "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      <mass value=\"{:.9g}\"/>\n"
-        "      <inertia ixx=\"{:.9g}\" iyy=\"{:.9g}\" izz=\"{:.9g}\" ixy=\"{:.9g}\" ixz=\"{:.9g}\" iyz=\"{:.9g}\"/>\n"
+        "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      <mass "
+        "value=\"{:.9g}\"/>\n"
+        "      <inertia ixx=\"{:.9g}\" iyy=\"{:.9g}\" izz=\"{:.9g}\" ixy=\"{:.9g}\" "
+        "ixz=\"{:.9g}\" iyz=\"{:.9g}\"/>\n"
         "    </inertial>\n  </link>\n",
         l.link, text(l.com), l.mass, i[0], i[1], i[2], i[3], i[4], i[5]);
     out += fmt::format(
-        "  <joint name=\"{}\" type=\"revolute\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
+        "  <joint name=\"{}\" type=\"revolute\">\n    <parent link=\"{}\"/>\n    <child "
+        "link=\"{}\"/>\n"
         "    <origin xyz=\"{}\"/>\n    <axis xyz=\"{}\"/>\n"
         "    <limit lower=\"{}\" upper=\"{}\" effort=\"4.1\" velocity=\"4.82\"/>\n  </joint>\n",
         l.joint, parent, l.link, text(l.origin), text(l.axis), l.lower, l.upper);
@@ -144,10 +156,12 @@ std::string to_urdf(const RobotSpec& robot) {
   return out + "</robot>\n";
 }
 
-std::string to_mjcf(const RobotSpec& robot, const std::vector<double>& armature, double step_s, const Vec3& gravity) {
+std::string to_mjcf(const RobotSpec& robot, const std::vector<double>& armature, double step_s,
+                    const Vec3& gravity) {
   std::string out = fmt::format(R"(<mujoco model="{}">
 <compiler angle="radian" boundmass="1e-9" boundinertia="1e-12"/>
-<option timestep="{}" gravity="{}" integrator="Euler"><flag contact="disable" constraint="disable"/></option>
+<option timestep="{}" gravity="{}" integrator="Euler">
+<flag contact="disable" constraint="disable"/></option>
 <worldbody>
 )",
                                 robot.name, step_s, text(gravity));
@@ -158,7 +172,8 @@ std::string to_mjcf(const RobotSpec& robot, const std::vector<double>& armature,
 }
 
 void add_axis_inertia(LinkSpec& link, double share) {
-  // two equal point masses on a line n through the COM, n across the axis: inertia m r^2 (1 - n n') in all
+  // two equal point masses on a line n through the COM, n across the axis: inertia m r^2 (1 - n n')
+  // in all
   const Vec3 a = (1.0 / norm(link.axis)) * link.axis;
   const Vec3 helper = std::abs(a[0]) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 0, 1};
   Vec3 n = cross(a, helper);

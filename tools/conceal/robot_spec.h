@@ -1,5 +1,6 @@
-// The robots that a hidden world can be made of, as one list of links and joints: MuJoCo's model and the URDF of the
-// model folder are both written from it, the first from the true figures, the second from the nominal ones.
+// The robots that a hidden world can be made of, as one list of links and joints: MuJoCo's model
+// and the URDF of the model folder are both written from it, the first from the true figures, the
+// second from the nominal ones.
 #pragma once
 
 #include <string>
@@ -13,7 +14,8 @@ namespace sanso::conceal {
 using plant::Random;
 using plant::Vec3;
 
-/// A link and the revolute joint that carries it. Frames: the joint's, x forward, z up at zero angle.
+/// A link and the revolute joint that carries it. Frames: the joint's, x forward, z up at zero
+/// angle.
 struct LinkSpec {
   std::string link, joint;
   int parent = -1;               // index of the parent link; -1 = the fixed base
@@ -35,7 +37,8 @@ struct RobotSpec {
   int size() const { return static_cast<int>(links.size()); }
 };
 
-/// "pendulum" (one servo, one rod), "arm" (two links), "op3-stand" (twelve leg joints, torso in a stand).
+/// "pendulum" (one servo, one rod), "arm" (two links), "op3-stand" (twelve leg joints, torso in a
+/// stand).
 /// Throws plant::WorldError for any other name.
 RobotSpec make_robot(const std::string& name);
 
@@ -45,8 +48,10 @@ RobotSpec as_built(const RobotSpec& nominal, Random& random);
 /// URDF text of the model folder.
 std::string to_urdf(const RobotSpec& robot);
 
-/// MuJoCo model; joints carry `armature[j]`; body "<link>_payload" is a point mass that the world can switch on.
-std::string to_mjcf(const RobotSpec& robot, const std::vector<double>& armature, double step_s, const Vec3& gravity);
+/// MuJoCo model; joints carry `armature[j]`; body "<link>_payload" is a point mass that the world
+/// can switch on.
+std::string to_mjcf(const RobotSpec& robot, const std::vector<double>& armature, double step_s,
+                    const Vec3& gravity);
 
 /// Adds rotational inertia about the joint's axis without breaking the triangle inequality.
 void add_axis_inertia(LinkSpec& link, double share);

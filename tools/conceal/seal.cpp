@@ -26,7 +26,8 @@ void require_sodium() {
 
 Key derive_key(std::span<const std::uint8_t> salt) {
   Key key{};
-  crypto_generichash(key.data(), key.size(), salt.data(), salt.size(), reinterpret_cast<const unsigned char*>(kPurpose),
+  crypto_generichash(key.data(), key.size(), salt.data(), salt.size(),
+                     reinterpret_cast<const unsigned char*>(kPurpose),
                      std::min<std::size_t>(sizeof kPurpose - 1, crypto_generichash_KEYBYTES_MAX));
   return key;
 }
@@ -38,26 +39,29 @@ std::vector<std::uint8_t> make_seal(const std::string& answer) {
   const auto* text = reinterpret_cast<const unsigned char*>(answer.data());
   std::vector<std::uint8_t> out(kHeadBytes + crypto_secretbox_MACBYTES + answer.size());
   std::copy_n(kMagic, kMagicBytes, out.begin());
-  // salt and nonce come from the answer itself: the same case gives the same bytes, and its hash can be checked again
+  // salt and nonce come from the answer itself: the same case gives the same bytes, and its hash
+  // can be checked again
   crypto_generichash(out.data() + kMagicBytes, kSaltBytes, text, answer.size(), nullptr, 0);
-  crypto_generichash(out.data() + kMagicBytes + kSaltBytes, crypto_secretbox_NONCEBYTES, text, answer.size(), nullptr,
-                     0);
+  crypto_generichash(out.data() + kMagicBytes + kSaltBytes, crypto_secretbox_NONCEBYTES, text,
+                     answer.size(), nullptr, 0);
   const Key key = derive_key({out.data() + kMagicBytes, kSaltBytes});
-  crypto_secretbox_easy(out.data() + kHeadBytes, text, answer.size(), out.data() + kMagicBytes + kSaltBytes,
-                        key.data());
+  crypto_secretbox_easy(out.data() + kHeadBytes, text, answer.size(),
+                        out.data() + kMagicBytes + kSaltBytes, key.data());
   return out;
 }
 
 std::string open_seal(std::span<const std::uint8_t> sealed) {
   require_sodium();
-  if (sealed.size() < kHeadBytes + crypto_secretbox_MACBYTES || std::memcmp(sealed.data(), kMagic, kMagicBytes) != 0) {
+  if (sealed.size() < kHeadBytes + crypto_secretbox_MACBYTES ||
+      std::memcmp(sealed.data(), kMagic, kMagicBytes) != 0) {
     throw plant::WorldError("answer.sealed: this is no sealed answer");
   }
   const Key key = derive_key(sealed.subspan(kMagicBytes, kSaltBytes));
   const auto body = sealed.subspan(kHeadBytes);
   std::string answer(body.size() - crypto_secretbox_MACBYTES, '\0');
-  if (crypto_secretbox_open_easy(reinterpret_cast<unsigned char*>(answer.data()), body.data(), body.size(),
-                                 sealed.data() + kMagicBytes + kSaltBytes, key.data()) != 0) {
+  if (crypto_secretbox_open_easy(reinterpret_cast<unsigned char*>(answer.data()), body.data(),
+                                 body.size(), sealed.data() + kMagicBytes + kSaltBytes,
+                                 key.data()) != 0) {
     throw plant::WorldError("answer.sealed: the bytes were changed after the case was made");
   }
   return answer;

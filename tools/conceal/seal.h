@@ -1,5 +1,6 @@
-// The sealed answer: encrypted, so that nothing reads it by accident, with a hash that is printed when it is made, so
-// that nobody changes it afterwards. The key is derived here, from the file's salt; only reveal calls open_seal().
+// The sealed answer: encrypted, so that nothing reads it by accident, with a hash that is printed
+// when it is made, so that nobody changes it afterwards. The key is derived here, from the file's
+// salt; only reveal calls open_seal().
 #pragma once
 
 #include <cstdint>

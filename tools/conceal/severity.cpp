@@ -68,7 +68,8 @@ std::vector<Column> SeverityMeter::channels_of(const WorldTruth& world) const {
   return channels;
 }
 
-SeverityMeter::SeverityMeter(const WorldTruth& without, std::vector<Experiment> experiments, std::uint64_t seed)
+SeverityMeter::SeverityMeter(const WorldTruth& without, std::vector<Experiment> experiments,
+                             std::uint64_t seed)
     : experiments_(std::move(experiments)), seed_(seed) {
   const auto baseline = channels_of(without);
   const std::size_t n = baseline.size() / 2;
@@ -99,8 +100,9 @@ double SeverityMeter::ratio(const WorldTruth& with) const {
   return loudest;
 }
 
-double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without, const SeverityMeter& meter,
-                      double target, const Random& random, double& reached) {
+double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without,
+                      const SeverityMeter& meter, double target, const Random& random,
+                      double& reached) {
   const auto ratio_at = [&](double size) {
     WorldTruth world = without;
     Random same = random;  // the effect's other parameters are the same at every size
@@ -118,7 +120,9 @@ double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without,
     if (close || cannot || i == kTries) break;
     (reached < target ? low : high) = size;
     const double secant = reached > 1e-3 * target ? size * target / reached : high;
-    size = secant > low && secant < high ? secant : secant >= high ? std::min(high, 2 * size) : std::sqrt(low * high);
+    size = secant > low && secant < high ? secant
+           : secant >= high              ? std::min(high, 2 * size)
+                                         : std::sqrt(low * high);
     if (size == low) size = std::sqrt(low * high);
   }
   return size;

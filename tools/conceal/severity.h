@@ -1,5 +1,5 @@
-// How loud an effect is: RMS of what it changes after the nuisances are refitted, over noise RMS, in the loudest
-// channel.
+// How loud an effect is: RMS of what it changes after the nuisances are refitted, over noise RMS,
+// in the loudest channel.
 #pragma once
 
 #include "tools/conceal/hideable.h"
@@ -9,8 +9,8 @@ namespace sanso::conceal {
 /// Measures the ratio of effects against one nominal world.
 class SeverityMeter {
  public:
-  /// Nuisances: one encoder offset, mass and length of the links, viscous and dry friction, one lag; each channel
-  /// refits them by itself.
+  /// Nuisances: one encoder offset, mass and length of the links, viscous and dry friction, one
+  /// lag; each channel refits them by itself.
   SeverityMeter(const WorldTruth& without, std::vector<Experiment> experiments, std::uint64_t seed);
 
   /// Ratio of a world that has the effects; 0 = nothing to see.
@@ -29,8 +29,10 @@ class SeverityMeter {
   std::vector<Channel> channels_;
 };
 
-/// Size of the effect at which it has the target ratio, within 10 % where its range allows. `reached` tells the ratio.
-double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without, const SeverityMeter& meter,
-                      double target, const Random& random, double& reached);
+/// Size of the effect at which it has the target ratio, within 10 % where its range allows.
+/// `reached` tells the ratio.
+double size_for_ratio(const Hideable& effect, int at, const WorldTruth& without,
+                      const SeverityMeter& meter, double target, const Random& random,
+                      double& reached);
 
 }  // namespace sanso::conceal

@@ -1,4 +1,5 @@
-// A device on the servo bus as the bus sees it: id, registers, timing. Servos and the OpenCR board are two of them.
+// A device on the servo bus as the bus sees it: id, registers, timing. Servos and the OpenCR board
+// are two of them.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ class BusDevice {
   virtual bool alert() const = 0;
 
   virtual servo_bus::StatusError read(std::uint16_t address, std::span<std::uint8_t> out) const = 0;
-  virtual servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data, Nanoseconds now) = 0;
+  virtual servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data,
+                                       Nanoseconds now) = 0;
   virtual void reboot(Nanoseconds now) = 0;
   /// An instruction for this device has arrived (feeds its bus watchdog).
   virtual void heard(Nanoseconds now) = 0;

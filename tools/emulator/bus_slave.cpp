@@ -12,7 +12,8 @@ using servo_bus::StatusError;
 
 namespace {
 
-constexpr Nanoseconds kMaxByteGap = 1500 * kMicrosecond;  // a longer pause inside a packet discards it
+// a longer pause inside a packet discards it
+constexpr Nanoseconds kMaxByteGap = 1500 * kMicrosecond;
 
 using Ranges = FixedVector<BulkRange, 253>;
 
@@ -27,7 +28,8 @@ Ranges read_ranges(const Packet& packet, bool sync) {
     }
   } else if (p.size() % 5 == 0) {
     for (std::size_t i = 0; i < p.size(); i += 5) {
-      ranges.try_push({p[i], servo_bus::get_u16(p.subspan(i + 1)), servo_bus::get_u16(p.subspan(i + 3))});
+      ranges.try_push(
+          {p[i], servo_bus::get_u16(p.subspan(i + 1)), servo_bus::get_u16(p.subspan(i + 3))});
     }
   }
   return ranges;
@@ -35,8 +37,12 @@ Ranges read_ranges(const Packet& packet, bool sync) {
 
 }  // namespace
 
-BusSlave::BusSlave(std::vector<BusDevice*> devices, const FaultPlan& faults, std::int64_t baud, std::uint64_t seed)
-    : devices_(std::move(devices)), faults_(faults), byte_time_(servo_bus::wire_time_ns(1, baud)), random_(seed) {}
+BusSlave::BusSlave(std::vector<BusDevice*> devices, const FaultPlan& faults, std::int64_t baud,
+                   std::uint64_t seed)
+    : devices_(std::move(devices)),
+      faults_(faults),
+      byte_time_(servo_bus::wire_time_ns(1, baud)),
+      random_(seed) {}
 
 BusDevice* BusSlave::find(int id) {
   for (BusDevice* device : devices_) {
@@ -56,7 +62,8 @@ void BusSlave::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) {
     }
     for (auto& byte : copy) byte ^= static_cast<std::uint8_t>(random_.bits());
   }
-  incoming_.push_back({start + static_cast<Nanoseconds>(copy.size()) * byte_time_, std::move(copy)});
+  incoming_.push_back(
+      {start + static_cast<Nanoseconds>(copy.size()) * byte_time_, std::move(copy)});
 }
 
 void BusSlave::run(Nanoseconds now) {
@@ -70,7 +77,8 @@ void BusSlave::run(Nanoseconds now) {
     while (!rest.empty()) {
       const std::size_t taken = parser_.feed(rest);
       rest = rest.subspan(taken);
-      for (auto event = parser_.next(packet_); event != servo_bus::ParseEvent::none; event = parser_.next(packet_)) {
+      for (auto event = parser_.next(packet_); event != servo_bus::ParseEvent::none;
+           event = parser_.next(packet_)) {
         if (event == servo_bus::ParseEvent::packet) {
           execute(packet_, chunk.end);
         } else if (BusDevice* device = find(packet_.id); device && device->listening()) {
@@ -112,9 +120,11 @@ void BusSlave::single(BusDevice& device, const Packet& packet, Nanoseconds now) 
         return;
       }
       std::vector<std::uint8_t> data(servo_bus::get_u16(p.subspan(2)));
-      const StatusError error = data.size() > servo_bus::kMaxParameters / 2 ? StatusError::data_range
-                                                                            : device.read(servo_bus::get_u16(p), data);
-      reply(device, error, error == StatusError::none ? data : std::span<const std::uint8_t>{}, now);
+      const StatusError error = data.size() > servo_bus::kMaxParameters / 2
+                                    ? StatusError::data_range
+                                    : device.read(servo_bus::get_u16(p), data);
+      reply(device, error, error == StatusError::none ? data : std::span<const std::uint8_t>{},
+            now);
       return;
     }
     case Instruction::write:
@@ -169,7 +179,8 @@ void BusSlave::broadcast(const Packet& packet, Nanoseconds now) {
       return answer_reads(read_ranges(packet, false).view(), true, now);
     case Instruction::sync_write: {
       if (p.size() < 4) return;
-      const std::uint16_t address = servo_bus::get_u16(p), length = servo_bus::get_u16(p.subspan(2));
+      const std::uint16_t address = servo_bus::get_u16(p),
+                          length = servo_bus::get_u16(p.subspan(2));
       if (length == 0 || (p.size() - 4) % (length + 1u) != 0) return;
       for (std::size_t i = 4; i < p.size(); i += length + 1u) {
         const BulkRange range{p[i], address, length};
@@ -179,7 +190,8 @@ void BusSlave::broadcast(const Packet& packet, Nanoseconds now) {
     }
     case Instruction::bulk_write: {
       for (std::size_t i = 0; i + 5 <= p.size();) {
-        const BulkRange range{p[i], servo_bus::get_u16(p.subspan(i + 1)), servo_bus::get_u16(p.subspan(i + 3))};
+        const BulkRange range{p[i], servo_bus::get_u16(p.subspan(i + 1)),
+                              servo_bus::get_u16(p.subspan(i + 3))};
         if (i + 5 + range.length > p.size()) return;
         write_each({&range, 1}, p.subspan(i + 5, range.length), now);
         i += 5u + range.length;
@@ -207,7 +219,8 @@ void BusSlave::broadcast(const Packet& packet, Nanoseconds now) {
   }
 }
 
-void BusSlave::write_each(std::span<const BulkRange> ranges, std::span<const std::uint8_t> data, Nanoseconds now) {
+void BusSlave::write_each(std::span<const BulkRange> ranges, std::span<const std::uint8_t> data,
+                          Nanoseconds now) {
   for (const BulkRange& range : ranges) {
     BusDevice* device = find(range.id);
     if (!device || !device->listening()) continue;
@@ -226,9 +239,11 @@ void BusSlave::answer_reads(std::span<const BulkRange> ranges, bool merged, Nano
   for (const BulkRange& range : ranges) {
     BusDevice* device = find(range.id);
     if (!device || !device->listening() || device->status_return_level() < 1) return;
-    std::vector<std::uint8_t> data(std::min<std::size_t>(range.length, servo_bus::kMaxParameters / 2));
+    std::vector<std::uint8_t> data(
+        std::min<std::size_t>(range.length, servo_bus::kMaxParameters / 2));
     const StatusError error = device->read(range.address, data);
-    time = reply(*device, error, error == StatusError::none ? data : std::span<const std::uint8_t>{}, time);
+    time = reply(*device, error,
+                 error == StatusError::none ? data : std::span<const std::uint8_t>{}, time);
   }
 }
 
@@ -237,7 +252,9 @@ void BusSlave::answer_merged(std::span<const BulkRange> ranges, Nanoseconds now)
   for (const BulkRange& range : ranges) length += range.length + 4u;
   PacketBuffer frame;
   servo_bus::FastStatusWriter writer;
-  if (ranges.empty() || length > servo_bus::kMaxPacketBytes || writer.begin(frame, length) != Status::ok) return;
+  if (ranges.empty() || length > servo_bus::kMaxPacketBytes ||
+      writer.begin(frame, length) != Status::ok)
+    return;
   Nanoseconds time = now;
   std::size_t sent = 0;
   for (const BulkRange& range : ranges) {
@@ -254,20 +271,23 @@ void BusSlave::answer_merged(std::span<const BulkRange> ranges, Nanoseconds now)
 }
 
 std::uint8_t BusSlave::error_byte(const BusDevice& device, StatusError error) {
-  return static_cast<std::uint8_t>(static_cast<std::uint8_t>(error) | (device.alert() ? servo_bus::kAlertBit : 0));
+  return static_cast<std::uint8_t>(static_cast<std::uint8_t>(error) |
+                                   (device.alert() ? servo_bus::kAlertBit : 0));
 }
 
-Nanoseconds BusSlave::reply(const BusDevice& device, StatusError error, std::span<const std::uint8_t> data,
-                            Nanoseconds start) {
+Nanoseconds BusSlave::reply(const BusDevice& device, StatusError error,
+                            std::span<const std::uint8_t> data, Nanoseconds start) {
   PacketBuffer frame;
-  if (servo_bus::encode_status(frame, device.id(), error_byte(device, error), data) != Status::ok) return start;
+  if (servo_bus::encode_status(frame, device.id(), error_byte(device, error), data) != Status::ok)
+    return start;
   return put_on_line({device.id(), {frame.begin(), frame.end()}}, start + device.return_delay());
 }
 
 Nanoseconds BusSlave::put_on_line(Reply reply, Nanoseconds start) {
   const auto strikes = [&](FaultKind kind) -> const Fault* {
     const Fault* fault = faults_.active(kind, reply.id, start);
-    return fault && (fault->probability >= 1.0 || random_.chance(fault->probability)) ? fault : nullptr;
+    return fault && (fault->probability >= 1.0 || random_.chance(fault->probability)) ? fault
+                                                                                      : nullptr;
   };
   auto& bytes = reply.bytes;
   const Nanoseconds undisturbed_end = start + static_cast<Nanoseconds>(bytes.size()) * byte_time_;
@@ -285,7 +305,8 @@ Nanoseconds BusSlave::put_on_line(Reply reply, Nanoseconds start) {
   }
   if (const Fault* fault = strikes(FaultKind::bus_garbage)) {
     const auto count = static_cast<std::size_t>(fault->amount > 0 ? fault->amount : 8);
-    for (std::size_t i = 0; i < count; ++i) bytes.insert(bytes.begin(), static_cast<std::uint8_t>(random_.bits()));
+    for (std::size_t i = 0; i < count; ++i)
+      bytes.insert(bytes.begin(), static_cast<std::uint8_t>(random_.bits()));
   }
   for (const std::uint8_t value : bytes) {
     start += byte_time_;

@@ -1,5 +1,6 @@
-// The far end of the servo bus in virtual time: bytes in, the devices' replies out, each byte at the moment at which it
-// would be on the wire. Half-duplex: who talks while a reply is under way destroys both.
+// The far end of the servo bus in virtual time: bytes in, the devices' replies out, each byte at
+// the moment at which it would be on the wire. Half-duplex: who talks while a reply is under way
+// destroys both.
 #pragma once
 
 #include <deque>
@@ -17,7 +18,8 @@ namespace sanso::emulator {
 class BusSlave {
  public:
   /// Devices and faults are the caller's and must outlive this.
-  BusSlave(std::vector<BusDevice*> devices, const FaultPlan& faults, std::int64_t baud, std::uint64_t seed);
+  BusSlave(std::vector<BusDevice*> devices, const FaultPlan& faults, std::int64_t baud,
+           std::uint64_t seed);
 
   /// The master puts bytes on the line at `now`.
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now);
@@ -53,10 +55,11 @@ class BusSlave {
   void broadcast(const servo_bus::Packet& packet, Nanoseconds now);
   void answer_reads(std::span<const servo_bus::BulkRange> ranges, bool merged, Nanoseconds now);
   void answer_merged(std::span<const servo_bus::BulkRange> ranges, Nanoseconds now);
-  void write_each(std::span<const servo_bus::BulkRange> ranges, std::span<const std::uint8_t> data, Nanoseconds now);
+  void write_each(std::span<const servo_bus::BulkRange> ranges, std::span<const std::uint8_t> data,
+                  Nanoseconds now);
   /// Sends one device's status; returns when its last byte has left.
-  Nanoseconds reply(const BusDevice& device, servo_bus::StatusError error, std::span<const std::uint8_t> data,
-                    Nanoseconds start);
+  Nanoseconds reply(const BusDevice& device, servo_bus::StatusError error,
+                    std::span<const std::uint8_t> data, Nanoseconds start);
   /// Puts bytes on the line with whatever the fault plan does to them; returns the end.
   Nanoseconds put_on_line(Reply reply, Nanoseconds start);
   BusDevice* find(int id);

@@ -51,14 +51,16 @@ void add_fault(EmulatedRobot& robot, const json& command) {
   const auto kind = fault_from_string(name);
   if (!kind) {
     std::string known;
-    for (const FaultKind k : all_fault_kinds()) known += fmt::format("{}{}", known.empty() ? "" : ", ", to_string(k));
+    for (const FaultKind k : all_fault_kinds())
+      known += fmt::format("{}{}", known.empty() ? "" : ", ", to_string(k));
     throw CommandError("fault '" + name + "': expected one of " + known);
   }
   Fault fault;
   fault.kind = *kind;
   fault.id = command.value("id", 0);
   fault.start = robot.now() + from_seconds(command.value("after_s", 0.0));
-  if (command.contains("duration_s")) fault.stop = fault.start + from_seconds(command.at("duration_s").get<double>());
+  if (command.contains("duration_s"))
+    fault.stop = fault.start + from_seconds(command.at("duration_s").get<double>());
   fault.probability = command.value("probability", 1.0);
   fault.amount = command.value("amount", 0.0);
   robot.faults().add(fault);
@@ -92,9 +94,10 @@ ProcessRequest run(EmulatedRobot& robot, const std::string& name, const json& co
   } else if (name == "quit") {
     return ProcessRequest::quit;
   } else if (name != "truth") {
-    throw CommandError("command '" + name +
-                       "': expected truth, place, hold, release, push, fault, clear_faults, press, unplug_bus, "
-                       "replug_bus or quit");
+    throw CommandError(
+        "command '" + name +
+        "': expected truth, place, hold, release, push, fault, clear_faults, press, unplug_bus, "
+        "replug_bus or quit");
   }
   return ProcessRequest::none;
 }
@@ -108,7 +111,8 @@ ControlAnswer execute_command(EmulatedRobot& robot, const std::string& text) {
     const ProcessRequest request = run(robot, name, command);
     const json answer = name == "truth" ? truth_json(robot.truth()) : json{{"ok", true}};
     return {answer.dump(), request};
-  } catch (const std::exception& error) {  // malformed JSON, missing key, wrong type, our own refusals
+  } catch (
+      const std::exception& error) {  // malformed JSON, missing key, wrong type, our own refusals
     return {json{{"ok", false}, {"error", error.what()}}.dump(), ProcessRequest::none};
   }
 }

@@ -1,5 +1,6 @@
-// The control socket's language: one JSON object in, one out. What a person beside the robot can do (put it back, push
-// it, press a button, pull a plug) and what only an emulator can (read the truth, switch faults).
+// The control socket's language: one JSON object in, one out. What a person beside the robot can do
+// (put it back, push it, press a button, pull a plug) and what only an emulator can (read the
+// truth, switch faults).
 #pragma once
 
 #include <string>
@@ -16,8 +17,8 @@ struct ControlAnswer {
   ProcessRequest request = ProcessRequest::none;
 };
 
-/// Carries out one command. A command that cannot be understood answers {"ok": false, "error": ...}, and changes
-/// nothing.
+/// Carries out one command. A command that cannot be understood answers {"ok": false, "error":
+/// ...}, and changes nothing.
 ControlAnswer execute_command(EmulatedRobot& robot, const std::string& json);
 
 }  // namespace sanso::emulator

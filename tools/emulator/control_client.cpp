@@ -15,10 +15,12 @@ std::string tell_emulator(const std::string& directory, const std::string& json)
   if (send(fd.get(), json.data(), json.size(), MSG_NOSIGNAL) < 0) {
     throw plant::WorldError("the emulator at " + directory + " does not take the command");
   }
-  constexpr int kPatience_ms = 20'000;  // an emulator of ordinary priority may wait long for a crowded machine
+  // an emulator of ordinary priority may wait long for a crowded machine
+  constexpr int kPatience_ms = 20'000;
   pollfd wait{fd.get(), POLLIN, 0};
   std::vector<char> answer(65536);
-  const ssize_t size = poll(&wait, 1, kPatience_ms) == 1 ? recv(fd.get(), answer.data(), answer.size(), 0) : -1;
+  const ssize_t size =
+      poll(&wait, 1, kPatience_ms) == 1 ? recv(fd.get(), answer.data(), answer.size(), 0) : -1;
   if (size <= 0) throw plant::WorldError("the emulator at " + directory + " does not answer");
   return {answer.data(), static_cast<std::size_t>(size)};
 }

@@ -1,4 +1,5 @@
-// The other end of the emulator's control socket: for the host's command line, for tests and for people.
+// The other end of the emulator's control socket: for the host's command line, for tests and for
+// people.
 #pragma once
 
 #include <string>

@@ -21,7 +21,8 @@ namespace {
 static_assert(kNumServos == plant::kNumServos);
 
 constexpr Nanoseconds kStep = from_seconds(plant::kPhysicsStep_s);
-constexpr Nanoseconds kHelperDelay = 1 * kSecond;  // the person lets go this long after the legs hold torque
+// the person lets go this long after the legs hold torque
+constexpr Nanoseconds kHelperDelay = 1 * kSecond;
 constexpr std::array<int, 12> kLegServoIds{7, 9, 11, 13, 15, 17, 8, 10, 12, 14, 16, 18};
 constexpr double kDeg = plant::kPi / 180.0;
 constexpr plant::Vec3 kGravity{0, 0, -9.81};
@@ -44,8 +45,9 @@ std::array<double, 37> Truth::leg_state() const {
 Placement walkready() {
   // page 9 of the maker's action file, degrees
   Placement p;
-  const double arms_and_legs[18] = {4.92,  -5.01, -45.62, 45.35,  45.18, -45.35, 0,     0,    2.55,
-                                    -2.20, 31.82, -31.82, -60.64, 61.00, -36.65, 36.56, 2.29, -2.37};
+  const double arms_and_legs[18] = {4.92,   -5.01, -45.62, 45.35, 45.18, -45.35,
+                                    0,      0,     2.55,   -2.20, 31.82, -31.82,
+                                    -60.64, 61.00, -36.65, 36.56, 2.29,  -2.37};
   for (int i = 0; i < 18; ++i) p.q[i] = arms_and_legs[i] * kDeg;
   return p;
 }
@@ -53,7 +55,8 @@ Placement walkready() {
 Placement crouch() {
   // the maker's ini_pose, degrees
   Placement p;
-  const double arms_and_legs[18] = {15, -15, -45, 45, 45, -45, 0, 0, 0, 0, 70, -70, -142, 142, -70, 70, 0, 0};
+  const double arms_and_legs[18] = {15, -15, -45, 45,   45,  -45, 0,  0, 0,
+                                    0,  70,  -70, -142, 142, -70, 70, 0, 0};
   for (int i = 0; i < 18; ++i) p.q[i] = arms_and_legs[i] * kDeg;
   p.q[19] = -10 * kDeg;
   return p;
@@ -61,7 +64,8 @@ Placement crouch() {
 
 Placement with_legs(const std::array<double, 12>& leg_angles_rad) {
   Placement p = walkready();
-  for (std::size_t j = 0; j < leg_angles_rad.size(); ++j) p.q[kLegServoIds[j] - 1] = leg_angles_rad[j];
+  for (std::size_t j = 0; j < leg_angles_rad.size(); ++j)
+    p.q[kLegServoIds[j] - 1] = leg_angles_rad[j];
   return p;
 }
 
@@ -75,7 +79,8 @@ struct EmulatedRobot::Impl {
     }
     devices.push_back(&board);
     bus = std::make_unique<BusSlave>(std::move(devices), faults, baud, seed * 3 + 3);
-    loop_steps = std::max<std::int64_t>(1, std::llround(world.servo.loop_period_s / plant::kPhysicsStep_s));
+    loop_steps =
+        std::max<std::int64_t>(1, std::llround(world.servo.loop_period_s / plant::kPhysicsStep_s));
   }
 
   void advance(Nanoseconds time) {
@@ -105,7 +110,8 @@ struct EmulatedRobot::Impl {
     for (int i = 0; i < kNumServos; ++i) {
       Servo& servo = *servos[i];
       servo.set_power(board.servo_power(), now);
-      const ServoSense sense{body.link_angle(i), body.link_rate(i), body.gear(i).current_A, body.supply_V()};
+      const ServoSense sense{body.link_angle(i), body.link_rate(i), body.gear(i).current_A,
+                             body.supply_V()};
       const ServoDrive drive = servo.update(now, period, sense);
       if (drive.powered) {
         body.set_duty(i, drive.duty);
@@ -128,7 +134,8 @@ struct EmulatedRobot::Impl {
     for (int i = 0; i < kNumServos; ++i) {
       const int id = i + 1;
       servos[i]->set_cable(!faults.active(FaultKind::servo_silent, id, now));
-      if (faults.active(FaultKind::servo_overload, id, now)) servos[i]->raise(servo_bus::xm430::kErrorOverload);
+      if (faults.active(FaultKind::servo_overload, id, now))
+        servos[i]->raise(servo_bus::xm430::kErrorOverload);
       if (const Fault* hot = faults.active(FaultKind::servo_hot, id, now)) {
         servos[i]->set_temperature(hot->amount > 0 ? hot->amount : 85.0);
       }
@@ -140,8 +147,10 @@ struct EmulatedRobot::Impl {
     const plant::BaseMotion base = body.base();
     const plant::Vec3 acceleration = 1000.0 * (base.v_base_in_world - last_velocity);
     last_velocity = base.v_base_in_world;
-    const plant::Vec3 force = plant::rotate(plant::conjugate(base.quat_world_base), acceleration - kGravity);
-    imu.update(now, {force, base.w_base_in_base, base.quat_world_base}, faults.active(FaultKind::imu_silent, 0, now),
+    const plant::Vec3 force =
+        plant::rotate(plant::conjugate(base.quat_world_base), acceleration - kGravity);
+    imu.update(now, {force, base.w_base_in_base, base.quat_world_base},
+               faults.active(FaultKind::imu_silent, 0, now),
                faults.active(FaultKind::imu_frozen, 0, now));
     pose.update(now, base, faults.active(FaultKind::pose_lost, 0, now));
     board.set_voltage(body.supply_V());
@@ -177,20 +186,29 @@ EmulatedRobot& EmulatedRobot::operator=(EmulatedRobot&&) noexcept = default;
 Nanoseconds EmulatedRobot::now() const { return impl_->now; }
 void EmulatedRobot::advance(Nanoseconds time) { impl_->advance(time); }
 
-void EmulatedRobot::bus_write(std::span<const std::uint8_t> bytes) { impl_->bus->receive(bytes, impl_->now); }
-std::size_t EmulatedRobot::bus_read(std::span<std::uint8_t> out) { return impl_->bus->transmit(out, impl_->now); }
+void EmulatedRobot::bus_write(std::span<const std::uint8_t> bytes) {
+  impl_->bus->receive(bytes, impl_->now);
+}
+std::size_t EmulatedRobot::bus_read(std::span<std::uint8_t> out) {
+  return impl_->bus->transmit(out, impl_->now);
+}
 Nanoseconds EmulatedRobot::next_bus_byte() const {
   // a reply can only follow once the instruction has arrived
   return std::min(impl_->bus->next_byte(), impl_->bus->next_event());
 }
 
 std::size_t EmulatedRobot::imu_read(std::span<std::uint8_t> out) { return impl_->imu.read(out); }
-bool EmulatedRobot::imu_set_feature(std::span<const std::uint8_t> report) { return impl_->imu.set_feature(report); }
-std::size_t EmulatedRobot::imu_get_feature(std::uint8_t report_id, std::span<std::uint8_t> out) const {
+bool EmulatedRobot::imu_set_feature(std::span<const std::uint8_t> report) {
+  return impl_->imu.set_feature(report);
+}
+std::size_t EmulatedRobot::imu_get_feature(std::uint8_t report_id,
+                                           std::span<std::uint8_t> out) const {
   return impl_->imu.get_feature(report_id, out);
 }
 std::span<const std::uint8_t> EmulatedRobot::imu_descriptor() { return HidImu::descriptor(); }
-std::size_t EmulatedRobot::pose_read(std::span<std::uint8_t> out) { return impl_->pose.read(out, impl_->now); }
+std::size_t EmulatedRobot::pose_read(std::span<std::uint8_t> out) {
+  return impl_->pose.read(out, impl_->now);
+}
 
 void EmulatedRobot::place(const Placement& p) {
   impl_->body.place(p.q, p.x_m, p.y_m, p.yaw_rad);
@@ -208,8 +226,8 @@ void EmulatedRobot::hold_until_standing() {
 }
 bool EmulatedRobot::held() const { return impl_->body.held(); }
 
-void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world, Nanoseconds start,
-                         Nanoseconds stop) {
+void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world,
+                         Nanoseconds start, Nanoseconds stop) {
   impl_->push_force = force_in_world;
   impl_->push_torque = torque_in_world;
   impl_->push_start = start;

@@ -1,5 +1,7 @@
-// The emulated "real" robot: physics, servos, OpenCR, IMU and pose source behind the bytes that the real ones speak.
-// Virtual time: nothing happens until advance(). The same class serves the in-process robot and sanso-emulator.
+// The emulated "real" robot: physics, servos, OpenCR, IMU and pose source behind the bytes that the
+// real ones speak.
+// Virtual time: nothing happens until advance(). The same class serves the in-process robot and
+// sanso-emulator.
 //
 //   EmulatedRobot robot(plant::load_world("lab"), 1);
 //   robot.bus_write(packet);                       // the master sends at robot.now()
@@ -26,20 +28,23 @@ inline constexpr Nanoseconds kNever = INT64_MAX;
 /// What really is, read from the physics. For tests, costs and reports; no controller may see it.
 struct Truth {
   Nanoseconds time = 0;
-  plant::Vec3 p_world_base{};                        // m
-  plant::Quat quat_world_base{};                     // w x y z
-  plant::Vec3 v_base_in_world{};                     // m/s
-  plant::Vec3 w_base_in_base{};                      // rad/s
-  std::array<double, kNumServos> q{};                // link angle, rad
-  std::array<double, kNumServos> dq{};               // rad/s
-  std::array<double, kNumServos> torque{};           // motor torque at the output before friction, N m
+  plant::Vec3 p_world_base{};           // m
+  plant::Quat quat_world_base{};        // w x y z
+  plant::Vec3 v_base_in_world{};        // m/s
+  plant::Vec3 w_base_in_base{};         // rad/s
+  std::array<double, kNumServos> q{};   // link angle, rad
+  std::array<double, kNumServos> dq{};  // rad/s
+  // motor torque at the output before friction, N m
+  std::array<double, kNumServos> torque{};
   std::array<plant::Vec3, 2> foot_force_in_world{};  // ground on foot, right then left, N
   std::array<int, 2> foot_contacts{};                // touching sole points, right then left
-  int other_contacts = 0;                            // anything but feet on the ground: a fallen robot has some
+  // anything but feet on the ground: a fallen robot has some
+  int other_contacts = 0;
   double supply_V = 0;
 
-  /// [p_world_base | quat_world_base | 12 leg angles | v_base_in_world | w_base_in_base | 12 leg rates], legs in the
-  /// order right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll, then left.
+  /// [p_world_base | quat_world_base | 12 leg angles | v_base_in_world | w_base_in_base | 12 leg
+  /// rates], legs in the order right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll, then
+  /// left.
   std::array<double, 37> leg_state() const;
 };
 
@@ -58,8 +63,8 @@ Placement with_legs(const std::array<double, 12>& leg_angles_rad);
 
 class EmulatedRobot {
  public:
-  /// Standing in walkready, servo power and torque off, held upright by a person who lets go one second after all leg
-  /// servos hold torque (or at hold(false)).
+  /// Standing in walkready, servo power and torque off, held upright by a person who lets go one
+  /// second after all leg servos hold torque (or at hold(false)).
   EmulatedRobot(const plant::World& world, std::uint64_t seed, std::int64_t baud = 2'000'000);
   ~EmulatedRobot();
   EmulatedRobot(EmulatedRobot&&) noexcept;
@@ -69,14 +74,16 @@ class EmulatedRobot {
   /// Runs the world up to `time` (no effect when it is past).
   void advance(Nanoseconds time);
 
-  // Servo bus. Bytes written at now() travel at the baud rate; replies arrive byte by byte in virtual time.
+  // Servo bus. Bytes written at now() travel at the baud rate; replies arrive byte by byte in
+  // virtual time.
   void bus_write(std::span<const std::uint8_t> bytes);
   std::size_t bus_read(std::span<std::uint8_t> out);  // what has arrived by now(); 0 = nothing
-  /// When to look again: arrival of the next reply byte, or of an instruction at the devices; kNever when the line is
-  /// quiet.
+  /// When to look again: arrival of the next reply byte, or of an instruction at the devices;
+  /// kNever when the line is quiet.
   Nanoseconds next_bus_byte() const;
 
-  // IMU as a HID device: input reports (id 1 accelerometer, 2 gyro, 3 orientation), silent until set_feature asks.
+  // IMU as a HID device: input reports (id 1 accelerometer, 2 gyro, 3 orientation), silent until
+  // set_feature asks.
   std::size_t imu_read(std::span<std::uint8_t> out);  // one report, 0 = none waiting
   bool imu_set_feature(std::span<const std::uint8_t> report);
   std::size_t imu_get_feature(std::uint8_t report_id, std::span<std::uint8_t> out) const;
@@ -90,11 +97,13 @@ class EmulatedRobot {
   /// A person holds the robot upright (true) or lets go (false).
   void hold(bool held);
   bool held() const;
-  /// A person holds the robot upright until one second after all leg servos hold torque, as at the start.
+  /// A person holds the robot upright until one second after all leg servos hold torque, as at the
+  /// start.
   void hold_until_standing();
 
   /// Force [N] and torque [N m] at the torso's origin, world axes, from `start` to `stop`.
-  void push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world, Nanoseconds start, Nanoseconds stop);
+  void push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world,
+            Nanoseconds start, Nanoseconds stop);
 
   /// Presses (or releases) OpenCR's buttons: bits of servo_bus::opencr::kButton*.
   void press(std::uint8_t buttons);

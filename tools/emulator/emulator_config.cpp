@@ -21,12 +21,15 @@ using plant::WorldError;
 struct Reader {
   const std::string& path;
 
-  [[noreturn]] void refuse(const toml::node& node, const std::string& key, const std::string& expected) const {
-    throw WorldError(fmt::format("{}:{}: {}: expected {}", path, node.source().begin.line, key, expected));
+  [[noreturn]] void refuse(const toml::node& node, const std::string& key,
+                           const std::string& expected) const {
+    throw WorldError(
+        fmt::format("{}:{}: {}: expected {}", path, node.source().begin.line, key, expected));
   }
   double number(const toml::node& node, const std::string& key, double low, double high) const {
     const auto value = node.value<double>();
-    if (!value || !(*value >= low && *value <= high)) refuse(node, key, fmt::format("a number in [{}, {}]", low, high));
+    if (!value || !(*value >= low && *value <= high))
+      refuse(node, key, fmt::format("a number in [{}, {}]", low, high));
     return *value;
   }
   std::string text(const toml::node& node, const std::string& key) const {
@@ -74,13 +77,16 @@ Fault read_fault(const Reader& reader, const toml::table& table) {
 EmulatorConfig load_emulator_config(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string content{std::istreambuf_iterator<char>(in), {}};
-  if (!in) throw WorldError(path + ": cannot be read, expected a readable file of emulator settings");
-  if (const auto defect = first_toml_defect(content)) throw WorldError(path + ":" + describe(*defect));
+  if (!in)
+    throw WorldError(path + ": cannot be read, expected a readable file of emulator settings");
+  if (const auto defect = first_toml_defect(content))
+    throw WorldError(path + ":" + describe(*defect));
   toml::table table;
   try {
     table = toml::parse(content, path);
   } catch (const toml::parse_error& error) {
-    throw WorldError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
+    throw WorldError(
+        fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }
   const Reader reader{path};
   EmulatorConfig config;
@@ -96,7 +102,8 @@ EmulatorConfig load_emulator_config(const std::string& path) {
       config.baud = static_cast<std::int64_t>(reader.number(node, name, 9600, 4.5e6));
       const auto& rates = servo_bus::xm430::kBaudRates;
       if (std::find(rates.begin(), rates.end(), config.baud) == rates.end()) {
-        reader.refuse(node, name, "a rate that the servo knows: 57600, 115200, 1, 2, 3, 4 or 4.5 million");
+        reader.refuse(node, name,
+                      "a rate that the servo knows: 57600, 115200, 1, 2, 3, 4 or 4.5 million");
       }
     } else if (name == "fault") {
       const toml::array* faults = node.as_array();

@@ -17,7 +17,8 @@ struct EmulatorConfig {
   std::vector<Fault> faults;  // times count from the start of the process
 };
 
-/// Reads FILE; unknown keys, unknown fault names and values outside their range are refused with file and line.
+/// Reads FILE; unknown keys, unknown fault names and values outside their range are refused with
+/// file and line.
 /// Throws plant::WorldError.
 EmulatorConfig load_emulator_config(const std::string& path);
 

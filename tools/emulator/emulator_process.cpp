@@ -14,7 +14,8 @@ namespace sanso::emulator {
 namespace {
 
 constexpr Nanoseconds kSensorPeriod = 1 * kMillisecond;  // one report slot of the IMU's endpoint
-constexpr Nanoseconds kReplyGrain = 100 * kMicrosecond;  // reply bytes are handed over in lots of about this length
+// reply bytes are handed over in lots of about this length
+constexpr Nanoseconds kReplyGrain = 100 * kMicrosecond;
 constexpr Nanoseconds kStall = 20 * kMillisecond;
 
 Nanoseconds wall_now() {
@@ -26,7 +27,8 @@ Nanoseconds wall_now() {
 std::string prepared(const std::string& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) throw plant::WorldError("cannot make the directory " + directory + ": " + error.message());
+  if (error)
+    throw plant::WorldError("cannot make the directory " + directory + ": " + error.message());
   chmod(directory.c_str(), 0700);  // whoever can talk to these sockets can move the robot
   return directory;
 }
@@ -47,7 +49,8 @@ void EmulatorProcess::run(const volatile std::sig_atomic_t& stop) {
   wall_offset_ = wall_now() - robot_.now();
   while (!stop) {
     Nanoseconds wall = wall_now();
-    if (wall - wall_offset_ - robot_.now() > kStall) {  // the machine gave us no time: do not race after it
+    if (wall - wall_offset_ - robot_.now() >
+        kStall) {  // the machine gave us no time: do not race after it
       wall_offset_ = wall - robot_.now() - kSensorPeriod;
       ++stalls_;
     }
@@ -69,7 +72,8 @@ void EmulatorProcess::serve_sensors() {
   std::uint8_t buffer[256];
   int client = -1;
   for (const int added : imu_.accept_new()) imu_.send(added, EmulatedRobot::imu_descriptor());
-  for (std::size_t size; (size = imu_.receive(buffer, client)) > 0;) robot_.imu_set_feature({buffer, size});
+  for (std::size_t size; (size = imu_.receive(buffer, client)) > 0;)
+    robot_.imu_set_feature({buffer, size});
   for (std::size_t size; (size = robot_.imu_read(buffer)) > 0;) imu_.send_all({buffer, size});
   pose_.accept_new();
   while (pose_.receive(buffer, client) > 0) {
@@ -82,8 +86,10 @@ bool EmulatorProcess::serve_control() {
   int client = -1;
   control_.accept_new();
   for (std::size_t size; (size = control_.receive(buffer, client)) > 0;) {
-    const ControlAnswer answer = execute_command(robot_, {reinterpret_cast<const char*>(buffer), size});
-    control_.send(client, {reinterpret_cast<const std::uint8_t*>(answer.json.data()), answer.json.size()});
+    const ControlAnswer answer =
+        execute_command(robot_, {reinterpret_cast<const char*>(buffer), size});
+    control_.send(client,
+                  {reinterpret_cast<const std::uint8_t*>(answer.json.data()), answer.json.size()});
     switch (answer.request) {
       case ProcessRequest::none:
         break;
@@ -100,11 +106,13 @@ bool EmulatorProcess::serve_control() {
   return true;
 }
 
-/// Sleeps until a client speaks, a reply is due, or the next sensor slot: absolute times, so that no error adds up.
+/// Sleeps until a client speaks, a reply is due, or the next sensor slot: absolute times, so that
+/// no error adds up.
 void EmulatorProcess::wait_for_work(Nanoseconds wall) {
   const Nanoseconds now = robot_.now();
   Nanoseconds next = (now / kSensorPeriod + 1) * kSensorPeriod;
-  if (const Nanoseconds byte = robot_.next_bus_byte(); byte != kNever) next = std::min(next, byte + kReplyGrain);
+  if (const Nanoseconds byte = robot_.next_bus_byte(); byte != kNever)
+    next = std::min(next, byte + kReplyGrain);
   const Nanoseconds wait = std::max<Nanoseconds>(0, next + wall_offset_ - wall);
 
   std::vector<int> descriptors;

@@ -1,4 +1,5 @@
-// The emulator as a process: an EmulatedRobot on the real clock, its bus on a pty, its sensors on packet sockets.
+// The emulator as a process: an EmulatedRobot on the real clock, its bus on a pty, its sensors on
+// packet sockets.
 #pragma once
 
 #include <csignal>
@@ -18,7 +19,8 @@ class EmulatorProcess {
   void run(const volatile std::sig_atomic_t& stop);
 
   const std::string& bus_device() const { return bus_.device(); }
-  /// How often the process woke up more than 20 ms late; the robot's clock then stood still for the excess.
+  /// How often the process woke up more than 20 ms late; the robot's clock then stood still for the
+  /// excess.
   std::uint64_t stalls() const { return stalls_; }
 
  private:

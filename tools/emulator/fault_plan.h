@@ -1,5 +1,5 @@
-// Fault switches: what goes wrong, at which device, from when to when. Named, so that tests, configuration files and
-// the emulator's control socket mean the same.
+// Fault switches: what goes wrong, at which device, from when to when. Named, so that tests,
+// configuration files and the emulator's control socket mean the same.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,11 @@ enum class FaultKind : std::uint8_t {
   servo_silent,    // the servo neither hears nor speaks (cable), physics goes on
   servo_overload,  // the overload condition is raised: shuts down when its mask says so
   servo_hot,       // winding temperature is held at `amount` C (default 85)
-  brown_out,       // supply falls to `amount` V (default 6); below 7 V the servos reboot and lose their RAM
-  imu_silent,      // no reports
-  imu_frozen,      // reports repeat the last sample
-  pose_lost,       // tracking camera reports confidence 0
+  // supply falls to `amount` V (default 6); below 7 V the servos reboot and lose their RAM
+  brown_out,
+  imu_silent,  // no reports
+  imu_frozen,  // reports repeat the last sample
+  pose_lost,   // tracking camera reports confidence 0
 };
 
 const char* to_string(FaultKind kind);

@@ -25,8 +25,8 @@ void item(std::vector<std::uint8_t>& out, std::uint8_t tag, std::uint32_t value,
 }
 
 /// A one-byte array field whose value is an index into `count` selectors from `first_selector` on.
-void selector_field(std::vector<std::uint8_t>& d, std::uint16_t usage, std::uint16_t first_selector, int count,
-                    std::uint8_t main_tag) {
+void selector_field(std::vector<std::uint8_t>& d, std::uint16_t usage, std::uint16_t first_selector,
+                    int count, std::uint8_t main_tag) {
   item(d, 0x0A, usage, 2);
   item(d, 0x15, 0, 1);
   item(d, 0x25, static_cast<std::uint32_t>(count - 1), 1);
@@ -52,7 +52,8 @@ void sensor_collection(std::vector<std::uint8_t>& d, const SensorLayout& s) {
   item(d, 0x09, s.usage, 1);
   item(d, 0xA1, 0x00, 1);
   item(d, 0x85, s.report_id, 1);
-  item(d, 0x55, 0x00, 1);                          // unit exponent: global items persist from the sensor before
+  // unit exponent: global items persist from the sensor before
+  item(d, 0x55, 0x00, 1);
   selector_field(d, 0x0316, 0x0840, 6, kFeature);  // reporting state
   selector_field(d, 0x0319, 0x0850, 6, kFeature);  // power state
   item(d, 0x0A, 0x030E, 2);                        // report interval, ms
@@ -94,13 +95,16 @@ std::vector<std::uint8_t> make_descriptor() {
 void put_counts(std::vector<std::uint8_t>& out, double value, double scale, std::size_t bytes) {
   const double limit = bytes == 2 ? 32767.0 : 2147483647.0;
   std::uint8_t field[4];
-  servo_bus::put_le(field, bytes, static_cast<std::int64_t>(std::llround(std::clamp(value / scale, -limit, limit))));
+  servo_bus::put_le(
+      field, bytes,
+      static_cast<std::int64_t>(std::llround(std::clamp(value / scale, -limit, limit))));
   out.insert(out.end(), field, field + bytes);
 }
 
 }  // namespace
 
-HidImu::HidImu(const plant::ImuParameters& parameters, std::uint64_t seed) : parameters_(parameters), random_(seed) {}
+HidImu::HidImu(const plant::ImuParameters& parameters, std::uint64_t seed)
+    : parameters_(parameters), random_(seed) {}
 
 std::span<const std::uint8_t> HidImu::descriptor() {
   static const std::vector<std::uint8_t> bytes = make_descriptor();
@@ -116,15 +120,19 @@ plant::Vec3 HidImu::noisy(const plant::Vec3& value, const plant::Vec3& bias, dou
 HidImu::Report HidImu::make_report(int sensor, const ImuTruth& truth) {
   Report report{static_cast<std::uint8_t>(sensor + 1), kReady, kDataUpdated};
   if (sensor == 0) {
-    const auto value = noisy(truth.specific_force, parameters_.accel_bias_m_s2, parameters_.accel_noise_m_s2);
+    const auto value =
+        noisy(truth.specific_force, parameters_.accel_bias_m_s2, parameters_.accel_noise_m_s2);
     for (const double axis : value) put_counts(report, axis, kAccelScale, 2);
   } else if (sensor == 1) {
     const auto value = noisy(truth.rate, parameters_.gyro_bias_rad_s, parameters_.gyro_noise_rad_s);
     for (const double axis : value) put_counts(report, axis, kGyroScale, 4);
   } else {
-    const auto tilt = noisy({0, 0, 0}, parameters_.orientation_bias_rad, parameters_.orientation_noise_rad);
+    const auto tilt =
+        noisy({0, 0, 0}, parameters_.orientation_bias_rad, parameters_.orientation_noise_rad);
     const auto q = plant::multiply(truth.quat_world_base, plant::from_rotation_vector(tilt));
-    for (const double part : {q[1], q[2], q[3], q[0]}) put_counts(report, part, kQuaternionScale, 4);  // x y z w
+    // x y z w
+    for (const double part : {q[1], q[2], q[3], q[0]})
+      put_counts(report, part, kQuaternionScale, 4);
   }
   return report;
 }
@@ -155,7 +163,9 @@ std::size_t HidImu::read(std::span<std::uint8_t> out) {
 }
 
 bool HidImu::set_feature(std::span<const std::uint8_t> report) {
-  if (report.size() != kFeatureBytes || report[0] < 1 || report[0] > 3 || report[1] > 5 || report[2] > 5) return false;
+  if (report.size() != kFeatureBytes || report[0] < 1 || report[0] > 3 || report[1] > 5 ||
+      report[2] > 5)
+    return false;
   Sensor& sensor = sensors_[report[0] - 1];
   sensor.reporting = report[1];
   sensor.power = report[2];

@@ -1,5 +1,6 @@
-// The IMU as a HID sensor: three sensors in one device, input reports 1 (accelerometer), 2 (gyro), 3 (orientation),
-// feature reports that switch them on. Bytes as in docs/howto/emulator.md; the descriptor says the same.
+// The IMU as a HID sensor: three sensors in one device, input reports 1 (accelerometer), 2 (gyro),
+// 3 (orientation), feature reports that switch them on. Bytes as in docs/howto/emulator.md; the
+// descriptor says the same.
 #pragma once
 
 #include <array>
@@ -24,7 +25,8 @@ class HidImu {
  public:
   HidImu(const plant::ImuParameters& parameters, std::uint64_t seed);
 
-  /// Called every millisecond: one report slot of the USB endpoint. `silent` and `frozen` are the fault switches.
+  /// Called every millisecond: one report slot of the USB endpoint. `silent` and `frozen` are the
+  /// fault switches.
   void update(Nanoseconds now, const ImuTruth& truth, bool silent, bool frozen);
 
   std::size_t read(std::span<std::uint8_t> out);

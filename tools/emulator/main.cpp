@@ -20,7 +20,7 @@ void request_stop(int) { stop_requested = 1; }
 constexpr char kExamples[] = R"(Examples:
   sanso-emulator --world lab                          serve /tmp/sanso-robot/{bus,imu,pose,control}
   sanso-emulator --world seed:7 --dir /tmp/robot2     another robot, elsewhere
-  sanso-emulator --config robot.toml                  world, seed, directory, baud and [[fault]] tables from a file
+  sanso-emulator --config robot.toml                  world, seed, directory, baud, [[fault]] tables
   sanso-emulator --tell '{"command": "truth"}'        ask the running emulator
   sanso-emulator --tell '{"command": "push", "force": [0, 8, 0], "duration_s": 0.1}'
   sanso-emulator --tell '{"command": "fault", "kind": "servo_silent", "id": 13, "duration_s": 2}'
@@ -32,8 +32,10 @@ void ask_for_priority() {
   sched_param parameters{};
   parameters.sched_priority = 40;
   if (sched_setscheduler(0, SCHED_FIFO, &parameters) == 0) return;
-  fmt::print("ordinary priority ({}): on a busy machine replies and samples come late, which the controller takes for faults\n",
-             std::strerror(errno));
+  fmt::print(
+      "ordinary priority ({}): on a busy machine replies and samples come late, which the "
+      "controller takes for faults\n",
+      std::strerror(errno));
 }
 
 int serve(const sanso::emulator::EmulatorConfig& config) {
@@ -42,7 +44,8 @@ int serve(const sanso::emulator::EmulatorConfig& config) {
   std::signal(SIGPIPE, SIG_IGN);
   sanso::emulator::EmulatorProcess process(config);
   fmt::print("world      {}, seed {}\n", config.world, config.seed);
-  fmt::print("servo bus  {}/bus -> {}, {} baud\n", config.directory, process.bus_device(), config.baud);
+  fmt::print("servo bus  {}/bus -> {}, {} baud\n", config.directory, process.bus_device(),
+             config.baud);
   fmt::print("sockets    {0}/imu  {0}/pose  {0}/control\n", config.directory);
   ask_for_priority();
   fmt::print("ready\n");
@@ -57,16 +60,21 @@ int serve(const sanso::emulator::EmulatorConfig& config) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"sanso-emulator: the emulated OP3 (MuJoCo physics) behind real servo packets, IMU and pose reports"};
+  CLI::App app{
+      "sanso-emulator: the emulated OP3 (MuJoCo physics) behind real servo packets, IMU and pose "
+      "reports"};
   app.footer(kExamples);
   sanso::emulator::EmulatorConfig config;
   std::string config_file, world, directory, command;
   std::uint64_t seed = 0;
   app.add_option("--config", config_file, "TOML file with world, seed, directory, baud, [[fault]]");
   app.add_option("--world", world, "nominal, lab (default), hard, seed:N or a TOML file");
-  const auto* seed_option = app.add_option("--seed", seed, "seed of noise and random faults (default 1)");
-  app.add_option("--dir", directory, "where bus, imu, pose and control appear (default /tmp/sanso-robot)");
-  app.add_option("--tell", command, "send one JSON command to the emulator that serves --dir, and print the answer");
+  const auto* seed_option =
+      app.add_option("--seed", seed, "seed of noise and random faults (default 1)");
+  app.add_option("--dir", directory,
+                 "where bus, imu, pose and control appear (default /tmp/sanso-robot)");
+  app.add_option("--tell", command,
+                 "send one JSON command to the emulator that serves --dir, and print the answer");
   CLI11_PARSE(app, argc, argv);
   try {
     if (!config_file.empty()) config = sanso::emulator::load_emulator_config(config_file);

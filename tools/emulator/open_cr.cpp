@@ -10,7 +10,8 @@ using servo_bus::StatusError;
 
 void OpenCr::press(std::uint8_t buttons) {
   bytes_[reg::kButtons] = buttons;
-  if (buttons & reg::kButtonReset) bytes_[reg::kServoPower] = 0;  // the board cuts the servos' supply by itself
+  // the board cuts the servos' supply by itself
+  if (buttons & reg::kButtonReset) bytes_[reg::kServoPower] = 0;
 }
 
 void OpenCr::set_voltage(double volt) {

@@ -1,4 +1,5 @@
-// The OpenCR board as a bus device: switches the servos' supply, shows buttons, voltage and its own coarse IMU.
+// The OpenCR board as a bus device: switches the servos' supply, shows buttons, voltage and its own
+// coarse IMU.
 #pragma once
 
 #include <array>
@@ -14,7 +15,8 @@ class OpenCr final : public BusDevice {
   bool servo_power() const { return bytes_[servo_bus::opencr::kServoPower] != 0; }
   void press(std::uint8_t buttons);
   void set_voltage(double volt);
-  /// Specific force [m/s^2] and rate [rad/s] in base axes; the board's tilt comes from the accelerometer alone.
+  /// Specific force [m/s^2] and rate [rad/s] in base axes; the board's tilt comes from the
+  /// accelerometer alone.
   void set_imu(const plant::Vec3& specific_force, const plant::Vec3& rate);
 
   std::uint8_t id() const override { return servo_bus::opencr::kId; }
@@ -25,11 +27,14 @@ class OpenCr final : public BusDevice {
   int status_return_level() const override { return 2; }
   bool alert() const override { return false; }
   servo_bus::StatusError read(std::uint16_t address, std::span<std::uint8_t> out) const override;
-  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data, Nanoseconds now) override;
+  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data,
+                               Nanoseconds now) override;
   void reboot(Nanoseconds) override { bytes_.fill(0); }
   void heard(Nanoseconds) override {}
   void hold_write(HeldWrite write) override { held_ = std::move(write); }
-  servo_bus::StatusError run_held_write(Nanoseconds now) override { return write(held_.address, held_.data, now); }
+  servo_bus::StatusError run_held_write(Nanoseconds now) override {
+    return write(held_.address, held_.data, now);
+  }
 
  private:
   std::array<std::uint8_t, servo_bus::opencr::kTableBytes> bytes_{};

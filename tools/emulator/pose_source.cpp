@@ -16,9 +16,10 @@ void PoseSource::update(Nanoseconds now, const plant::BaseMotion& base, bool los
   const auto q = plant::multiply(base.quat_world_base, plant::from_rotation_vector(tilt));
   for (std::size_t i = 0; i < 4; ++i) report.quat_world_base[i] = static_cast<float>(q[i]);
   for (std::size_t i = 0; i < 3; ++i) {
-    report.p_world_base[i] = static_cast<float>(base.p_world_base[i] + parameters_.position_noise_m * random_.normal());
-    report.v_base_in_world[i] =
-        static_cast<float>(base.v_base_in_world[i] + parameters_.velocity_noise_m_s * random_.normal());
+    report.p_world_base[i] =
+        static_cast<float>(base.p_world_base[i] + parameters_.position_noise_m * random_.normal());
+    report.v_base_in_world[i] = static_cast<float>(
+        base.v_base_in_world[i] + parameters_.velocity_noise_m_s * random_.normal());
   }
   samples_.push_back({now + from_seconds(parameters_.delay_s), report});
   constexpr std::size_t kQueueLimit = 64;

@@ -1,4 +1,5 @@
-// Stand-in for a tracking camera: base position, orientation and velocity from outside, with rate, noise and delay.
+// Stand-in for a tracking camera: base position, orientation and velocity from outside, with rate,
+// noise and delay.
 #pragma once
 
 #include <deque>
@@ -12,7 +13,8 @@ namespace sanso::emulator {
 
 class PoseSource {
  public:
-  PoseSource(const plant::PoseParameters& parameters, std::uint64_t seed) : parameters_(parameters), random_(seed) {}
+  PoseSource(const plant::PoseParameters& parameters, std::uint64_t seed)
+      : parameters_(parameters), random_(seed) {}
 
   /// Called every millisecond.
   void update(Nanoseconds now, const plant::BaseMotion& base, bool lost);

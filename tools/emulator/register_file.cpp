@@ -10,7 +10,8 @@ using servo_bus::Access;
 using servo_bus::Register;
 using servo_bus::StatusError;
 
-/// Index of the indirect entry whose data byte lies at `address` (0..55), -1 when it is no indirect data.
+/// Index of the indirect entry whose data byte lies at `address` (0..55), -1 when it is no indirect
+/// data.
 int indirect_entry(std::uint16_t address) {
   if (address >= xm::kIndirectData1 && address < xm::kIndirectData1 + xm::kIndirectPerBlock) {
     return address - xm::kIndirectData1;
@@ -22,14 +23,15 @@ int indirect_entry(std::uint16_t address) {
 }
 
 std::uint16_t indirect_address_of(int entry) {
-  return static_cast<std::uint16_t>(entry < xm::kIndirectPerBlock
-                                        ? xm::kIndirectAddress1 + 2 * entry
-                                        : xm::kIndirectAddress29 + 2 * (entry - xm::kIndirectPerBlock));
+  return static_cast<std::uint16_t>(
+      entry < xm::kIndirectPerBlock ? xm::kIndirectAddress1 + 2 * entry
+                                    : xm::kIndirectAddress29 + 2 * (entry - xm::kIndirectPerBlock));
 }
 
 std::uint16_t indirect_data_of(int entry) {
-  return static_cast<std::uint16_t>(
-      entry < xm::kIndirectPerBlock ? xm::kIndirectData1 + entry : xm::kIndirectData29 + entry - xm::kIndirectPerBlock);
+  return static_cast<std::uint16_t>(entry < xm::kIndirectPerBlock
+                                        ? xm::kIndirectData1 + entry
+                                        : xm::kIndirectData29 + entry - xm::kIndirectPerBlock);
 }
 
 bool is_indirect_address(std::uint16_t address) {
@@ -46,7 +48,8 @@ const Register* register_holding(std::uint16_t address) {
 
 std::int64_t value_of(std::span<const std::uint8_t> bytes, bool is_signed) {
   std::uint64_t value = 0;
-  for (std::size_t i = 0; i < bytes.size(); ++i) value |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    value |= static_cast<std::uint64_t>(bytes[i]) << (8 * i);
   const unsigned bits = 8 * static_cast<unsigned>(bytes.size());
   if (is_signed && (value >> (bits - 1)) & 1) value |= ~std::uint64_t{0} << bits;
   return static_cast<std::int64_t>(value);
@@ -64,7 +67,9 @@ void RegisterFile::load_defaults(bool eeprom) {
   }
 }
 
-std::int64_t RegisterFile::get(const Register& r) const { return value_of({&bytes_[r.address], r.size}, r.is_signed); }
+std::int64_t RegisterFile::get(const Register& r) const {
+  return value_of({&bytes_[r.address], r.size}, r.is_signed);
+}
 
 void RegisterFile::set(const Register& r, std::int64_t value_raw) {
   servo_bus::put_le(&bytes_[r.address], r.size, value_raw);
@@ -78,11 +83,13 @@ std::uint16_t RegisterFile::resolve(std::uint16_t address) const {
 
 StatusError RegisterFile::read(std::uint16_t address, std::span<std::uint8_t> out) const {
   if (out.empty() || address + out.size() > bytes_.size()) return StatusError::data_range;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = bytes_[resolve(static_cast<std::uint16_t>(address + i))];
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = bytes_[resolve(static_cast<std::uint16_t>(address + i))];
   return StatusError::none;
 }
 
-StatusError RegisterFile::write(std::uint16_t address, std::span<const std::uint8_t> data, Touched& touched) {
+StatusError RegisterFile::write(std::uint16_t address, std::span<const std::uint8_t> data,
+                                Touched& touched) {
   touched.clear();
   if (data.empty()) return StatusError::data_length;
   if (address + data.size() > bytes_.size()) return StatusError::data_range;
@@ -108,7 +115,8 @@ StatusError RegisterFile::write(std::uint16_t address, std::span<const std::uint
   }
   for (int entry = 0; entry < 2 * xm::kIndirectPerBlock; ++entry) {
     const std::uint16_t pointed = servo_bus::get_u16({&shadow[indirect_address_of(entry)], 2});
-    if (pointed < xm::kFirstRamAddress || pointed >= xm::kTableBytes) return StatusError::data_range;
+    if (pointed < xm::kFirstRamAddress || pointed >= xm::kTableBytes)
+      return StatusError::data_range;
   }
   bytes_ = shadow;
   return StatusError::none;

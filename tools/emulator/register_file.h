@@ -1,5 +1,5 @@
-// The control table of one XM430 as bytes, with the rules of who may write what. What a write makes the servo do is not
-// decided here.
+// The control table of one XM430 as bytes, with the rules of who may write what. What a write makes
+// the servo do is not decided here.
 #pragma once
 
 #include <array>
@@ -26,9 +26,11 @@ class RegisterFile {
   static constexpr std::size_t kMaxTouched = 64;
   using Touched = FixedVector<const servo_bus::Register*, kMaxTouched>;
 
-  /// Checks a write completely (access, torque, range; through indirect entries too) and applies it, or nothing of it.
+  /// Checks a write completely (access, torque, range; through indirect entries too) and applies
+  /// it, or nothing of it.
   /// `touched` lists the registers that were written.
-  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data, Touched& touched);
+  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data,
+                               Touched& touched);
 
  private:
   std::uint16_t resolve(std::uint16_t address) const;

@@ -15,10 +15,12 @@ namespace {
 namespace xm = servo_bus::xm430;
 using servo_bus::StatusError;
 
-constexpr Nanoseconds kRebootTime = 1 * kSecond;          // "roughly a second" of silence after a reboot
+// "roughly a second" of silence after a reboot
+constexpr Nanoseconds kRebootTime = 1 * kSecond;
 constexpr Nanoseconds kPowerOnTime = 300 * kMillisecond;  // chosen
-constexpr Nanoseconds kReplyLatency = 30 * kMicrosecond;  // measured on sibling servos: 30 to 50 us over the register
-constexpr double kUnderVoltage_V = 7.0;                   // the servo's own regulator gives up
+// measured on sibling servos: 30 to 50 us over the register
+constexpr Nanoseconds kReplyLatency = 30 * kMicrosecond;
+constexpr double kUnderVoltage_V = 7.0;  // the servo's own regulator gives up
 constexpr double kAmbient_C = 25.0;
 constexpr double kHeatCapacity_J_K = 45.0;  // 82 g of motor, gears and case
 constexpr double kHeatResistance_K_W = 9.0;
@@ -45,14 +47,17 @@ constexpr std::array kOnlyValue{OnlyValue{&xm::kDriveMode, 0},
 Servo::Servo(std::uint8_t id, const plant::ServoParameters& parameters, std::int64_t baud)
     : id_(id), parameters_(parameters), line_baud_(baud) {
   const auto rate = std::find(xm::kBaudRates.begin(), xm::kBaudRates.end(), baud);
-  if (rate == xm::kBaudRates.end()) throw std::invalid_argument("no servo talks at " + std::to_string(baud) + " baud");
+  if (rate == xm::kBaudRates.end())
+    throw std::invalid_argument("no servo talks at " + std::to_string(baud) + " baud");
   registers_.set(xm::kId, id);
   registers_.set(xm::kFirmwareVersion, xm::kFirmwareWithFastRead);
   registers_.set(xm::kBaudRate, rate - xm::kBaudRates.begin());
   registers_.set(xm::kReturnDelayTime, 1);  // 2 us, as the maker sets up an OP3
 }
 
-std::int64_t Servo::own_baud() const { return xm::kBaudRates[static_cast<std::size_t>(registers_.get(xm::kBaudRate))]; }
+std::int64_t Servo::own_baud() const {
+  return xm::kBaudRates[static_cast<std::size_t>(registers_.get(xm::kBaudRate))];
+}
 
 void Servo::boot(Nanoseconds now, Nanoseconds duration) {
   const std::int64_t id = registers_.get(xm::kId);
@@ -87,7 +92,8 @@ void Servo::raise(std::uint8_t error_bits) {
 
 ServoDrive Servo::update(Nanoseconds now, double period_s, const ServoSense& sense) {
   position_raw_ = servo_bus::position_raw(sense.position_rad);
-  if (powered_ && sense.supply_V < kUnderVoltage_V) boot(now, kPowerOnTime);  // stays in boot while the supply is low
+  // stays in boot while the supply is low
+  if (powered_ && sense.supply_V < kUnderVoltage_V) boot(now, kPowerOnTime);
   if (booting_ && now >= boot_done_) booting_ = false;
   if (!powered_ || booting_) return {};
 
@@ -100,9 +106,11 @@ ServoDrive Servo::update(Nanoseconds now, double period_s, const ServoSense& sen
   int pwm = 0;
   const bool torque = torque_on();
   if (torque) {
-    pwm = registers_.get(xm::kOperatingMode) == xm::kModePosition ? position_loop_pwm(position_raw_)
-                                                                  : static_cast<int>(registers_.get(xm::kGoalPwm));
-    const int limit = static_cast<int>(std::min(std::abs(registers_.get(xm::kGoalPwm)), registers_.get(xm::kPwmLimit)));
+    pwm = registers_.get(xm::kOperatingMode) == xm::kModePosition
+              ? position_loop_pwm(position_raw_)
+              : static_cast<int>(registers_.get(xm::kGoalPwm));
+    const int limit = static_cast<int>(
+        std::min(std::abs(registers_.get(xm::kGoalPwm)), registers_.get(xm::kPwmLimit)));
     pwm = std::clamp(pwm, -limit, limit);
   } else {
     integral_raw_ = 0;
@@ -115,12 +123,14 @@ ServoDrive Servo::update(Nanoseconds now, double period_s, const ServoSense& sen
 
 /// PWM counts from position counts: P, I and D of the error, as the control table scales them.
 int Servo::position_loop_pwm(std::int32_t position_raw) {
-  const std::int32_t error_raw = static_cast<std::int32_t>(std::lround(trajectory_raw_)) - position_raw;
+  const std::int32_t error_raw =
+      static_cast<std::int32_t>(std::lround(trajectory_raw_)) - position_raw;
   const double p = static_cast<double>(registers_.get(xm::kPositionPGain)) / parameters_.p_divisor;
   const double d = static_cast<double>(registers_.get(xm::kPositionDGain)) / 16.0;
   const double i = static_cast<double>(registers_.get(xm::kPositionIGain)) / 65536.0;
   if (i > 0) {
-    const double limit = servo_bus::kFullPwm_raw / i;  // anti-windup: the integral alone may ask for full duty
+    // anti-windup: the integral alone may ask for full duty
+    const double limit = servo_bus::kFullPwm_raw / i;
     integral_raw_ = std::clamp(integral_raw_ + error_raw, -limit, limit);
   } else {
     integral_raw_ = 0;
@@ -139,19 +149,21 @@ void Servo::take_due_goals(Nanoseconds now) {
 
 /// Trapezoidal speed towards the goal; Profile Velocity 0 passes steps straight through.
 void Servo::follow_profile(double period_s) {
-  const double speed = static_cast<double>(registers_.get(xm::kProfileVelocity)) * servo_bus::kRadPerSecondPerCount /
-                       servo_bus::kRadPerCount;
+  const double speed = static_cast<double>(registers_.get(xm::kProfileVelocity)) *
+                       servo_bus::kRadPerSecondPerCount / servo_bus::kRadPerCount;
   if (speed == 0) {
     trajectory_raw_ = goal_raw_;
     trajectory_rate_raw_ = 0;
     return;
   }
   // 214.577 rev/min^2 a count
-  const double acceleration = static_cast<double>(registers_.get(xm::kProfileAcceleration)) * 214.577 * 4096 / 3600;
+  const double acceleration =
+      static_cast<double>(registers_.get(xm::kProfileAcceleration)) * 214.577 * 4096 / 3600;
   const double distance = goal_raw_ - trajectory_raw_;
   double wanted = std::copysign(speed, distance);
   if (acceleration > 0) {
-    wanted = std::copysign(std::min(speed, std::sqrt(2 * acceleration * std::abs(distance))), distance);
+    wanted =
+        std::copysign(std::min(speed, std::sqrt(2 * acceleration * std::abs(distance))), distance);
     const double change = acceleration * period_s;
     wanted = std::clamp(wanted, trajectory_rate_raw_ - change, trajectory_rate_raw_ + change);
   }
@@ -174,15 +186,17 @@ void Servo::publish(Nanoseconds now, const ServoSense& sense, std::int32_t posit
   const Sample& seen = samples_.front();
   registers_.set(xm::kPresentPosition, seen.position_raw);
   registers_.set(xm::kPresentVelocity, servo_bus::velocity_raw(seen.velocity_rad_s));
-  registers_.set(xm::kPresentCurrent, std::clamp<int>(servo_bus::current_raw(seen.current_A), -1193, 1193));
+  registers_.set(xm::kPresentCurrent,
+                 std::clamp<int>(servo_bus::current_raw(seen.current_A), -1193, 1193));
   registers_.set(xm::kPresentInputVoltage, servo_bus::voltage_raw(sense.supply_V));
   registers_.set(xm::kPresentTemperature, std::lround(temperature_C_));
   registers_.set(xm::kRealtimeTick, (now / kMillisecond) & 0x7fff);
   registers_.set(xm::kPositionTrajectory, std::lround(trajectory_raw_));
   registers_.set(xm::kVelocityTrajectory,
-                 std::lround(trajectory_rate_raw_ * servo_bus::kRadPerCount / servo_bus::kRadPerSecondPerCount));
-  registers_.set(xm::kMoving,
-                 std::abs(servo_bus::velocity_raw(filtered_rate_)) >= registers_.get(xm::kMovingThreshold));
+                 std::lround(trajectory_rate_raw_ * servo_bus::kRadPerCount /
+                             servo_bus::kRadPerSecondPerCount));
+  registers_.set(xm::kMoving, std::abs(servo_bus::velocity_raw(filtered_rate_)) >=
+                                  registers_.get(xm::kMovingThreshold));
   registers_.set(xm::kMovingStatus, std::abs(goal_raw_ - position_raw) < 10 ? 1 : 0);
   registers_.set(xm::kRegisteredInstruction, held_.empty() ? 0 : 1);
 }
@@ -190,21 +204,25 @@ void Servo::publish(Nanoseconds now, const ServoSense& sense, std::int32_t posit
 /// Heat, overload, supply: the conditions of Hardware Error Status.
 void Servo::watch(double period_s, const ServoSense& sense) {
   const double heat_W = sense.current_A * sense.current_A * parameters_.resistance_ohm + kStandBy_W;
-  temperature_C_ += period_s / kHeatCapacity_J_K * (heat_W - (temperature_C_ - kAmbient_C) / kHeatResistance_K_W);
+  temperature_C_ +=
+      period_s / kHeatCapacity_J_K * (heat_W - (temperature_C_ - kAmbient_C) / kHeatResistance_K_W);
   const bool heavy = std::abs(sense.current_A) > kOverloadCurrent_A;
   overload_s_ = std::max(0.0, overload_s_ + (heavy ? period_s : -period_s));
 
   std::uint8_t errors = 0;
-  if (temperature_C_ > static_cast<double>(registers_.get(xm::kTemperatureLimit))) errors |= xm::kErrorOverheat;
+  if (temperature_C_ > static_cast<double>(registers_.get(xm::kTemperatureLimit)))
+    errors |= xm::kErrorOverheat;
   if (overload_s_ > kOverloadTime_s) errors |= xm::kErrorOverload;
   const auto voltage_raw = servo_bus::voltage_raw(sense.supply_V);
-  if (voltage_raw < registers_.get(xm::kMinVoltageLimit) || voltage_raw > registers_.get(xm::kMaxVoltageLimit)) {
+  if (voltage_raw < registers_.get(xm::kMinVoltageLimit) ||
+      voltage_raw > registers_.get(xm::kMaxVoltageLimit)) {
     errors |= xm::kErrorVoltage;
   }
   if (errors) raise(errors);
 }
 
-/// Silence on the bus while torque is on: stop where the servo is, and refuse goals until the watchdog is cleared.
+/// Silence on the bus while torque is on: stop where the servo is, and refuse goals until the
+/// watchdog is cleared.
 void Servo::check_bus_watchdog(Nanoseconds now) {
   const std::int64_t armed = registers_.get(xm::kBusWatchdog);
   if (armed <= 0 || !torque_on()) return;
@@ -216,17 +234,21 @@ void Servo::check_bus_watchdog(Nanoseconds now) {
 }
 
 Nanoseconds Servo::return_delay() const {
-  return registers_.get(xm::kReturnDelayTime) * from_seconds(servo_bus::kSecondPerReturnDelay) + kReplyLatency;
+  return registers_.get(xm::kReturnDelayTime) * from_seconds(servo_bus::kSecondPerReturnDelay) +
+         kReplyLatency;
 }
 
-int Servo::status_return_level() const { return static_cast<int>(registers_.get(xm::kStatusReturnLevel)); }
+int Servo::status_return_level() const {
+  return static_cast<int>(registers_.get(xm::kStatusReturnLevel));
+}
 bool Servo::alert() const { return registers_.get(xm::kHardwareErrorStatus) != 0; }
 
 StatusError Servo::read(std::uint16_t address, std::span<std::uint8_t> out) const {
   return registers_.read(address, out);
 }
 
-StatusError Servo::write(std::uint16_t address, std::span<const std::uint8_t> data, Nanoseconds now) {
+StatusError Servo::write(std::uint16_t address, std::span<const std::uint8_t> data,
+                         Nanoseconds now) {
   const RegisterFile before = registers_;
   RegisterFile::Touched touched;
   const StatusError error = registers_.write(address, data, touched);
@@ -242,23 +264,27 @@ StatusError Servo::write(std::uint16_t address, std::span<const std::uint8_t> da
   return StatusError::none;
 }
 
-/// What the register file cannot know: rules between registers, and what this emulation does not have.
+/// What the register file cannot know: rules between registers, and what this emulation does not
+/// have.
 StatusError Servo::refusal_of(const servo_bus::Register& r, const RegisterFile& before) const {
   const std::int64_t value = registers_.get(r);
   const auto is = [&](const servo_bus::Register& other) { return r.address == other.address; };
   for (const auto& [only, allowed] : kOnlyValue) {
     if (is(*only) && value != allowed) return StatusError::data_range;
   }
-  if (is(xm::kOperatingMode) && value != xm::kModePosition && value != kModePwm) return StatusError::data_range;
-  const bool shut_down = (registers_.get(xm::kHardwareErrorStatus) & registers_.get(xm::kShutdown)) != 0;
+  if (is(xm::kOperatingMode) && value != xm::kModePosition && value != kModePwm)
+    return StatusError::data_range;
+  const bool shut_down =
+      (registers_.get(xm::kHardwareErrorStatus) & registers_.get(xm::kShutdown)) != 0;
   if (is(xm::kTorqueEnable) && value != 0 && shut_down) return StatusError::result_fail;
   if (is(xm::kGoalPosition)) {
     if (before.get(xm::kBusWatchdog) < 0) return StatusError::data_range;
-    const bool inside =
-        value >= registers_.get(xm::kMinPositionLimit) && value <= registers_.get(xm::kMaxPositionLimit);
+    const bool inside = value >= registers_.get(xm::kMinPositionLimit) &&
+                        value <= registers_.get(xm::kMaxPositionLimit);
     if (!inside) return StatusError::data_limit;
   }
-  if (is(xm::kGoalPwm) && std::abs(value) > registers_.get(xm::kPwmLimit)) return StatusError::data_limit;
+  if (is(xm::kGoalPwm) && std::abs(value) > registers_.get(xm::kPwmLimit))
+    return StatusError::data_limit;
   return StatusError::none;
 }
 
@@ -268,8 +294,8 @@ void Servo::after_write(const servo_bus::Register& r, Nanoseconds now) {
     due_goals_.push_back({now + from_seconds(parameters_.command_delay_s), goal_raw});
   } else if (r.address == xm::kOperatingMode.address) {
     // a change of mode puts that mode's gains and limits back to their defaults
-    for (const auto* reset : {&xm::kPositionPGain, &xm::kPositionIGain, &xm::kPositionDGain, &xm::kProfileVelocity,
-                              &xm::kProfileAcceleration}) {
+    for (const auto* reset : {&xm::kPositionPGain, &xm::kPositionIGain, &xm::kPositionDGain,
+                              &xm::kProfileVelocity, &xm::kProfileAcceleration}) {
       registers_.set(*reset, reset->initial_raw);
     }
     registers_.set(xm::kGoalPwm, registers_.get(xm::kPwmLimit));

@@ -1,8 +1,10 @@
-// One XM430-W350 as it behaves: control table, position loop in PWM counts, sensors with their quantum and age, thermal
-// model, shutdown, bus watchdog. Electricity and mechanics of the motor are the plant's.
+// One XM430-W350 as it behaves: control table, position loop in PWM counts, sensors with their
+// quantum and age, thermal model, shutdown, bus watchdog. Electricity and mechanics of the motor
+// are the plant's.
 //
-// Undisclosed by the maker and therefore chosen: time units of the D and I terms (one loop period of 1 ms), thermal
-// constants, the overload rule, boot time. Modes other than position (3) and PWM (16) are refused.
+// Undisclosed by the maker and therefore chosen: time units of the D and I terms (one loop period
+// of 1 ms), thermal constants, the overload rule, boot time. Modes other than position (3) and PWM
+// (16) are refused.
 #pragma once
 
 #include <array>
@@ -29,7 +31,8 @@ struct ServoDrive {
 
 class Servo final : public BusDevice {
  public:
-  /// Set up for a line of `baud` bits a second, one of the rates of xm430::kBaudRates. Errors: invalid_argument.
+  /// Set up for a line of `baud` bits a second, one of the rates of xm430::kBaudRates. Errors:
+  /// invalid_argument.
   Servo(std::uint8_t id, const plant::ServoParameters& parameters, std::int64_t baud = 2'000'000);
 
   /// One period of the servo's own loop.
@@ -50,12 +53,15 @@ class Servo final : public BusDevice {
   std::uint16_t model() const override { return servo_bus::xm430::kModel; }
   std::uint8_t firmware() const override { return servo_bus::xm430::kFirmwareWithFastRead; }
   /// With another rate in Baud Rate than the line's, all it hears is noise.
-  bool listening() const override { return powered_ && connected_ && !booting_ && own_baud() == line_baud_; }
+  bool listening() const override {
+    return powered_ && connected_ && !booting_ && own_baud() == line_baud_;
+  }
   Nanoseconds return_delay() const override;
   int status_return_level() const override;
   bool alert() const override;
   servo_bus::StatusError read(std::uint16_t address, std::span<std::uint8_t> out) const override;
-  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data, Nanoseconds now) override;
+  servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data,
+                               Nanoseconds now) override;
   void reboot(Nanoseconds now) override;
   void heard(Nanoseconds now) override { last_heard_ = now; }
   void hold_write(HeldWrite write) override;

@@ -25,8 +25,8 @@ sockaddr_un address_of(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.size() >= sizeof address.sun_path) {
-    throw plant::WorldError(
-        fmt::format("{}: a socket path has at most {} characters", path, sizeof address.sun_path - 1));
+    throw plant::WorldError(fmt::format("{}: a socket path has at most {} characters", path,
+                                        sizeof address.sun_path - 1));
   }
   std::copy(path.begin(), path.end(), address.sun_path);
   return address;
@@ -50,7 +50,8 @@ void FileDescriptor::reset() {
 
 void BusPty::plug() {
   master_ = FileDescriptor(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!master_.open() || grantpt(master_.get()) != 0 || unlockpt(master_.get()) != 0) fail("cannot make a pty");
+  if (!master_.open() || grantpt(master_.get()) != 0 || unlockpt(master_.get()) != 0)
+    fail("cannot make a pty");
   char name[128];
   if (ptsname_r(master_.get(), name, sizeof name) != 0) fail("cannot name the pty");
   device_ = name;
@@ -85,7 +86,8 @@ PacketServer::PacketServer(const std::string& path)
     : path_(path), listener_(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
   const sockaddr_un address = address_of(path);
   unlink(path.c_str());
-  if (!listener_.open() || bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+  if (!listener_.open() ||
+      bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(listener_.get(), 4) != 0) {
     fail("cannot listen at " + path);
   }
@@ -119,7 +121,8 @@ std::size_t PacketServer::receive(std::span<std::uint8_t> out, int& client) {
 }
 
 void PacketServer::send(int client, std::span<const std::uint8_t> message) {
-  (void)!::send(client, message.data(), message.size(), MSG_NOSIGNAL | MSG_DONTWAIT);  // a slow reader loses messages
+  // a slow reader loses messages
+  (void)!::send(client, message.data(), message.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
 }
 
 void PacketServer::send_all(std::span<const std::uint8_t> message) {
@@ -134,7 +137,8 @@ void PacketServer::add_descriptors(std::vector<int>& out) const {
 FileDescriptor connect_packets(const std::string& path) {
   FileDescriptor fd(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
   const sockaddr_un address = address_of(path);
-  if (!fd.open() || connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+  if (!fd.open() ||
+      connect(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     fail(fmt::format("no emulator at {} (start one: sanso-emulator --dir ...)", path));
   }
   return fd;

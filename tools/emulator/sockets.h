@@ -1,4 +1,5 @@
-// File descriptors of the emulator process: the pty that is the servo bus, and the packet sockets beside it.
+// File descriptors of the emulator process: the pty that is the servo bus, and the packet sockets
+// beside it.
 #pragma once
 
 #include <cstdint>
@@ -38,11 +39,12 @@ class BusPty {
   std::string link_;
   std::string device_;
   FileDescriptor master_;
-  FileDescriptor far_end_;  // kept open, so that a client that closes and opens again does not hang the line up
+  // kept open, so that a client that closes and opens again does not hang the line up
+  FileDescriptor far_end_;
 };
 
-/// A local packet socket (one message = one report) with any number of clients. Never blocks; a client that does not
-/// read loses messages.
+/// A local packet socket (one message = one report) with any number of clients. Never blocks; a
+/// client that does not read loses messages.
 class PacketServer {
  public:
   explicit PacketServer(const std::string& path);  // throws plant::WorldError

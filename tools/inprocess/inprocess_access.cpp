@@ -6,22 +6,26 @@
 
 namespace sanso::inprocess {
 
-InProcessAccess::InProcessAccess(const std::string& world) : world_(plant::load_world(world)), key_(wire::random_key()) {}
+InProcessAccess::InProcessAccess(const std::string& world)
+    : world_(plant::load_world(world)), key_(wire::random_key()) {}
 
 link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t seed) {
   link_.reset();  // before the robot it talks to
   robot_ = std::make_unique<InProcessRobot>(world_, seed, key_);
   std::array<double, model::kNumJoints> legs{};
-  for (int j = 0; j < model::kNumJoints; ++j) legs[static_cast<std::size_t>(j)] = x[model::kXJoint + j];
+  for (int j = 0; j < model::kNumJoints; ++j)
+    legs[static_cast<std::size_t>(j)] = x[model::kXJoint + j];
   robot_->robot().place(emulator::with_legs(legs));
   link_ = std::make_unique<link::RobotLink>(*robot_, *robot_, key_);
-  if (link_->open() != Status::ok) throw std::runtime_error("the in-process controller does not answer");
+  if (link_->open() != Status::ok)
+    throw std::runtime_error("the in-process controller does not answer");
   constexpr double kSelfTest_s = 10.0;
   const Nanoseconds give_up = robot_->now() + from_seconds(kSelfTest_s);
   while (link_->latest().state != wire::SupervisorState::idle) {
     if (link_->latest().state == wire::SupervisorState::fault || robot_->now() >= give_up)
-      throw std::runtime_error("the in-process controller did not pass its self-test: fault " + std::to_string(link_->latest().fault) +
-                               " (docs/faults.md), servo " + std::to_string(robot_->controller().fault_detail()));
+      throw std::runtime_error("the in-process controller did not pass its self-test: fault " +
+                               std::to_string(link_->latest().fault) + " (docs/faults.md), servo " +
+                               std::to_string(robot_->controller().fault_detail()));
     link_->wait_observation(give_up);
   }
   return *link_;
@@ -35,7 +39,8 @@ void InProcessAccess::add_measurements(learn::Episode& episode) {
   for (const wire::Observation& o : episode.ticks) {  // both ascend in trial_tick
     while (k + 1 < seen.size() && seen[k].trial_tick < o.trial_tick) ++k;
     const emulator::Truth& truth = seen[k].truth;
-    episode.truth.push_back(frame.sample(truth.leg_state(), {truth.foot_force_in_world[0][2], truth.foot_force_in_world[1][2]}));
+    episode.truth.push_back(frame.sample(
+        truth.leg_state(), {truth.foot_force_in_world[0][2], truth.foot_force_in_world[1][2]}));
   }
 }
 

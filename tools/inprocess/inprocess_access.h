@@ -1,4 +1,5 @@
-// A new in-process robot for every trial: so that a trial depends on its seed and on what was learned, on nothing else.
+// A new in-process robot for every trial: so that a trial depends on its seed and on what was
+// learned, on nothing else.
 #pragma once
 
 #include <memory>

@@ -38,7 +38,8 @@ void InProcessRobot::wait_until(Nanoseconds time) {
 
 void InProcessRobot::finish_computation(Nanoseconds begin, Nanoseconds modelled) {
   const Nanoseconds end = begin + modelled;
-  while (next_tick_ <= end) run_tick();  // the robot does not wait for the planner; its observations queue up
+  // the robot does not wait for the planner; its observations queue up
+  while (next_tick_ <= end) run_tick();
   robot_.advance(end);
 }
 
@@ -52,7 +53,8 @@ void InProcessRobot::run_tick() {
   firmware_->poll_link(now());
   record_truth();
   if (controller().observation().trial_tick >= bus_pulled_at_) bus_.pull(true);
-  next_tick_ = std::max(due + kTickPeriod, now());  // a tick that ran over starts the next one late, as on a machine
+  // a tick that ran over starts the next one late, as on a machine
+  next_tick_ = std::max(due + kTickPeriod, now());
 }
 
 void InProcessRobot::run_for(double seconds) {
@@ -67,7 +69,8 @@ void InProcessRobot::record_truth() {
   const std::int32_t trial_tick = controller().observation().trial_tick;
   if (trial_tick < 0) return;
   if (trial_tick >= push_.trial_tick) {
-    robot_.push(push_.force_in_world_N, push_.torque_in_world_Nm, now(), now() + from_seconds(push_.duration_s));
+    robot_.push(push_.force_in_world_N, push_.torque_in_world_Nm, now(),
+                now() + from_seconds(push_.duration_s));
     push_ = {};
   }
   trial_truth_.push_back({trial_tick, robot_.truth()});

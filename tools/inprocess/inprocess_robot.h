@@ -1,5 +1,6 @@
-// Firmware, emulated robot and the host's link in one process on one virtual clock: the real bytes of bus, IMU and
-// wire, deterministic given the seed, as fast as the machine. The host waiting is what makes the robot live.
+// Firmware, emulated robot and the host's link in one process on one virtual clock: the real bytes
+// of bus, IMU and wire, deterministic given the seed, as fast as the machine. The host waiting is
+// what makes the robot live.
 #pragma once
 
 #include <memory>
@@ -29,7 +30,8 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   void run_tick();
   void run_for(double seconds);
 
-  /// The host is gone from this tick of the trial on, as if killed: its datagrams do not leave any more.
+  /// The host is gone from this tick of the trial on, as if killed: its datagrams do not leave any
+  /// more.
   void lose_host_at(std::int32_t trial_tick) { host_lost_at_ = trial_tick; }
   /// The bus cable is pulled out at this tick of the trial.
   void pull_bus_at(std::int32_t trial_tick) { bus_pulled_at_ = trial_tick; }

@@ -5,11 +5,12 @@
 namespace sanso::inprocess {
 namespace {
 
-/// Takes what `read` has until there is something or `deadline` has passed, letting the world run in between.
+/// Takes what `read` has until there is something or `deadline` has passed, letting the world run
+/// in between.
 template <class Read>
 Result<std::size_t> read_until(emulator::EmulatedRobot& robot, Nanoseconds deadline, Read read) {
   constexpr Nanoseconds kStep = kMillisecond;  // reports come every few milliseconds
-  for (std::size_t n = read(); ; n = read()) {
+  for (std::size_t n = read();; n = read()) {
     if (n > 0) return n;
     if (robot.now() >= deadline) return std::size_t{0};
     robot.advance(std::min(deadline, robot.now() + kStep));
@@ -50,7 +51,8 @@ Status SimulatedNetwork::send(board::Bytes data, const board::Peer&) {
   return Status::ok;
 }
 
-Result<std::size_t> SimulatedNetwork::receive(board::Buffer buffer, board::Peer& from, Nanoseconds) {
+Result<std::size_t> SimulatedNetwork::receive(board::Buffer buffer, board::Peer& from,
+                                              Nanoseconds) {
   if (to_controller.empty()) return std::size_t{0};
   const Bytes datagram = std::move(to_controller.front());
   to_controller.pop_front();

@@ -1,5 +1,6 @@
-// The controller's board in virtual time: every seam of firmware/board/board.h served by an emulated robot, bytes for
-// bytes. Waiting for bytes is what makes time pass, as waiting does on a machine.
+// The controller's board in virtual time: every seam of firmware/board/board.h served by an
+// emulated robot, bytes for bytes. Waiting for bytes is what makes time pass, as waiting does on a
+// machine.
 #pragma once
 
 #include <deque>
@@ -58,7 +59,8 @@ class SimulatedNetwork : public board::Datagram {
  public:
   using Bytes = std::vector<std::uint8_t>;
   Status send(board::Bytes data, const board::Peer& to) override;
-  Result<std::size_t> receive(board::Buffer buffer, board::Peer& from, Nanoseconds deadline) override;
+  Result<std::size_t> receive(board::Buffer buffer, board::Peer& from,
+                              Nanoseconds deadline) override;
   std::deque<Bytes> to_host, to_controller;
 };
 

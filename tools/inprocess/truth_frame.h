@@ -1,5 +1,5 @@
-// From the emulated world's frame to the reference's: the robot stood at the reference's first position and heading when
-// the trial began.
+// From the emulated world's frame to the reference's: the robot stood at the reference's first
+// position and heading when the trial began.
 #pragma once
 
 #include <array>
@@ -10,10 +10,13 @@ namespace sanso::inprocess {
 
 class TruthFrame {
  public:
-  /// `first`: the true state (order of the state layout, world frame) at the beginning of the trial.
-  TruthFrame(const std::array<double, model::kNx>& first, const std::array<float, model::kNx>& first_reference);
+  /// `first`: the true state (order of the state layout, world frame) at the beginning of the
+  /// trial.
+  TruthFrame(const std::array<double, model::kNx>& first,
+             const std::array<float, model::kNx>& first_reference);
   /// The true state in the reference's frame, with the normal forces under right and left foot [N].
-  learn::TrueSample sample(const std::array<double, model::kNx>& world, const std::array<double, 2>& foot_load_N) const;
+  learn::TrueSample sample(const std::array<double, model::kNx>& world,
+                           const std::array<double, 2>& foot_load_N) const;
 
  private:
   math::Quat quat_ref_world_ = math::quat_identity();

@@ -51,7 +51,8 @@ BodyData read_body() {
     if (row.at("type") != "revolute") continue;
     body.joints.push_back({row.at("name"), row.at("parent_link"), row.at("child_link"),
                            vector3(row, "origin_x_m", "origin_y_m", "origin_z_m"),
-                           vector3(row, "axis_x", "axis_y", "axis_z"), static_cast<int>(number(row, "dynamixel_id"))});
+                           vector3(row, "axis_x", "axis_y", "axis_z"),
+                           static_cast<int>(number(row, "dynamixel_id"))});
   }
   return body;
 }

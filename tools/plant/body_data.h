@@ -29,7 +29,8 @@ struct BodyData {
 /// The OP3's figures. Throws WorldError when the built-in tables do not parse.
 const BodyData& op3_body();
 
-/// Files compiled into the program: "op3_links.csv", "lab.toml", ... Empty when there is none of that name.
+/// Files compiled into the program: "op3_links.csv", "lab.toml", ... Empty when there is none of
+/// that name.
 const std::string& built_in_file(const std::string& name);
 
 }  // namespace sanso::plant

@@ -1,5 +1,6 @@
-// One servo from voltage to joint torque: DC motor, friction, gear with play and elasticity. The motor is a mass of its
-// own, joined to the link by a spring that does not pull inside the play; the link is MuJoCo's.
+// One servo from voltage to joint torque: DC motor, friction, gear with play and elasticity. The
+// motor is a mass of its own, joined to the link by a spring that does not pull inside the play;
+// the link is MuJoCo's.
 #pragma once
 
 namespace sanso::plant {
@@ -21,10 +22,10 @@ struct GearTrain {
   void place(double link_angle_rad) { *this = GearTrain{link_angle_rad, 0, 0, 0, 0}; }
 
   /// One step of `h` seconds. `powered` false: bridge open, no current and no back-EMF braking.
-  /// Spring, damping and back-EMF are implicit in the motor's rate; dry friction is a bounded impulse against it, so
-  /// that a stuck motor stays exactly still.
-  void step(const GearTrainParameters& p, double h, bool powered, double volt, double link_angle_rad,
-            double link_rate_rad_s);
+  /// Spring, damping and back-EMF are implicit in the motor's rate; dry friction is a bounded
+  /// impulse against it, so that a stuck motor stays exactly still.
+  void step(const GearTrainParameters& p, double h, bool powered, double volt,
+            double link_angle_rad, double link_rate_rad_s);
 };
 
 }  // namespace sanso::plant

@@ -7,19 +7,22 @@
 namespace sanso::plant {
 namespace {
 
-// Left sole, ank_roll frame: eight corners of the outline, measured from the maker's foot mesh. The right one mirrors
-// y.
+// Left sole, ank_roll frame: eight corners of the outline, measured from the maker's foot mesh. The
+// right one mirrors y.
 constexpr double kSoleZ_m = -0.0305;
-constexpr double kSoleCorners_m[8][2] = {{0.0875, 0.0391},   {0.0815, 0.0515},   {-0.0335, 0.0515}, {-0.0395, 0.0391},
-                                         {-0.0395, -0.0141}, {-0.0335, -0.0265}, {0.0815, -0.0265}, {0.0875, -0.0141}};
+constexpr double kSoleCorners_m[8][2] = {{0.0875, 0.0391},  {0.0815, 0.0515},   {-0.0335, 0.0515},
+                                         {-0.0395, 0.0391}, {-0.0395, -0.0141}, {-0.0335, -0.0265},
+                                         {0.0815, -0.0265}, {0.0875, -0.0141}};
 constexpr double kCornerRadius_m = 0.003;  // fillet of the sole's edge (2 to 4 mm on the mesh)
 
 // Skate: four passive wheels under the sole's corners, axes along y. Chosen; no public figures.
 constexpr double kWheelRadius_m = 0.012;
 constexpr double kWheelMass_kg = 0.006;
-constexpr double kWheels_m[4][2] = {{0.0700, 0.0400}, {-0.0220, 0.0400}, {-0.0220, -0.0150}, {0.0700, -0.0150}};
+constexpr double kWheels_m[4][2] = {
+    {0.0700, 0.0400}, {-0.0220, 0.0400}, {-0.0220, -0.0150}, {0.0700, -0.0150}};
 
-// Limbs as primitives, so that a fallen robot lies on something. Sizes from the maker's drawings, rounded.
+// Limbs as primitives, so that a fallen robot lies on something. Sizes from the maker's drawings,
+// rounded.
 struct Primitive {
   const char* link;
   const char* geom;
@@ -37,16 +40,17 @@ constexpr Primitive kBodyPrimitives[] = {
     {"l_knee_link", R"(type="capsule" size="0.020" fromto="0 -0.019 -0.01 0 -0.019 -0.09")"},
 };
 
-// Mechanical stops are not published. The maker's kinematics class gives working ranges, and its crouch bends the knee
-// 16 deg beyond them: stops are put 0.35 rad outside. Units of pi rad.
+// Mechanical stops are not published. The maker's kinematics class gives working ranges, and its
+// crouch bends the knee 16 deg beyond them: stops are put 0.35 rad outside. Units of pi rad.
 struct Range {
   const char* joint;
   double lower, upper;
 };
 constexpr Range kWorkingRanges[] = {
-    {"head_pan", -0.5, 0.5},   {"head_tilt", -0.5, 0.5}, {"sho_pitch", -0.5, 0.5}, {"r_sho_roll", -0.5, 0.3},
-    {"l_sho_roll", -0.3, 0.5}, {"el", -0.5, 0.5},        {"hip_yaw", -0.45, 0.45}, {"hip_roll", -0.3, 0.3},
-    {"hip_pitch", -0.4, 0.4},  {"r_knee", -0.7, 0.1},    {"l_knee", -0.1, 0.7},    {"ank_pitch", -0.45, 0.45},
+    {"head_pan", -0.5, 0.5},   {"head_tilt", -0.5, 0.5},  {"sho_pitch", -0.5, 0.5},
+    {"r_sho_roll", -0.5, 0.3}, {"l_sho_roll", -0.3, 0.5}, {"el", -0.5, 0.5},
+    {"hip_yaw", -0.45, 0.45},  {"hip_roll", -0.3, 0.3},   {"hip_pitch", -0.4, 0.4},
+    {"r_knee", -0.7, 0.1},     {"l_knee", -0.1, 0.7},     {"ank_pitch", -0.45, 0.45},
     {"ank_roll", -0.45, 0.45},
 };
 constexpr double kStopMargin_rad = 0.35;
@@ -54,7 +58,8 @@ constexpr double kStopMargin_rad = 0.35;
 Range stop_range(const std::string& joint) {
   for (const Range& range : kWorkingRanges) {
     if (joint.ends_with(range.joint)) {
-      return {range.joint, range.lower * kPi - kStopMargin_rad, range.upper * kPi + kStopMargin_rad};
+      return {range.joint, range.lower * kPi - kStopMargin_rad,
+              range.upper * kPi + kStopMargin_rad};
     }
   }
   return {"", -kPi, kPi};
@@ -68,14 +73,17 @@ std::string inertial(LinkData link, const World& world) {
   if (link.name == "body_link") {
     mass += world.body.torso_extra_mass_kg;
     com = com + world.body.torso_com_offset_m;
-  } else if (link.name.find("sho") == std::string::npos && link.name.find("el_") == std::string::npos &&
+  } else if (link.name.find("sho") == std::string::npos &&
+             link.name.find("el_") == std::string::npos &&
              link.name.find("head") == std::string::npos) {
     mass *= world.body.leg_mass_scale;
   }
   const double s = mass / link.mass_kg;  // added mass is spread like the link's own
-  return fmt::format(R"(<inertial pos="{}" mass="{:.9g}" fullinertia="{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}"/>)",
-                     text(com), mass, s * link.ixx, s * link.iyy, s * link.izz, s * link.ixy, s * link.ixz,
-                     s * link.iyz);
+  return fmt::format(
+      R"(<inertial pos="{}" mass="{:.9g}" fullinertia="{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} )"
+      R"({:.9g}"/>)",
+      text(com), mass, s * link.ixx, s * link.iyy, s * link.izz, s * link.ixy, s * link.ixz,
+      s * link.iyz);
 }
 
 std::string soles(bool left, const World& world) {
@@ -85,16 +93,20 @@ std::string soles(bool left, const World& world) {
   if (world.feet == FeetKind::wheels) {
     for (int i = 0; i < 4; ++i) {
       out += fmt::format(
-          R"(<body name="{0}_wheel{1}" pos="{2} {3} {4}"><joint name="{0}_wheel{1}" axis="0 1 0" limited="false" armature="1e-6" damping="2e-6"/>)"
-          R"(<geom name="{0}_sole{1}" class="sole" type="ellipsoid" size="{5} 0.004 {5}" mass="{6}"/></body>)",
-          side, i, kWheels_m[i][0], mirror * kWheels_m[i][1], kSoleZ_m - kWheelRadius_m, kWheelRadius_m, kWheelMass_kg);
+          R"(<body name="{0}_wheel{1}" pos="{2} {3} {4}"><joint name="{0}_wheel{1}" axis="0 1 0" )"
+          R"(limited="false" armature="1e-6" damping="2e-6"/>)"
+          R"(<geom name="{0}_sole{1}" class="sole" type="ellipsoid" size="{5} 0.004 {5}" )"
+          R"(mass="{6}"/></body>)",
+          side, i, kWheels_m[i][0], mirror * kWheels_m[i][1], kSoleZ_m - kWheelRadius_m,
+          kWheelRadius_m, kWheelMass_kg);
     }
     return out;
   }
   for (int i = 0; i < 8; ++i) {
-    out +=
-        fmt::format(R"(<geom name="{}_sole{}" class="sole" type="sphere" size="{}" pos="{} {} {}"/>)", side, i,
-                    kCornerRadius_m, kSoleCorners_m[i][0], mirror * kSoleCorners_m[i][1], kSoleZ_m + kCornerRadius_m);
+    out += fmt::format(
+        R"(<geom name="{}_sole{}" class="sole" type="sphere" size="{}" pos="{} {} {}"/>)", side, i,
+        kCornerRadius_m, kSoleCorners_m[i][0], mirror * kSoleCorners_m[i][1],
+        kSoleZ_m + kCornerRadius_m);
   }
   return out;
 }
@@ -105,12 +117,14 @@ void write_link(std::string& out, const LinkData& link, const World& world) {
   for (const Primitive& p : kBodyPrimitives) {
     if (link.name == p.link) out += fmt::format(R"(<geom class="limb" {}/>)", p.geom);
   }
-  if (link.name == "r_ank_roll_link" || link.name == "l_ank_roll_link") out += soles(link.name[0] == 'l', world);
+  if (link.name == "r_ank_roll_link" || link.name == "l_ank_roll_link")
+    out += soles(link.name[0] == 'l', world);
   for (const JointData& joint : body.joints) {
     if (joint.parent != link.name) continue;
     const Range stops = stop_range(joint.name);
-    out += fmt::format(R"(<body name="{}" pos="{}"><joint name="{}" axis="{}" range="{:.6f} {:.6f}"/>)", joint.child,
-                       text(joint.origin_m), joint.name, text(joint.axis), stops.lower, stops.upper);
+    out += fmt::format(
+        R"(<body name="{}" pos="{}"><joint name="{}" axis="{}" range="{:.6f} {:.6f}"/>)",
+        joint.child, text(joint.origin_m), joint.name, text(joint.axis), stops.lower, stops.upper);
     for (const LinkData& child : body.links) {
       if (child.name == joint.child) write_link(out, child, world);
     }
@@ -123,23 +137,29 @@ std::string slab(const char* name, double x0, double z0, double x1, double z1) {
   const double length = std::hypot(x1 - x0, z1 - z0);
   const double pitch = std::atan2(z0 - z1, x1 - x0);  // rotation about y, positive is downhill
   const double thick = 0.1;
-  const Vec3 centre{0.5 * (x0 + x1) - thick * std::sin(pitch), 0.0, 0.5 * (z0 + z1) - thick * std::cos(pitch)};
-  return fmt::format(R"(<geom name="{}" class="ground" type="box" size="{:.6f} 2 {}" pos="{}" euler="0 {:.9f} 0"/>)",
-                     name, 0.5 * length, thick, text(centre), pitch);
+  const Vec3 centre{0.5 * (x0 + x1) - thick * std::sin(pitch), 0.0,
+                    0.5 * (z0 + z1) - thick * std::cos(pitch)};
+  return fmt::format(
+      R"(<geom name="{}" class="ground" type="box" size="{:.6f} 2 {}" pos="{}" euler="0 {:.9f} )"
+      R"(0"/>)",
+      name, 0.5 * length, thick, text(centre), pitch);
 }
 
-/// Plane: z = 0. Ramp: level until start_x, downhill for ramp_length, level again. Jump ramp: downhill, then a lip that
-/// rises again to lip_height above the ramp's foot, then a drop to the level of that foot.
+/// Plane: z = 0. Ramp: level until start_x, downhill for ramp_length, level again. Jump ramp:
+/// downhill, then a lip that rises again to lip_height above the ramp's foot, then a drop to the
+/// level of that foot.
 std::string ground(const GroundParameters& g) {
-  if (g.kind == GroundKind::plane) return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
+  if (g.kind == GroundKind::plane)
+    return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
   const double foot_x = g.start_x_m + g.ramp_length_m * std::cos(g.slope_rad);
   const double foot_z = -g.ramp_length_m * std::sin(g.slope_rad);
-  std::string out =
-      fmt::format(R"(<geom name="ground" class="ground" type="plane" size="0 0 1" pos="0 0 {:.9f}"/>)", foot_z);
+  std::string out = fmt::format(
+      R"(<geom name="ground" class="ground" type="plane" size="0 0 1" pos="0 0 {:.9f}"/>)", foot_z);
   out += slab("ground_start", g.start_x_m - 4.0, 0.0, g.start_x_m, 0.0);
   out += slab("ground_ramp", g.start_x_m, 0.0, foot_x, foot_z);
   if (g.kind == GroundKind::jump_ramp) {
-    out += slab("ground_lip", foot_x, foot_z, foot_x + 4.0 * g.lip_height_m, foot_z + g.lip_height_m);
+    out +=
+        slab("ground_lip", foot_x, foot_z, foot_x + 4.0 * g.lip_height_m, foot_z + g.lip_height_m);
   }
   return out;
 }
@@ -147,9 +167,11 @@ std::string ground(const GroundParameters& g) {
 }  // namespace
 
 std::string make_mjcf(const World& world) {
-  std::string out = fmt::format(R"(<mujoco model="op3">
+  std::string out =
+      fmt::format(R"(<mujoco model="op3">
 <compiler angle="radian" boundmass="1e-6"/>
-<option timestep="{}" cone="pyramidal" solver="Newton" iterations="20" tolerance="1e-8" gravity="0 0 -9.81"/>
+<option timestep="{}" cone="pyramidal" solver="Newton" iterations="20" tolerance="1e-8"
+ gravity="0 0 -9.81"/>
 <size njmax="400" nconmax="80"/>
 <default>
 <joint armature="{}" damping="0" limited="true" solreflimit="0.01 1"/>
@@ -160,7 +182,7 @@ std::string make_mjcf(const World& world) {
 </default>
 <worldbody>
 )",
-                                kPhysicsStep_s, world.servo.output_inertia_kgm2, world.ground.friction);
+                  kPhysicsStep_s, world.servo.output_inertia_kgm2, world.ground.friction);
   out += ground(world.ground);
   out += "\n<body name=\"body_link\" pos=\"0 0 0.28\"><freejoint name=\"base\"/>";
   for (const LinkData& link : op3_body().links) {

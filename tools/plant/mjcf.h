@@ -9,8 +9,9 @@ namespace sanso::plant {
 
 inline constexpr double kPhysicsStep_s = 0.0005;
 
-/// The whole OP3 on the world's ground. Joints carry the URDF's names; bodies are links; geoms named "ground*",
-/// "r_sole*", "l_sole*" and the rest (trunk, limbs), which collide with the ground only.
+/// The whole OP3 on the world's ground. Joints carry the URDF's names; bodies are links; geoms
+/// named "ground*", "r_sole*", "l_sole*" and the rest (trunk, limbs), which collide with the ground
+/// only.
 std::string make_mjcf(const World& world);
 
 }  // namespace sanso::plant

@@ -17,7 +17,8 @@ struct DataDeleter {
 using ModelPtr = std::unique_ptr<mjModel, ModelDeleter>;
 using DataPtr = std::unique_ptr<mjData, DataDeleter>;
 
-/// Compiles MJCF text; safe to call from several threads. `what` names the world in the WorldError of a refusal.
+/// Compiles MJCF text; safe to call from several threads. `what` names the world in the WorldError
+/// of a refusal.
 ModelPtr compile_mjcf(const std::string& mjcf, const char* what);
 
 }  // namespace sanso::plant

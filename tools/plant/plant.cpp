@@ -38,7 +38,9 @@ constexpr double kSupplyFilter_s = 0.002;  // smoothing by the servos' capacitor
 
 struct Plant::Impl {
   explicit Impl(const World& world_in)
-      : world(world_in), model(compile_mjcf(make_mjcf(world), "the emulated robot")), data(mj_makeData(model.get())) {
+      : world(world_in),
+        model(compile_mjcf(make_mjcf(world), "the emulated robot")),
+        data(mj_makeData(model.get())) {
     Random random(world.servo.spread_seed);
     for (const JointData& joint : op3_body().joints) {
       const int id = mj_name2id(model.get(), mjOBJ_JOINT, joint.name.c_str());
@@ -62,12 +64,15 @@ struct Plant::Impl {
     double battery_current = 0;
     for (int i = 0; i < kNumServos; ++i) {
       GearTrain& gear = gears[i];
-      gear.step(parameters[i], kPhysicsStep_s, powered[i], duty[i] * supply, data->qpos[qpos[i]], data->qvel[dof[i]]);
+      gear.step(parameters[i], kPhysicsStep_s, powered[i], duty[i] * supply, data->qpos[qpos[i]],
+                data->qvel[dof[i]]);
       data->qfrc_applied[dof[i]] = gear.gear_torque_Nm;
-      battery_current += std::max(0.0, duty[i] * gear.current_A);  // the bridge draws in proportion to its duty
+      // the bridge draws in proportion to its duty
+      battery_current += std::max(0.0, duty[i] * gear.current_A);
     }
     const double loaded =
-        supply_override >= 0 ? supply_override : world.supply.voltage_V - world.supply.internal_ohm * battery_current;
+        supply_override >= 0 ? supply_override
+                             : world.supply.voltage_V - world.supply.internal_ohm * battery_current;
     supply += (loaded - supply) * kPhysicsStep_s / kSupplyFilter_s;
   }
 
@@ -76,7 +81,8 @@ struct Plant::Impl {
     std::fill(data->qvel, data->qvel + 6, 0.0);
   }
 
-  /// Turns and lifts the base until the two soles' mean normal is up and the lowest sole point touches the ground.
+  /// Turns and lifts the base until the two soles' mean normal is up and the lowest sole point
+  /// touches the ground.
   void stand_on_ground(double x, double y, double yaw) {
     mjModel* m = model.get();
     mjData* d = data.get();
@@ -89,7 +95,8 @@ struct Plant::Impl {
     normal = (1.0 / norm(normal)) * normal;
     const Vec3 axis = cross(normal, {0, 0, 1});
     const double sine = norm(axis);
-    const Quat upright = sine < 1e-12 ? level : from_rotation_vector((std::atan2(sine, normal[2]) / sine) * axis);
+    const Quat upright =
+        sine < 1e-12 ? level : from_rotation_vector((std::atan2(sine, normal[2]) / sine) * axis);
     const Quat turned = multiply(from_rotation_vector({0, 0, yaw}), upright);
     std::copy(turned.begin(), turned.end(), d->qpos + 3);
     d->qpos[0] = x;
@@ -98,7 +105,8 @@ struct Plant::Impl {
     mj_kinematics(m, d);
     double lowest = 1e9;
     for (int g = 0; g < m->ngeom; ++g) {
-      if (geom_foot[g] >= 0) lowest = std::min(lowest, d->geom_xpos[3 * g + 2] - m->geom_size[3 * g]);
+      if (geom_foot[g] >= 0)
+        lowest = std::min(lowest, d->geom_xpos[3 * g + 2] - m->geom_size[3 * g]);
     }
     d->qpos[2] = -lowest - 2e-4;  // the soft contact carries the weight at about this depth
   }
@@ -170,7 +178,8 @@ void Plant::set_push(const Vec3& force_in_world, const Vec3& torque_in_world) {
   // xfrc_applied acts at the body's centre of mass; the push is meant at its origin
   mjData* d = impl_->data.get();
   const int b = impl_->torso;
-  const Vec3 p_com_origin{d->xpos[3 * b] - d->xipos[3 * b], d->xpos[3 * b + 1] - d->xipos[3 * b + 1],
+  const Vec3 p_com_origin{d->xpos[3 * b] - d->xipos[3 * b],
+                          d->xpos[3 * b + 1] - d->xipos[3 * b + 1],
                           d->xpos[3 * b + 2] - d->xipos[3 * b + 2]};
   const Vec3 torque = torque_in_world + cross(p_com_origin, force_in_world);
   for (int i = 0; i < 3; ++i) {
@@ -190,7 +199,9 @@ BaseMotion Plant::base() const {
 double Plant::link_angle(int servo) const { return impl_->data->qpos[impl_->qpos[servo]]; }
 double Plant::link_rate(int servo) const { return impl_->data->qvel[impl_->dof[servo]]; }
 const GearTrain& Plant::gear(int servo) const { return impl_->gears[servo]; }
-const GearTrainParameters& Plant::gear_parameters(int servo) const { return impl_->parameters[servo]; }
+const GearTrainParameters& Plant::gear_parameters(int servo) const {
+  return impl_->parameters[servo];
+}
 double Plant::supply_V() const { return impl_->supply; }
 
 std::array<FootLoad, 2> Plant::feet() const {
@@ -199,15 +210,16 @@ std::array<FootLoad, 2> Plant::feet() const {
   std::array<FootLoad, 2> loads;
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
-    const int side =
-        impl_->geom_foot[contact.geom1] >= 0 ? impl_->geom_foot[contact.geom1] : impl_->geom_foot[contact.geom2];
+    const int side = impl_->geom_foot[contact.geom1] >= 0 ? impl_->geom_foot[contact.geom1]
+                                                          : impl_->geom_foot[contact.geom2];
     if (side < 0) continue;
     double force[6];
     mj_contactForce(m, d, c, force);
     // contact frame: rows of `frame` are its axes in world; the force acts from geom1 on geom2
     const double sign = impl_->geom_foot[contact.geom2] >= 0 ? 1.0 : -1.0;
     for (int axis = 0; axis < 3; ++axis) {
-      for (int i = 0; i < 3; ++i) loads[side].force_in_world[i] += sign * force[axis] * contact.frame[3 * axis + i];
+      for (int i = 0; i < 3; ++i)
+        loads[side].force_in_world[i] += sign * force[axis] * contact.frame[3 * axis + i];
     }
     ++loads[side].contacts;
   }

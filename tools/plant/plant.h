@@ -1,4 +1,5 @@
-// Physics of the emulated robot: MuJoCo's rigid bodies and contacts, and a gear train of our own for every servo.
+// Physics of the emulated robot: MuJoCo's rigid bodies and contacts, and a gear train of our own
+// for every servo.
 // Fixed step of 0.5 ms; the same calls give the same bits.
 #pragma once
 
@@ -62,9 +63,10 @@ class Plant {
   int other_contacts() const;            // contacts of anything but feet
 
   double mass_kg() const;
-  Vec3 center_of_mass() const;         // world
-  Vec3 linear_momentum() const;        // world
-  Vec3 angular_momentum() const;       // about the centre of mass, world axes; links only, without rotors
+  Vec3 center_of_mass() const;   // world
+  Vec3 linear_momentum() const;  // world
+  // about the centre of mass, world axes; links only, without rotors
+  Vec3 angular_momentum() const;
   double mechanical_energy_J() const;  // links: kinetic and potential
 
  private:

@@ -1,5 +1,5 @@
-// The emulated world's random numbers: xoshiro256++ seeded by splitmix64, Gaussian by Box-Muller. Written here so that
-// a seed gives the same world on every machine and standard library.
+// The emulated world's random numbers: xoshiro256++ seeded by splitmix64, Gaussian by Box-Muller.
+// Written here so that a seed gives the same world on every machine and standard library.
 #pragma once
 
 #include <array>

@@ -15,7 +15,8 @@
 namespace sanso::plant {
 namespace {
 
-/// Walks one table of a world file: every key must be taken, with its unit's range, or the file is refused.
+/// Walks one table of a world file: every key must be taken, with its unit's range, or the file is
+/// refused.
 class TableReader {
  public:
   TableReader(const toml::table& table, std::string path, const std::string& origin)
@@ -26,7 +27,8 @@ class TableReader {
     if (!node) return;
     const auto read = node->value<double>();
     if (!read) refuse(*node, key, "a number");
-    if (!(*read >= low && *read <= high)) refuse(*node, key, fmt::format("a number in [{}, {}]", low, high));
+    if (!(*read >= low && *read <= high))
+      refuse(*node, key, fmt::format("a number in [{}, {}]", low, high));
     value = *read;
   }
   void integer(const char* key, std::uint64_t& value) {
@@ -43,7 +45,8 @@ class TableReader {
     if (!array || array->size() != 3) refuse(*node, key, "three numbers");
     for (std::size_t i = 0; i < 3; ++i) {
       const auto read = array->get(i)->value<double>();
-      if (!read || !(std::abs(*read) <= limit)) refuse(*node, key, fmt::format("three numbers within +-{}", limit));
+      if (!read || !(std::abs(*read) <= limit))
+        refuse(*node, key, fmt::format("three numbers within +-{}", limit));
       value[i] = *read;
     }
   }
@@ -55,7 +58,8 @@ class TableReader {
     value = *read;
   }
   template <class Enum>
-  void choice(const char* key, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names) {
+  void choice(const char* key, Enum& value,
+              std::initializer_list<std::pair<const char*, Enum>> names) {
     const toml::node* node = take(key);
     if (!node) return;
     const auto read = node->value<std::string>();
@@ -83,8 +87,9 @@ class TableReader {
     for (const auto& [key, node] : table_) {
       const std::string name(key.str());
       if (!taken_.contains(name)) {
-        throw WorldError(fmt::format("{}:{}: unknown key '{}{}'; docs/howto/emulator.md lists the keys of a world",
-                                     origin_, node.source().begin.line, path_, name));
+        throw WorldError(fmt::format(
+            "{}:{}: unknown key '{}{}'; docs/howto/emulator.md lists the keys of a world", origin_,
+            node.source().begin.line, path_, name));
       }
     }
   }
@@ -94,14 +99,15 @@ class TableReader {
     taken_.insert(key);
     return table_.get(key);
   }
-  [[noreturn]] void refuse(const toml::node& node, const char* key, const std::string& expected) const {
+  [[noreturn]] void refuse(const toml::node& node, const char* key,
+                           const std::string& expected) const {
     std::ostringstream value;
     if (node.is_value())
       value << toml::node_view<const toml::node>(node);
     else  // the library's own text of a list casts a negative width to unsigned
       value << (node.is_array() ? "a list" : "a table");
-    throw WorldError(fmt::format("{}:{}: {}{} = {}, expected {}", origin_, node.source().begin.line, path_, key,
-                                 value.str(), expected));
+    throw WorldError(fmt::format("{}:{}: {}{} = {}, expected {}", origin_, node.source().begin.line,
+                                 path_, key, value.str(), expected));
   }
 
   const toml::table& table_;
@@ -135,7 +141,9 @@ void read_servo(TableReader& t, ServoParameters& s) {
 
 void read_ground(TableReader& t, GroundParameters& g) {
   t.choice("kind", g.kind,
-           {{"plane", GroundKind::plane}, {"ramp", GroundKind::ramp}, {"jump_ramp", GroundKind::jump_ramp}});
+           {{"plane", GroundKind::plane},
+            {"ramp", GroundKind::ramp},
+            {"jump_ramp", GroundKind::jump_ramp}});
   t.number("friction", g.friction, 0.05, 2);
   t.number("slope_rad", g.slope_rad, 0, 0.8);
   t.number("start_x_m", g.start_x_m, 0.1, 5);
@@ -177,12 +185,14 @@ void read_world(TableReader& t, World& world) {
 }  // namespace
 
 World parse_world(const std::string& toml_text, const std::string& origin) {
-  if (const auto defect = first_toml_defect(toml_text)) throw WorldError(origin + ":" + describe(*defect));
+  if (const auto defect = first_toml_defect(toml_text))
+    throw WorldError(origin + ":" + describe(*defect));
   toml::table table;
   try {
     table = toml::parse(toml_text, origin);
   } catch (const toml::parse_error& error) {
-    throw WorldError(fmt::format("{}:{}: {}", origin, error.source().begin.line, error.description()));
+    throw WorldError(
+        fmt::format("{}:{}: {}", origin, error.source().begin.line, error.description()));
   }
   World world;
   TableReader reader(table, "", origin);
@@ -194,8 +204,10 @@ World parse_world(const std::string& toml_text, const std::string& origin) {
 World load_world(const std::string& name_or_path) {
   if (name_or_path.starts_with("seed:")) {
     const std::string digits = name_or_path.substr(5);
-    if (digits.empty() || digits.size() > 18 || digits.find_first_not_of("0123456789") != std::string::npos) {
-      throw WorldError(fmt::format("world '{}': expected seed:N with a whole number N", name_or_path));
+    if (digits.empty() || digits.size() > 18 ||
+        digits.find_first_not_of("0123456789") != std::string::npos) {
+      throw WorldError(
+          fmt::format("world '{}': expected seed:N with a whole number N", name_or_path));
     }
     return draw_world(std::stoull(digits));
   }
@@ -204,7 +216,8 @@ World load_world(const std::string& name_or_path) {
   std::ifstream file(name_or_path);
   if (!file) {
     throw WorldError(
-        fmt::format("world '{}': expected nominal, lab, hard, seed:N or the path of a TOML file", name_or_path));
+        fmt::format("world '{}': expected nominal, lab, hard, seed:N or the path of a TOML file",
+                    name_or_path));
   }
   std::ostringstream text;
   text << file.rdbuf();

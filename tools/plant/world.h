@@ -1,5 +1,5 @@
-// A world: everything about the emulated robot and its surroundings that the controller does not know. Read from a TOML
-// file (worlds/*.toml), or drawn by a seed.
+// A world: everything about the emulated robot and its surroundings that the controller does not
+// know. Read from a TOML file (worlds/*.toml), or drawn by a seed.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace sanso::plant {
 
 /// Body: offsets from the maker's figures (data/op3_*.csv).
 struct BodyParameters {
-  double torso_extra_mass_kg = 0.0;  // cables, covers, skin: the maker's list is 0.35 kg short of the scales
+  // cables, covers, skin: the maker's list is 0.35 kg short of the scales
+  double torso_extra_mass_kg = 0.0;
   Vec3 torso_com_offset_m{0, 0, 0};  // shift of the torso's centre of mass, body axes
   double leg_mass_scale = 1.0;
 };
@@ -31,12 +32,15 @@ struct ServoParameters {
   double stribeck_velocity_rad_s = 0.1;
   double load_friction = 0.0;  // friction per transmitted torque
   double viscous_Nms_rad = 0.0;
-  double spread = 0.0;              // relative standard deviation between servos, on friction, backlash, torque
-  std::uint64_t spread_seed = 1;    // draws the spread; one robot keeps it for life
-  double p_divisor = 128.0;         // PWM counts per position count = P gain / divisor (undisclosed: 128 or 256)
-  double loop_period_s = 0.001;     // of the position loop
-  double command_delay_s = 0.0;     // from the last byte of a goal to the loop using it
-  double sensor_delay_s = 0.0;      // age of position, velocity, current when they reach the registers
+  // relative standard deviation between servos, on friction, backlash, torque
+  double spread = 0.0;
+  std::uint64_t spread_seed = 1;  // draws the spread; one robot keeps it for life
+  // PWM counts per position count = P gain / divisor (undisclosed: 128 or 256)
+  double p_divisor = 128.0;
+  double loop_period_s = 0.001;  // of the position loop
+  double command_delay_s = 0.0;  // from the last byte of a goal to the loop using it
+  // age of position, velocity, current when they reach the registers
+  double sensor_delay_s = 0.0;
   double velocity_filter_s = 0.01;  // time constant of Present Velocity
 };
 
@@ -87,13 +91,15 @@ struct World {
   PoseParameters pose;
 };
 
-/// "nominal", "lab", "hard" (files of worlds/), "seed:17" (drawn), or the path of a TOML file. Throws WorldError.
+/// "nominal", "lab", "hard" (files of worlds/), "seed:17" (drawn), or the path of a TOML file.
+/// Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.
 World draw_world(std::uint64_t seed);
 
-/// Parses a world file's text; `origin` names it in messages. Unknown keys are errors. Throws WorldError.
+/// Parses a world file's text; `origin` names it in messages. Unknown keys are errors. Throws
+/// WorldError.
 World parse_world(const std::string& toml_text, const std::string& origin);
 
 }  // namespace sanso::plant

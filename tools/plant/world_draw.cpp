@@ -1,4 +1,5 @@
-// Worlds by seed: one draw of everything that a lab's robot may differ in. Ranges: docs/howto/emulator.md.
+// Worlds by seed: one draw of everything that a lab's robot may differ in. Ranges:
+// docs/howto/emulator.md.
 #include <fmt/format.h>
 
 #include "tools/plant/random.h"

@@ -1,4 +1,5 @@
-// What a world file or the emulated robot's set-up can be refused for; the message says where and what was expected.
+// What a world file or the emulated robot's set-up can be refused for; the message says where and
+// what was expected.
 #pragma once
 
 #include <stdexcept>

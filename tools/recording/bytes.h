@@ -9,7 +9,8 @@
 
 namespace sanso::recording {
 
-static_assert(std::endian::native == std::endian::little, "files are little-endian and read by copying");
+static_assert(std::endian::native == std::endian::little,
+              "files are little-endian and read by copying");
 
 /// Reads from a byte string; past the end every read fails and `ok()` stays false.
 class ByteReader {

@@ -16,7 +16,9 @@
 namespace sanso::recording {
 namespace {
 
-std::string shortened(std::string_view s) { return std::string(s.substr(0, 40)) + (s.size() > 40 ? "..." : ""); }
+std::string shortened(std::string_view s) {
+  return std::string(s.substr(0, 40)) + (s.size() > 40 ? "..." : "");
+}
 
 std::string_view trimmed(std::string_view s) {
   const auto first = s.find_first_not_of(" \t\r");
@@ -27,23 +29,28 @@ std::string_view trimmed(std::string_view s) {
 /// Turns lines into a Recording, one call a line.
 class CsvParser {
  public:
-  CsvParser(std::string file, const CsvLimits& limits) : limits_(limits) { recording_.file = std::move(file); }
+  CsvParser(std::string file, const CsvLimits& limits) : limits_(limits) {
+    recording_.file = std::move(file);
+  }
 
   void line(std::string_view text) {
     ++line_;
-    if (line_ == 1 && text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);  // byte order mark
+    // byte order mark
+    if (line_ == 1 && text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
     text = trimmed(text);
     if (text.empty()) {
       if (blank_line_ == 0 && have_header_) blank_line_ = line_;
       return;
     }
-    if (blank_line_ != 0) fail(blank_line_, "", "blank line", "", "a row of values, or the end of the file");
+    if (blank_line_ != 0)
+      fail(blank_line_, "", "blank line", "", "a row of values, or the end of the file");
     have_header_ ? row(text) : header(text);
   }
 
   Recording finish() {
     if (!have_header_) fail(0, "", "empty file", "", "a header line such as t,q:knee,u:knee");
-    if (recording_.rows() == 0) fail(0, "", "header only", "", "at least one row of values below the header");
+    if (recording_.rows() == 0)
+      fail(0, "", "header only", "", "at least one row of values below the header");
     return std::move(recording_);
   }
 
@@ -57,7 +64,8 @@ class CsvParser {
   void header(std::string_view text) {
     have_header_ = true;
     recording_.header_line = line_;
-    if (text.find(',') == std::string_view::npos && text.find_first_of(";\t") != std::string_view::npos) {
+    if (text.find(',') == std::string_view::npos &&
+        text.find_first_of(";\t") != std::string_view::npos) {
       fail(line_, "", "wrong separator", text, "columns separated by commas");
     }
     for (std::size_t begin = 0; begin <= text.size();) {
@@ -96,7 +104,8 @@ class CsvParser {
     values_ += recording_.channels.size() + 1;
     if (values_ > limits_.max_values) {
       fail(line_, "", "recording too large", std::to_string(recording_.rows()) + " rows",
-           "at most " + std::to_string(limits_.max_values) + " values; cut it into shorter recordings");
+           "at most " + std::to_string(limits_.max_values) +
+               " values; cut it into shorter recordings");
     }
     std::size_t k = 0;
     for (std::size_t begin = 0; begin <= text.size(); ++k) {
@@ -105,7 +114,8 @@ class CsvParser {
       begin = comma + 1;
     }
     if (k != target_.size()) {
-      fail(line_, "", "wrong number of cells", std::to_string(k), std::to_string(target_.size()) + " as in the header");
+      fail(line_, "", "wrong number of cells", std::to_string(k),
+           std::to_string(target_.size()) + " as in the header");
     }
   }
 
@@ -129,10 +139,12 @@ class CsvParser {
       fail(line_, names_[k], "number out of range", text, "a magnitude between 1e-308 and 1e308");
     }
     if (error != std::errc{} || end != digits.data() + digits.size()) {
-      fail(line_, names_[k], "not a number", text, "a decimal number, or nothing when it was not sampled");
+      fail(line_, names_[k], "not a number", text,
+           "a decimal number, or nothing when it was not sampled");
     }
     if (!std::isfinite(value)) {
-      fail(line_, names_[k], "NaN or infinity", text, "a finite number, or nothing when it was not sampled");
+      fail(line_, names_[k], "NaN or infinity", text,
+           "a finite number, or nothing when it was not sampled");
     }
     return value;
   }
@@ -162,7 +174,8 @@ Recording parse_csv(std::string_view text, const std::string& name, const CsvLim
   CsvParser parser(name, limits);
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    if (end - begin > limits.max_line_bytes) throw InputError(name, 0, "", "line too long", "", "text lines");
+    if (end - begin > limits.max_line_bytes)
+      throw InputError(name, 0, "", "line too long", "", "text lines");
     parser.line(text.substr(begin, end - begin));
     begin = end + 1;
   }
@@ -187,20 +200,23 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
     const int n = gzread(file.get(), block.data(), static_cast<unsigned>(block.size()));
     if (n < 0) {
       int code = 0;
-      throw InputError(path, line, "", "damaged gzip file", gzerror(file.get(), &code), "an intact file");
+      throw InputError(path, line, "", "damaged gzip file", gzerror(file.get(), &code),
+                       "an intact file");
     }
     if (n == 0) break;
     std::string_view rest(block.data(), static_cast<std::size_t>(n));
     if (rest.find('\0') != std::string_view::npos) {
       throw InputError(path, line, "", "binary data", "", "CSV text (plain or gzip)");
     }
-    for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; rest.remove_prefix(end + 1), ++line) {
+    for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos;
+         rest.remove_prefix(end + 1), ++line) {
       pending.append(rest.substr(0, end));
       parser.line(pending);
       pending.clear();
     }
     pending.append(rest);
-    if (pending.size() > limits.max_line_bytes) throw InputError(path, line, "", "line too long", "", "text lines");
+    if (pending.size() > limits.max_line_bytes)
+      throw InputError(path, line, "", "line too long", "", "text lines");
   }
   int code = Z_OK;
   gzerror(file.get(), &code);

@@ -1,5 +1,6 @@
-// Reads a recording from CSV text, plain or gzip. Strict: whatever is not a number is an error that names file, line,
-// column and value. Reads row by row, so memory is bounded by `max_values` whatever the size of the file.
+// Reads a recording from CSV text, plain or gzip. Strict: whatever is not a number is an error that
+// names file, line, column and value. Reads row by row, so memory is bounded by `max_values`
+// whatever the size of the file.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,8 @@
 namespace sanso::recording {
 
 struct CsvLimits {
-  std::size_t max_values = 100'000'000;    // cells kept in memory (0.8 GB); a larger file is refused by name
+  // cells kept in memory (0.8 GB); a larger file is refused by name
+  std::size_t max_values = 100'000'000;
   std::size_t max_line_bytes = 1'000'000;  // a line longer than this is not a recording
   std::size_t max_columns = 4096;
 };

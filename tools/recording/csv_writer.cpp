@@ -43,7 +43,8 @@ void write_csv(const Recording& recording, const std::string& path) {
   const bool packed = path.size() > 3 && path.ends_with(".gz");
   const std::string temporary = path + ".part";
   const std::string text = to_csv(recording);
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(temporary.c_str(), packed ? "wb6" : "wbT"), gzclose);
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(
+      gzopen(temporary.c_str(), packed ? "wb6" : "wbT"), gzclose);
   bool good = file != nullptr;
   for (std::size_t done = 0; good && done < text.size();) {
     const auto chunk = static_cast<unsigned>(std::min<std::size_t>(text.size() - done, 1u << 24));
@@ -53,7 +54,8 @@ void write_csv(const Recording& recording, const std::string& path) {
   good = good && gzflush(file.get(), Z_FINISH) == Z_OK;
   std::error_code error;
   if (good) std::filesystem::rename(temporary, path, error);
-  if (!good || error) throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+  if (!good || error)
+    throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
 
   if (!recording.condition.empty() || !recording.overrides.empty() || !recording.payloads.empty()) {
     std::filesystem::path sidecar = path;

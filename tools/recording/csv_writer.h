@@ -1,4 +1,5 @@
-// Writes a recording as CSV (gzip when the name ends in .gz) and its sidecar. What is written reads back bit for bit.
+// Writes a recording as CSV (gzip when the name ends in .gz) and its sidecar. What is written reads
+// back bit for bit.
 #pragma once
 
 #include <string>
@@ -9,8 +10,9 @@ namespace sanso::recording {
 
 std::string to_csv(const Recording& recording);
 
-/// Writes to a neighbouring temporary file and renames, so that no half-written recording is ever seen. Throws
-/// InputError. A sidecar is written beside it when the recording has a condition, overrides or payloads.
+/// Writes to a neighbouring temporary file and renames, so that no half-written recording is ever
+/// seen. Throws InputError. A sidecar is written beside it when the recording has a condition,
+/// overrides or payloads.
 void write_csv(const Recording& recording, const std::string& path);
 
 }  // namespace sanso::recording

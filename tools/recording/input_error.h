@@ -1,5 +1,5 @@
-// What went wrong in a file a person gave us: which file, which line, what stood there, what was expected, what to do
-// next.
+// What went wrong in a file a person gave us: which file, which line, what stood there, what was
+// expected, what to do next.
 #pragma once
 
 #include <stdexcept>
@@ -7,11 +7,12 @@
 
 namespace sanso::recording {
 
-/// Thrown by every reader of user files. `defect` is a short stable name ("empty file", "not a number", ...) that
-/// verdict.json and tests may rely on; `line` counts from 1, 0 = the file as a whole.
+/// Thrown by every reader of user files. `defect` is a short stable name ("empty file", "not a
+/// number", ...) that verdict.json and tests may rely on; `line` counts from 1, 0 = the file as a
+/// whole.
 struct InputError : std::runtime_error {
-  InputError(std::string file_, int line_, std::string channel_, std::string defect_, std::string value_,
-             std::string expected_)
+  InputError(std::string file_, int line_, std::string channel_, std::string defect_,
+             std::string value_, std::string expected_)
       : std::runtime_error(text(file_, line_, channel_, defect_, value_, expected_)),
         file(std::move(file_)),
         line(line_),
@@ -28,8 +29,9 @@ struct InputError : std::runtime_error {
   std::string expected;  // what should stand there, or the next step
 
  private:
-  static std::string text(const std::string& file, int line, const std::string& channel, const std::string& defect,
-                          const std::string& value, const std::string& expected) {
+  static std::string text(const std::string& file, int line, const std::string& channel,
+                          const std::string& defect, const std::string& value,
+                          const std::string& expected) {
     std::string s = file;
     if (line > 0) s += ":" + std::to_string(line);
     s += ": " + defect;

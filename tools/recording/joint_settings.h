@@ -1,4 +1,5 @@
-// The settings of one joint in model.toml and in sidecar files: each declared once with unit, default and range.
+// The settings of one joint in model.toml and in sidecar files: each declared once with unit,
+// default and range.
 // Reader, writer, sidecar check and docs/model-folder.md all walk `visit`.
 #pragma once
 
@@ -10,8 +11,11 @@
 namespace sanso::recording {
 
 enum class Actuator { torque, position_pd, dc_servo, passive };
-inline constexpr std::array<std::string_view, 4> kActuatorNames{"torque", "position_pd", "dc_servo", "passive"};
-constexpr std::string_view to_string(Actuator a) { return kActuatorNames[static_cast<std::size_t>(a)]; }
+inline constexpr std::array<std::string_view, 4> kActuatorNames{"torque", "position_pd", "dc_servo",
+                                                                "passive"};
+constexpr std::string_view to_string(Actuator a) {
+  return kActuatorNames[static_cast<std::size_t>(a)];
+}
 constexpr std::optional<Actuator> actuator_from(std::string_view name) {
   for (std::size_t k = 0; k < kActuatorNames.size(); ++k) {
     if (kActuatorNames[k] == name) return static_cast<Actuator>(k);
@@ -19,7 +23,8 @@ constexpr std::optional<Actuator> actuator_from(std::string_view name) {
   return std::nullopt;
 }
 
-/// For prismatic joints read m for rad, N for N m, kg for kg m^2. The defaults of the servo are the XM430-W350 at 12 V.
+/// For prismatic joints read m for rad, N for N m, kg for kg m^2. The defaults of the servo are the
+/// XM430-W350 at 12 V.
 struct JointSettings {
   Actuator actuator = Actuator::dc_servo;
   double kp = 0.0;                // position_pd stiffness

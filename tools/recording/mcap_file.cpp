@@ -28,7 +28,8 @@ enum Opcode : std::uint8_t {
   kDataEnd = 15
 };
 
-std::string unpack(std::string_view packed, std::string_view compression, std::uint64_t size, const std::string& path) {
+std::string unpack(std::string_view packed, std::string_view compression, std::uint64_t size,
+                   const std::string& path) {
   if (compression.empty()) return std::string(packed);
   std::string out(size, '\0');
   bool good = false;
@@ -41,7 +42,8 @@ std::string unpack(std::string_view packed, std::string_view compression, std::u
       std::size_t produced = 0, consumed = 0;
       for (std::size_t hint = 1; hint != 0 && consumed < packed.size();) {
         std::size_t room = out.size() - produced, taken = packed.size() - consumed;
-        hint = LZ4F_decompress(context, out.data() + produced, &room, packed.data() + consumed, &taken, nullptr);
+        hint = LZ4F_decompress(context, out.data() + produced, &room, packed.data() + consumed,
+                               &taken, nullptr);
         if (LZ4F_isError(hint) || (room == 0 && taken == 0)) break;
         produced += room;
         consumed += taken;
@@ -50,16 +52,19 @@ std::string unpack(std::string_view packed, std::string_view compression, std::u
       LZ4F_freeDecompressionContext(context);
     }
   } else {
-    throw InputError(path, 0, "", "unknown compression", std::string(compression), "none, lz4 or zstd");
+    throw InputError(path, 0, "", "unknown compression", std::string(compression),
+                     "none, lz4 or zstd");
   }
-  if (!good) throw InputError(path, 0, "", "damaged chunk", std::string(compression), "an intact file");
+  if (!good)
+    throw InputError(path, 0, "", "damaged chunk", std::string(compression), "an intact file");
   return out;
 }
 
 class McapParser {
  public:
-  McapParser(std::string path,
-             const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message)
+  McapParser(
+      std::string path,
+      const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message)
       : path_(std::move(path)), on_message_(on_message) {}
 
   /// False at the end of the data section.
@@ -89,7 +94,9 @@ class McapParser {
   }
 
  private:
-  [[noreturn]] void damaged() const { throw InputError(path_, 0, "", "damaged MCAP record", "", "an intact file"); }
+  [[noreturn]] void damaged() const {
+    throw InputError(path_, 0, "", "damaged MCAP record", "", "an intact file");
+  }
 
   void schema(ByteReader& in) {
     const auto id = in.number<std::uint16_t>();
@@ -121,7 +128,8 @@ class McapParser {
     const std::string_view compression = in.string();
     const std::string_view packed = in.take(in.number<std::uint64_t>());
     if (!in.ok()) damaged();
-    if (size > kMaxRecord) throw InputError(path_, 0, "", "chunk too large", std::to_string(size), "at most 256 MB");
+    if (size > kMaxRecord)
+      throw InputError(path_, 0, "", "chunk too large", std::to_string(size), "at most 256 MB");
     const std::string records = unpack(packed, compression, size, path_);
     ByteReader inner(records);
     while (!inner.done()) {
@@ -148,18 +156,21 @@ std::string record_bytes(std::uint8_t opcode, const std::string& content) {
 
 }  // namespace
 
-void read_mcap_messages(const std::string& path,
-                        const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message) {
+void read_mcap_messages(
+    const std::string& path,
+    const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message) {
   std::ifstream in(path, std::ios::binary);
   char magic[8] = {};
   if (!in || !in.read(magic, 8) || std::string_view(magic, 8) != kMagic) {
-    throw InputError(path, 0, "", "not an MCAP file", "", "a file that starts with the MCAP magic bytes");
+    throw InputError(path, 0, "", "not an MCAP file", "",
+                     "a file that starts with the MCAP magic bytes");
   }
   McapParser parser(path, on_message);
   std::string content;
   for (;;) {
     char head[9];
-    if (!in.read(head, 9)) throw InputError(path, 0, "", "truncated MCAP file", "", "a file that was closed properly");
+    if (!in.read(head, 9))
+      throw InputError(path, 0, "", "truncated MCAP file", "", "a file that was closed properly");
     ByteReader reader(std::string_view(head, 9));
     const auto opcode = reader.number<std::uint8_t>();
     const auto length = reader.number<std::uint64_t>();
@@ -281,7 +292,8 @@ void McapWriter::finish() {
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(temporary, path_, error);
-  if (!out || error) throw InputError(path_, 0, "", "cannot write", "", "a writable folder with free space");
+  if (!out || error)
+    throw InputError(path_, 0, "", "cannot write", "", "a writable folder with free space");
 }
 
 }  // namespace sanso::recording

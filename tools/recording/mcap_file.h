@@ -1,4 +1,5 @@
-// The MCAP container (mcap.dev specification, version 0): records, chunks without compression, with lz4 or zstd.
+// The MCAP container (mcap.dev specification, version 0): records, chunks without compression, with
+// lz4 or zstd.
 // Knows nothing of what the messages hold.
 #pragma once
 
@@ -15,17 +16,21 @@ struct McapChannel {
   std::string schema;           // "sensor_msgs/msg/JointState"
 };
 
-/// Calls on_message(channel, log time in ns, bytes) for every message in file order. One chunk is in memory at a time.
+/// Calls on_message(channel, log time in ns, bytes) for every message in file order. One chunk is
+/// in memory at a time.
 /// Throws InputError: not an MCAP file, truncated record, unknown compression, chunk above 256 MB.
-void read_mcap_messages(const std::string& path,
-                        const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message);
+void read_mcap_messages(
+    const std::string& path,
+    const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message);
 
-/// Writes messages in chunks (zstd) with the summary that viewers look for. The file appears when finish() was called.
+/// Writes messages in chunks (zstd) with the summary that viewers look for. The file appears when
+/// finish() was called.
 class McapWriter {
  public:
   explicit McapWriter(std::string path);
   /// Declares a topic; `definition` is the schema's text (ros2msg). Returns the channel's id.
-  std::uint16_t add_channel(const std::string& topic, const std::string& schema, std::string_view definition);
+  std::uint16_t add_channel(const std::string& topic, const std::string& schema,
+                            std::string_view definition);
   void write(std::uint16_t channel, std::uint64_t time_ns, std::string_view cdr);
   void finish();  // throws InputError when the file cannot be written
 

@@ -20,8 +20,10 @@ constexpr std::string_view kStates = "/joint_states", kCommands = "/joint_comman
 struct ExtraTopic {
   std::string_view topic, prefix;
 };
-constexpr ExtraTopic kExtra[] = {
-    {"/joint_currents", "i:"}, {"/joint_duties", "pwm:"}, {"/joint_temperatures", "temp:"}, {"/supply_voltage", ""}};
+constexpr ExtraTopic kExtra[] = {{"/joint_currents", "i:"},
+                                 {"/joint_duties", "pwm:"},
+                                 {"/joint_temperatures", "temp:"},
+                                 {"/supply_voltage", ""}};
 
 bool is_command(const std::string& topic) {
   return topic.find("command") != std::string::npos || topic.find("goal") != std::string::npos ||
@@ -31,7 +33,8 @@ bool is_command(const std::string& topic) {
 /// Last known value of every column; a row is copied from it when the joints' state arrives.
 class RowBuilder {
  public:
-  RowBuilder(Recording& recording, std::size_t max_values) : recording_(recording), max_values_(max_values) {}
+  RowBuilder(Recording& recording, std::size_t max_values)
+      : recording_(recording), max_values_(max_values) {}
 
   void set(const std::string& column, double value) {
     const auto [place, fresh] = index_.try_emplace(column, current_.size());
@@ -43,10 +46,13 @@ class RowBuilder {
   }
   void row(double t) {
     recording_.t.push_back(t);
-    for (std::size_t k = 0; k < current_.size(); ++k) recording_.channels[k].values.push_back(current_[k]);
+    for (std::size_t k = 0; k < current_.size(); ++k)
+      recording_.channels[k].values.push_back(current_[k]);
     if (recording_.rows() * (current_.size() + 1) > max_values_) {
-      throw InputError(recording_.file, 0, "", "recording too large", std::to_string(recording_.rows()) + " rows",
-                       "at most " + std::to_string(max_values_) + " values; cut it into shorter recordings");
+      throw InputError(
+          recording_.file, 0, "", "recording too large",
+          std::to_string(recording_.rows()) + " rows",
+          "at most " + std::to_string(max_values_) + " values; cut it into shorter recordings");
     }
   }
 
@@ -57,8 +63,10 @@ class RowBuilder {
   std::vector<double> current_;
 };
 
-void set_array(RowBuilder& rows, const JointState& m, const std::vector<double>& values, const std::string& prefix) {
-  for (std::size_t k = 0; k < std::min(values.size(), m.name.size()); ++k) rows.set(prefix + m.name[k], values[k]);
+void set_array(RowBuilder& rows, const JointState& m, const std::vector<double>& values,
+               const std::string& prefix) {
+  for (std::size_t k = 0; k < std::min(values.size(), m.name.size()); ++k)
+    rows.set(prefix + m.name[k], values[k]);
 }
 
 void take(RowBuilder& rows, const std::string& topic, const JointState& m) {
@@ -92,9 +100,10 @@ void take(RowBuilder& rows, const Imu& m) {
   }
 }
 
-/// Values of the columns `prefix`<joint> at a row, in the order of `joints`; NaN where there is none.
-std::vector<double> at_row(const Recording& r, const std::vector<std::string>& joints, const std::string& prefix,
-                           std::size_t row) {
+/// Values of the columns `prefix`<joint> at a row, in the order of `joints`; NaN where there is
+/// none.
+std::vector<double> at_row(const Recording& r, const std::vector<std::string>& joints,
+                           const std::string& prefix, std::size_t row) {
   std::vector<double> values;
   bool any = false;
   for (const std::string& joint : joints) {
@@ -126,9 +135,11 @@ Recording read_mcap(const std::string& path, std::size_t max_values) {
     }
   });
   if (undecoded > 0)
-    throw InputError(path, 0, "", "damaged message", std::to_string(undecoded) + " messages", "CDR, little-endian");
+    throw InputError(path, 0, "", "damaged message", std::to_string(undecoded) + " messages",
+                     "CDR, little-endian");
   if (recording.rows() == 0)
-    throw InputError(path, 0, "", "no joint states", "", "a topic of type sensor_msgs/msg/JointState");
+    throw InputError(path, 0, "", "no joint states", "",
+                     "a topic of type sensor_msgs/msg/JointState");
   std::error_code error;
   const std::string sidecar = std::filesystem::path(path).replace_extension(".toml").string();
   if (std::filesystem::exists(sidecar, error)) read_sidecar(sidecar, recording);
@@ -139,15 +150,18 @@ void write_mcap(const Recording& r, const std::string& path) {
   McapWriter out(path);
   const std::vector<std::string> joints = r.joints();
   const auto joint_channel = [&](std::string_view topic) {
-    return out.add_channel(std::string(topic), std::string(kJointStateType), joint_state_definition());
+    return out.add_channel(std::string(topic), std::string(kJointStateType),
+                           joint_state_definition());
   };
   const std::uint16_t states = joint_channel(kStates), commands = joint_channel(kCommands);
   std::map<std::string_view, std::uint16_t> extra;
   for (const ExtraTopic& e : kExtra) extra[e.topic] = joint_channel(e.topic);
   const bool has_imu = std::any_of(r.channels.begin(), r.channels.end(), [](const Channel& c) {
-    return c.name.starts_with("imu_acc:") || c.name.starts_with("base_w:") || c.name.starts_with("base_q:");
+    return c.name.starts_with("imu_acc:") || c.name.starts_with("base_w:") ||
+           c.name.starts_with("base_q:");
   });
-  const std::uint16_t imu = has_imu ? out.add_channel(std::string(kImu), std::string(kImuType), imu_definition()) : 0;
+  const std::uint16_t imu =
+      has_imu ? out.add_channel(std::string(kImu), std::string(kImuType), imu_definition()) : 0;
   const auto value = [&](const std::string& column, std::size_t row) {
     return r.has(column) ? r.find(column)[row] : kNaN;
   };
@@ -157,8 +171,10 @@ void write_mcap(const Recording& r, const std::string& path) {
     const auto ns = static_cast<std::uint64_t>(std::llround(std::max(0.0, t) * 1e9));
     // commands and settings first: the row is taken when the joints' state arrives
     JointState command{t, joints, at_row(r, joints, "u:", k), {}, at_row(r, joints, "tau_cmd:", k)};
-    if (command.effort.empty()) command.effort = at_row(r, joints, "force_cmd:", k);  // JointState says effort for both
-    if (!command.position.empty() || !command.effort.empty()) out.write(commands, ns, encode(command));
+    // JointState says effort for both
+    if (command.effort.empty()) command.effort = at_row(r, joints, "force_cmd:", k);
+    if (!command.position.empty() || !command.effort.empty())
+      out.write(commands, ns, encode(command));
     for (const ExtraTopic& e : kExtra) {
       JointState m{t, joints, {}, {}, {}};
       if (e.prefix.empty()) {
@@ -172,7 +188,8 @@ void write_mcap(const Recording& r, const std::string& path) {
     if (has_imu) {
       out.write(imu, ns,
                 encode(Imu{t,
-                           {value("base_q:w", k), value("base_q:x", k), value("base_q:y", k), value("base_q:z", k)},
+                           {value("base_q:w", k), value("base_q:x", k), value("base_q:y", k),
+                            value("base_q:z", k)},
                            {value("base_w:x", k), value("base_w:y", k), value("base_w:z", k)},
                            {value("imu_acc:x", k), value("imu_acc:y", k), value("imu_acc:z", k)}}));
     }
@@ -183,6 +200,8 @@ void write_mcap(const Recording& r, const std::string& path) {
   out.finish();
 }
 
-Recording read_recording(const std::string& path) { return path.ends_with(".mcap") ? read_mcap(path) : read_csv(path); }
+Recording read_recording(const std::string& path) {
+  return path.ends_with(".mcap") ? read_mcap(path) : read_csv(path);
+}
 
 }  // namespace sanso::recording

@@ -1,9 +1,11 @@
-// Recordings as MCAP files with ROS 2 messages: what `ros2 bag` of any robot writes, and PlotJuggler and Foxglove open.
+// Recordings as MCAP files with ROS 2 messages: what `ros2 bag` of any robot writes, and
+// PlotJuggler and Foxglove open.
 //
 //   topic                     message      becomes
 //   /joint_states             JointState   q, dq, tau
 //   a JointState topic with "command", "goal" or "target" in its name
-//                             JointState   u (position), tau_cmd (effort); a position of NaN: the actuator is off
+//                             JointState   u (position), tau_cmd (effort); a position of NaN: the
+//                             actuator is off
 //   any topic                 Imu          base_q, base_w, imu_acc
 //   /joint_currents /joint_duties /joint_temperatures /supply_voltage (ours)
 //                             JointState   i, pwm, temp, volt (position)
@@ -15,8 +17,8 @@
 
 namespace sanso::recording {
 
-/// Rows are the instants of /joint_states (message stamps). Other topics are held from their last message. Throws
-/// InputError.
+/// Rows are the instants of /joint_states (message stamps). Other topics are held from their last
+/// message. Throws InputError.
 Recording read_mcap(const std::string& path, std::size_t max_values = 100'000'000);
 
 /// Writes what the topics above can hold; base_p and base_v are not among them and are left out.

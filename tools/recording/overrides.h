@@ -1,5 +1,5 @@
-// What a sidecar file says was different in one recording: settings by joint and key, payloads. Applied to a model by
-// tools/diagnose/model_folder.
+// What a sidecar file says was different in one recording: settings by joint and key, payloads.
+// Applied to a model by tools/diagnose/model_folder.
 #pragma once
 
 #include <array>

@@ -52,7 +52,8 @@ const ChannelKind* kind_of(std::string_view column) {
   for (const ChannelKind& kind : kKinds) {
     if (colon == std::string_view::npos) {
       if (kind.suffix == Suffix::none && column == kind.prefix) return &kind;
-    } else if (column.substr(0, colon) == kind.prefix && suffix_fits(kind.suffix, column.substr(colon + 1))) {
+    } else if (column.substr(0, colon) == kind.prefix &&
+               suffix_fits(kind.suffix, column.substr(colon + 1))) {
       return &kind;
     }
   }
@@ -102,7 +103,8 @@ void require_increasing_time(const Recording& recording) {
   for (std::size_t k = 0; k < recording.rows(); ++k) {
     const int line = recording.header_line + 1 + static_cast<int>(k);
     const double t = recording.t[k];
-    if (!std::isfinite(t)) throw InputError(recording.file, line, "t", "time missing", "", "seconds in every row");
+    if (!std::isfinite(t))
+      throw InputError(recording.file, line, "t", "time missing", "", "seconds in every row");
     if (k > 0 && t <= recording.t[k - 1]) {
       throw InputError(recording.file, line, "t", "time does not increase", std::to_string(t),
                        "more than " + std::to_string(recording.t[k - 1]) + " s, the row before");

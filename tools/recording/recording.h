@@ -1,5 +1,7 @@
-// A recording in memory: time stamps and named channels of equal length. Columns as in docs/model-folder.md.
-// Empty cells are NaN ("not sampled"); an empty command cell means that the actuator was off at that sample.
+// A recording in memory: time stamps and named channels of equal length. Columns as in
+// docs/model-folder.md.
+// Empty cells are NaN ("not sampled"); an empty command cell means that the actuator was off at
+// that sample.
 #pragma once
 
 #include <span>
@@ -25,7 +27,8 @@ struct Recording {
   std::vector<Override> overrides;   // what the sidecar sets differently from the model
   std::vector<Payload> payloads;     // bodies that the sidecar says were attached
   std::vector<std::string> ignored;  // columns of no known kind, dropped by the reader
-  int header_line = 1;  // row k of the data stands in line header_line + 1 + k of a CSV without blank lines
+  // row k of the data stands in line header_line + 1 + k of a CSV without blank lines
+  int header_line = 1;
 
   std::size_t rows() const { return t.size(); }
   /// Values of a channel, or an empty span when the recording has no such column.
@@ -50,7 +53,8 @@ std::span<const ChannelKind> channel_kinds();
 /// Kind of a column name, or nullptr when it is none of them ("q:" without a joint is none).
 const ChannelKind* kind_of(std::string_view column);
 
-/// Throws InputError naming the first row where time does not increase (equal stamps included) or is missing.
+/// Throws InputError naming the first row where time does not increase (equal stamps included) or
+/// is missing.
 void require_increasing_time(const Recording& recording);
 
 }  // namespace sanso::recording

@@ -12,7 +12,8 @@ constexpr std::uint32_t kMaxJointNames = 10'000;
 /// Alignment counts from after the four bytes of encapsulation.
 class CdrReader {
  public:
-  explicit CdrReader(std::string_view cdr) : in_(cdr.size() >= 4 ? cdr.substr(4) : std::string_view()) {
+  explicit CdrReader(std::string_view cdr)
+      : in_(cdr.size() >= 4 ? cdr.substr(4) : std::string_view()) {
     good_ = cdr.size() >= 4 && cdr[0] == 0 && cdr[1] == 1;  // CDR_LE
   }
   bool ok() const { return good_ && in_.ok(); }
@@ -96,7 +97,8 @@ std::optional<Imu> decode_imu(std::string_view cdr) {
   Imu m;
   m.stamp_s = in.stamp();
   in.string();
-  for (std::size_t k : {1u, 2u, 3u, 0u}) m.orientation[k] = in.number<double>();  // x y z w in the message
+  // x y z w in the message
+  for (std::size_t k : {1u, 2u, 3u, 0u}) m.orientation[k] = in.number<double>();
   for (int k = 0; k < 9; ++k) in.number<double>();
   for (double& w : m.angular_velocity) w = in.number<double>();
   for (int k = 0; k < 9; ++k) in.number<double>();
@@ -130,7 +132,8 @@ std::string encode(const Imu& m) {
 }
 
 std::string_view joint_state_definition() {
-  return "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n"
+  return "std_msgs/Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\n"
+         "float64[] effort\n"
          "================================================================================\n"
          "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
          "================================================================================\n"
@@ -138,7 +141,8 @@ std::string_view joint_state_definition() {
 }
 
 std::string_view imu_definition() {
-  return "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n"
+  return "std_msgs/Header header\ngeometry_msgs/Quaternion orientation\nfloat64[9] "
+         "orientation_covariance\n"
          "geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n"
          "geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n"
          "================================================================================\n"

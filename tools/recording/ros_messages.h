@@ -1,4 +1,5 @@
-// The two ROS 2 messages that recordings are made of, and their CDR encoding (little-endian, plain CDR version 1).
+// The two ROS 2 messages that recordings are made of, and their CDR encoding (little-endian, plain
+// CDR version 1).
 #pragma once
 
 #include <array>

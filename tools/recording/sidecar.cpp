@@ -16,16 +16,18 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 void read_joint_table(const TomlTable& table, const std::string& name, Recording& recording) {
   std::vector<std::string_view> known{"actuator"};
   JointSettings settings;
-  JointSettings::visit(settings, [&](std::string_view key, double, std::string_view, double low, double high) {
-    known.push_back(key);
-    if (const auto value = table.number(key, low, high)) {
-      recording.overrides.push_back({name, std::string(key), {*value}, "", table.line_of(key)});
-    }
-  });
+  JointSettings::visit(
+      settings, [&](std::string_view key, double, std::string_view, double low, double high) {
+        known.push_back(key);
+        if (const auto value = table.number(key, low, high)) {
+          recording.overrides.push_back({name, std::string(key), {*value}, "", table.line_of(key)});
+        }
+      });
   table.allow_only(known);
   if (const auto actuator = table.string("actuator")) {
     if (!actuator_from(*actuator)) {
-      table.fail("actuator", "unknown actuator", *actuator, "torque, position_pd, dc_servo or passive");
+      table.fail("actuator", "unknown actuator", *actuator,
+                 "torque, position_pd, dc_servo or passive");
     }
     recording.overrides.push_back({name, "actuator", {}, *actuator, table.line_of("actuator")});
   }
@@ -59,12 +61,15 @@ void read(const TomlTable& top, Recording& recording) {
   if (const auto table = top.table("control")) {
     table->allow_only({"period_s"});
     if (const auto period = table->number("period_s", 1e-5, 10.0)) {
-      recording.overrides.push_back({"control", "period_s", {*period}, "", table->line_of("period_s")});
+      recording.overrides.push_back(
+          {"control", "period_s", {*period}, "", table->line_of("period_s")});
     }
   }
-  if (const auto table = top.table("joint_default")) read_joint_table(*table, "joint_default", recording);
+  if (const auto table = top.table("joint_default"))
+    read_joint_table(*table, "joint_default", recording);
   if (const auto joints = top.table("joint")) {
-    for (const std::string& name : joints->keys()) read_joint_table(*joints->table(name), "joint." + name, recording);
+    for (const std::string& name : joints->keys())
+      read_joint_table(*joints->table(name), "joint." + name, recording);
   }
   for (const TomlTable& table : top.tables("payload")) read_payload(table, recording);
 }
@@ -75,12 +80,15 @@ void parse_sidecar(std::string_view text, const std::string& name, Recording& re
   read(TomlTable::parse(text, name), recording);
 }
 
-void read_sidecar(const std::string& path, Recording& recording) { read(TomlTable::read(path), recording); }
+void read_sidecar(const std::string& path, Recording& recording) {
+  read(TomlTable::read(path), recording);
+}
 
 void write_sidecar(const Recording& recording, const std::string& path) {
   std::ofstream out(path);
   out << "# set differently in this recording\n";
-  if (!recording.condition.empty()) out << "[recording]\ncondition = " << toml_quoted(recording.condition) << "\n";
+  if (!recording.condition.empty())
+    out << "[recording]\ncondition = " << toml_quoted(recording.condition) << "\n";
   std::map<std::string, std::vector<const Override*>> tables;  // one header a table
   for (const Override& o : recording.overrides) tables[o.table].push_back(&o);
   for (const auto& [table, settings] : tables) {
@@ -93,17 +101,20 @@ void write_sidecar(const Recording& recording, const std::string& path) {
       } else if (o->numbers.size() == 1) {
         out << toml_number(o->numbers[0]);
       } else {
-        for (std::size_t k = 0; k < o->numbers.size(); ++k) out << (k == 0 ? "[" : ", ") << toml_number(o->numbers[k]);
+        for (std::size_t k = 0; k < o->numbers.size(); ++k)
+          out << (k == 0 ? "[" : ", ") << toml_number(o->numbers[k]);
         out << "]";
       }
       out << "\n";
     }
   }
   for (const Payload& p : recording.payloads) {
-    out << "[[payload]]\nlink = " << toml_quoted(p.link) << "\nmass = " << toml_number(p.mass) << "\ncom = ["
-        << toml_number(p.com[0]) << ", " << toml_number(p.com[1]) << ", " << toml_number(p.com[2]) << "]\n";
+    out << "[[payload]]\nlink = " << toml_quoted(p.link) << "\nmass = " << toml_number(p.mass)
+        << "\ncom = [" << toml_number(p.com[0]) << ", " << toml_number(p.com[1]) << ", "
+        << toml_number(p.com[2]) << "]\n";
   }
-  if (!out.flush()) throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+  if (!out.flush())
+    throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
 }
 
 }  // namespace sanso::recording

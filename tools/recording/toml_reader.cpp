@@ -25,7 +25,8 @@ namespace {
 int line_at(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
 std::string shown(const toml::node& node) {
-  if (node.is_array()) return "a list";  // the library's own text of a list casts a negative width to unsigned
+  // the library's own text of a list casts a negative width to unsigned
+  if (node.is_array()) return "a list";
   if (node.is_table()) return "a table";
   std::ostringstream out;
   node.visit([&](const auto& n) { out << n; });
@@ -38,7 +39,8 @@ std::string shown(const toml::node& node) {
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
   if (const auto defect = first_toml_defect(text))
-    throw InputError(file, defect->line, "", "not valid TOML", std::string(defect->found), defect->expected);
+    throw InputError(file, defect->line, "", "not valid TOML", std::string(defect->found),
+                     defect->expected);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, file));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
@@ -52,9 +54,11 @@ TomlTable TomlTable::read(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   std::string text(1'000'001, '\0');
   if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.gcount() == 0 && !in.eof()) throw InputError(path, 0, "", "cannot open", "", "a readable TOML file");
+  if (in.gcount() == 0 && !in.eof())
+    throw InputError(path, 0, "", "cannot open", "", "a readable TOML file");
   text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > 1'000'000) throw InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
+  if (text.size() > 1'000'000)
+    throw InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
   return parse(text, path);
 }
 
@@ -72,9 +76,11 @@ std::vector<std::string> TomlTable::keys() const {
   return names;
 }
 
-void TomlTable::fail(std::string_view key, std::string defect, std::string value, std::string expected) const {
+void TomlTable::fail(std::string_view key, std::string defect, std::string value,
+                     std::string expected) const {
   const std::string full = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  throw InputError(node_->file, line_of(key), full, std::move(defect), std::move(value), std::move(expected));
+  throw InputError(node_->file, line_of(key), full, std::move(defect), std::move(value),
+                   std::move(expected));
 }
 
 std::optional<double> TomlTable::number(std::string_view key, double low, double high) const {
@@ -83,7 +89,8 @@ std::optional<double> TomlTable::number(std::string_view key, double low, double
   const std::optional<double> value = n->is_number() ? n->value<double>() : std::nullopt;
   const std::string range = "a number from " + toml_number(low) + " to " + toml_number(high);
   if (!value) fail(key, "not a number", shown(*n), range);
-  if (std::isnan(*value) || *value < low || *value > high) fail(key, "out of range", toml_number(*value), range);
+  if (std::isnan(*value) || *value < low || *value > high)
+    fail(key, "out of range", toml_number(*value), range);
   return value;
 }
 
@@ -101,7 +108,8 @@ std::optional<std::string> TomlTable::string(std::string_view key) const {
   return n->value<std::string>();
 }
 
-std::optional<std::vector<double>> TomlTable::numbers(std::string_view key, std::size_t count) const {
+std::optional<std::vector<double>> TomlTable::numbers(std::string_view key,
+                                                      std::size_t count) const {
   const toml::node* n = node_->table->get(key);
   if (n == nullptr) return std::nullopt;
   const std::string expected = "a list of " + std::to_string(count) + " numbers";
@@ -134,19 +142,23 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) const {
   if (n == nullptr) return std::nullopt;
   if (!n->is_table()) fail(key, "not a table", shown(*n), "a table [" + std::string(key) + "]");
   const std::string path = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  return TomlTable(std::make_shared<const Node>(Node{node_->document, n->as_table(), node_->file}), path);
+  return TomlTable(std::make_shared<const Node>(Node{node_->document, n->as_table(), node_->file}),
+                   path);
 }
 
 std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   const toml::node* n = node_->table->get(key);
   if (n == nullptr) return {};
   const toml::array* array = n->as_array();
-  if (array == nullptr) fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
+  if (array == nullptr)
+    fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
   std::vector<TomlTable> tables;
   for (const toml::node& element : *array) {
-    if (!element.is_table()) fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
-    tables.push_back(TomlTable(std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}),
-                               std::string(key)));
+    if (!element.is_table())
+      fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
+    tables.push_back(TomlTable(
+        std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}),
+        std::string(key)));
   }
   return tables;
 }
@@ -172,7 +184,8 @@ std::string toml_quoted(std::string_view text) {
       out += c;
     } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
       char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      std::snprintf(escape, sizeof escape, "\\u%04X",
+                    static_cast<unsigned>(static_cast<unsigned char>(c)));
       out += escape;
     } else {
       out += c;
@@ -182,7 +195,9 @@ std::string toml_quoted(std::string_view text) {
 }
 
 std::string toml_key(std::string_view text) {
-  const auto bare = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'; };
+  const auto bare = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+  };
   const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), bare);
   return plain ? std::string(text) : toml_quoted(text);
 }

@@ -1,5 +1,6 @@
-// Strict access to a TOML table: every read names the key, its line and what was expected; keys nobody asked for are
-// errors. The one place that touches the TOML library, so that a malformed file is always an InputError.
+// Strict access to a TOML table: every read names the key, its line and what was expected; keys
+// nobody asked for are errors. The one place that touches the TOML library, so that a malformed
+// file is always an InputError.
 #pragma once
 
 #include <initializer_list>
@@ -35,7 +36,8 @@ class TomlTable {
   /// Throws when the table holds a key that is not in `known`.
   void allow_only(std::initializer_list<std::string_view> known) const;
   void allow_only(const std::vector<std::string_view>& known) const;
-  [[noreturn]] void fail(std::string_view key, std::string defect, std::string value, std::string expected) const;
+  [[noreturn]] void fail(std::string_view key, std::string defect, std::string value,
+                         std::string expected) const;
 
  private:
   struct Node;
@@ -49,7 +51,8 @@ class TomlTable {
 std::string toml_quoted(std::string_view text);
 /// A key: bare where TOML allows it, else quoted.
 std::string toml_key(std::string_view text);
-/// Shortest text that reads back to the same number, always with a point or exponent ("12.0"), "inf" for infinity.
+/// Shortest text that reads back to the same number, always with a point or exponent ("12.0"),
+/// "inf" for infinity.
 std::string toml_number(double value);
 
 }  // namespace sanso::recording

@@ -50,7 +50,10 @@ std::vector<double> ticks(double low, double high, int wanted, bool logarithmic)
   const double rough = (high - low) / std::max(wanted, 1);
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   const double mantissa = rough / power;
-  const double step = power * (mantissa < 1.5 ? 1.0 : mantissa < 3.5 ? 2.0 : mantissa < 7.5 ? 5.0 : 10.0);
+  const double step = power * (mantissa < 1.5   ? 1.0
+                               : mantissa < 3.5 ? 2.0
+                               : mantissa < 7.5 ? 5.0
+                                                : 10.0);
   const auto first = static_cast<long long>(std::ceil(low / step - 1e-9));
   const auto last = static_cast<long long>(std::floor(high / step + 1e-9));
   for (long long i = first; i <= last; ++i) out.push_back(static_cast<double>(i) * step);

@@ -1,4 +1,5 @@
-// Axes of a chart: round tick positions and the map from data to pixels. Shared by all charts; knows no markup.
+// Axes of a chart: round tick positions and the map from data to pixels. Shared by all charts;
+// knows no markup.
 #pragma once
 
 #include <string>
@@ -14,7 +15,8 @@ class Range {
   bool empty() const { return !seen_; }
   double low() const { return low_; }
   double high() const { return high_; }
-  /// Never empty and never of zero width: [0, 1] when nothing was seen, widened when all values are equal.
+  /// Never empty and never of zero width: [0, 1] when nothing was seen, widened when all values are
+  /// equal.
   Range drawable() const;
 
  private:
@@ -29,7 +31,8 @@ struct Axis {
   double pixel(double value) const;
 };
 
-/// About `wanted` round values (1, 2 or 5 times a power of ten) inside [low, high]; powers of ten when logarithmic.
+/// About `wanted` round values (1, 2 or 5 times a power of ten) inside [low, high]; powers of ten
+/// when logarithmic.
 std::vector<double> ticks(double low, double high, int wanted, bool logarithmic);
 
 /// The shortest plain form of a tick's value.

@@ -1,5 +1,5 @@
-// The page of a motion: what the robot is asked to do, before it tries. Stick figures, joint angles and rates, base and
-// ZMP between the soles, foot heights, success clauses.
+// The page of a motion: what the robot is asked to do, before it tries. Stick figures, joint angles
+// and rates, base and ZMP between the soles, foot heights, success clauses.
 #pragma once
 
 #include <string>

@@ -26,7 +26,9 @@ using learn::TrialSummary;
 std::unique_ptr<SessionState> state_of(const fs::path& folder) {
   const fs::path file = folder / "state.bin";
   if (!fs::exists(file))
-    throw std::runtime_error(file.string() + ": not there; expected the folder that `sanso learn --out` or `sanso demo --out` wrote");
+    throw std::runtime_error(
+        file.string() +
+        ": not there; expected the folder that `sanso learn --out` or `sanso demo --out` wrote");
   auto state = std::make_unique<SessionState>();
   learn::load_state(file, *state);
   if (state->history.empty()) throw std::runtime_error(file.string() + ": no finished trial yet");
@@ -39,31 +41,41 @@ std::string outcome(const TrialSummary& t) {
 }
 
 Table trial_table(const SessionState& state) {
-  Table table{{"trial", "cost", "failed", "update p50 [ms]", "max [of 60 ms]", "late updates", "bus errors", "time [s]"}, {}};
+  Table table{{"trial", "cost", "failed", "update p50 [ms]", "max [of 60 ms]", "late updates",
+               "bus errors", "time [s]"},
+              {}};
   for (const TrialSummary& t : state.history)
     table.rows.push_back({fmt::format("{}", t.trial + 1), fmt::format("{:.2f}", t.cost), outcome(t),
-                          fmt::format("{:.2f}", learn::percentile(t.update_ms, 0.5)), fmt::format("{:.2f}", learn::percentile(t.update_ms, 1.0)),
-                          fmt::format("{}", t.late_updates), fmt::format("{}", t.bus_lost + t.bus_corrupt), fmt::format("{:.1f}", t.wall_s)});
+                          fmt::format("{:.2f}", learn::percentile(t.update_ms, 0.5)),
+                          fmt::format("{:.2f}", learn::percentile(t.update_ms, 1.0)),
+                          fmt::format("{}", t.late_updates),
+                          fmt::format("{}", t.bus_lost + t.bus_corrupt),
+                          fmt::format("{:.1f}", t.wall_s)});
   return table;
 }
 
 std::string verdict(const SessionState& state) {
   const auto& h = state.history;
-  const auto failures = std::count_if(h.begin(), h.end(), [](const TrialSummary& t) { return t.failed(); });
+  const auto failures =
+      std::count_if(h.begin(), h.end(), [](const TrialSummary& t) { return t.failed(); });
   const auto best = std::min_element(h.begin(), h.end(), [](const auto& a, const auto& b) {
     return std::make_pair(a.failed(), a.cost) < std::make_pair(b.failed(), b.cost);
   });
-  return fmt::format("{} trials, {} failed; first cost {:.2f}, last {:.2f}, best {:.2f} (trial {}).", h.size(), failures,
-                     h.front().cost, h.back().cost, best->cost, best->trial + 1);
+  return fmt::format(
+      "{} trials, {} failed; first cost {:.2f}, last {:.2f}, best {:.2f} (trial {}).", h.size(),
+      failures, h.front().cost, h.back().cost, best->cost, best->trial + 1);
 }
 
-fs::path episode_file(const fs::path& folder, std::uint32_t trial) { return folder / fmt::format("trial_{:04d}.episode", trial); }
+fs::path episode_file(const fs::path& folder, std::uint32_t trial) {
+  return folder / fmt::format("trial_{:04d}.episode", trial);
+}
 
 void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summary) {
   if (!fs::exists(episode_file(folder, summary.trial))) return;
   const learn::Episode episode = learn::load_episode(episode_file(folder, summary.trial));
   page.heading(fmt::format("Trial {}", summary.trial + 1));
-  page.figure(layer_contributions(episode), "Share of each layer in the sum that is sent to the servos.");
+  page.figure(layer_contributions(episode),
+              "Share of each layer in the sum that is sent to the servos.");
   std::vector<std::string> body{base_height(episode), base_tilt(episode)};
   if (!episode.truth.empty()) body.push_back(foot_forces(episode));
   page.gallery(body);
@@ -74,14 +86,17 @@ void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summa
   page.gallery(joints);
 }
 
-/// What was run, in words, from summary.json; a session that was killed before its first summary has none.
+/// What was run, in words, from summary.json; a session that was killed before its first summary
+/// has none.
 std::string introduction(const fs::path& folder, const SessionState& state) {
   std::ifstream in(folder / "summary.json");
   const auto summary = nlohmann::json::parse(in, nullptr, false);
   if (!summary.is_object()) return state.identity;
   std::string without;
-  for (const auto& layer : summary.value("without", nlohmann::json::array())) without += (without.empty() ? ", without " : ", ") + layer.get<std::string>();
-  return fmt::format("Motion {} on {}, seed {}{}.", summary.value("motion", "?"), summary.value("robot", "?"), summary.value("seed", 0ULL), without);
+  for (const auto& layer : summary.value("without", nlohmann::json::array()))
+    without += (without.empty() ? ", without " : ", ") + layer.get<std::string>();
+  return fmt::format("Motion {} on {}, seed {}{}.", summary.value("motion", "?"),
+                     summary.value("robot", "?"), summary.value("seed", 0ULL), without);
 }
 
 }  // namespace
@@ -91,8 +106,12 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   HtmlPage page("sanso: learning session");
   page.paragraph(introduction(folder, *state));
   page.answer(verdict(*state), !state->history.back().failed());
-  page.figure(cost_over_trials(*state), "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper layer's input. Shaded: failed.");
-  page.gallery({layers_over_trials(*state), gains_over_trials(*state), model_over_trials(*state), update_times(*state)});
+  page.figure(
+      cost_over_trials(*state),
+      "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper "
+      "layer's input. Shaded: failed.");
+  page.gallery({layers_over_trials(*state), gains_over_trials(*state), model_over_trials(*state),
+                update_times(*state)});
   page.table(trial_table(*state));
   add_trial(page, folder, state->history.front());
   if (state->history.size() > 1) add_trial(page, folder, state->history.back());
@@ -102,9 +121,13 @@ std::filesystem::path write_session_report(const fs::path& folder) {
 }
 
 std::string compare_costs(const std::vector<fs::path>& folders) {
-  LineChart chart{.title = "Cost over trials", .x_label = "trial", .y_label = "J", .series = {}, .log_y = true};
+  LineChart chart{
+      .title = "Cost over trials", .x_label = "trial", .y_label = "J", .series = {}, .log_y = true};
   for (const fs::path& folder : folders) {
-    Series series{.name = (folder.has_filename() ? folder : folder.parent_path()).filename().string(), .x = {}, .y = {}};
+    Series series{
+        .name = (folder.has_filename() ? folder : folder.parent_path()).filename().string(),
+        .x = {},
+        .y = {}};
     const std::unique_ptr<SessionState> state = state_of(folder);
     for (const TrialSummary& t : state->history) {
       series.x.push_back(t.trial + 1);
@@ -129,7 +152,8 @@ std::string session_table(const fs::path& folder) {
   const Table table = trial_table(*state_of(folder));
   std::string out;
   const auto line = [&](const std::vector<std::string>& cells) {
-    for (std::size_t c = 0; c < cells.size(); ++c) out += fmt::format("{:>{}}  ", cells[c], std::max<std::size_t>(table.header[c].size(), 7));
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      out += fmt::format("{:>{}}  ", cells[c], std::max<std::size_t>(table.header[c].size(), 7));
     out += '\n';
   };
   line(table.header);

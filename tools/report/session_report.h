@@ -1,4 +1,5 @@
-// The report of a learning session: report.html from the folder that `sanso learn` or `sanso demo` wrote.
+// The report of a learning session: report.html from the folder that `sanso learn` or `sanso demo`
+// wrote.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +8,12 @@
 
 namespace sanso::report {
 
-/// Writes `folder`/report.html and returns its path. Throws std::runtime_error when the folder holds no finished trial.
+/// Writes `folder`/report.html and returns its path. Throws std::runtime_error when the folder
+/// holds no finished trial.
 std::filesystem::path write_session_report(const std::filesystem::path& folder);
 
-/// The table a terminal shows: one line a trial (cost, failed, policy updates, late updates, bus errors).
+/// The table a terminal shows: one line a trial (cost, failed, policy updates, late updates, bus
+/// errors).
 std::string session_table(const std::filesystem::path& folder);
 
 /// Cost over trials of several sessions in one figure, each named after its folder, as SVG.

@@ -14,18 +14,21 @@ namespace {
 constexpr std::array<const char*, 8> kPalette{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                               "#e69f00", "#56b4e9", "#000000", "#999999"};
 constexpr int kLeft = 62, kRight = 14, kTop = 30, kBottom = 44;  // margins around the plot area, px
-constexpr std::size_t kMaxDrawnPoints = 1600;                    // about two a pixel: more cannot be seen
+// about two a pixel: more cannot be seen
+constexpr std::size_t kMaxDrawnPoints = 1600;
 
 std::string text_at(double x, double y, const std::string& text, const char* anchor, int size = 12,
                     const std::string& extra = {}) {
-  return fmt::format("<text x='{:.1f}' y='{:.1f}' font-size='{}' text-anchor='{}' {}>{}</text>\n", x, y, size, anchor,
-                     extra, escaped(text));
+  return fmt::format("<text x='{:.1f}' y='{:.1f}' font-size='{}' text-anchor='{}' {}>{}</text>\n",
+                     x, y, size, anchor, extra, escaped(text));
 }
 
 std::string open_svg(const std::string& title, ChartSize size) {
   return fmt::format(
-             "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' "
-             "font-family='DejaVu Sans, sans-serif' role='img' aria-label=\"{2}\">\n<rect width='{0}' height='{1}' "
+             "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' "
+             "height='{1}' "
+             "font-family='DejaVu Sans, sans-serif' role='img' aria-label=\"{2}\">\n<rect "
+             "width='{0}' height='{1}' "
              "fill='#ffffff'/>\n",
              size.width, size.height, escaped(title)) +
          text_at(kLeft, 18, title, "start", 14, "font-weight='bold'");
@@ -33,12 +36,13 @@ std::string open_svg(const std::string& title, ChartSize size) {
 
 std::string vertical_label(const std::string& label, ChartSize size) {
   const double middle = 0.5 * (kTop + size.height - kBottom);
-  return text_at(14, middle, label, "middle", 12, fmt::format("transform='rotate(-90 14 {:.1f})'", middle));
+  return text_at(14, middle, label, "middle", 12,
+                 fmt::format("transform='rotate(-90 14 {:.1f})'", middle));
 }
 
 Axis vertical_axis(const Range& range, bool logarithmic, ChartSize size) {
-  Axis axis{range.low(), range.high(), static_cast<double>(size.height - kBottom), static_cast<double>(kTop),
-            logarithmic};
+  Axis axis{range.low(), range.high(), static_cast<double>(size.height - kBottom),
+            static_cast<double>(kTop), logarithmic};
   if (logarithmic) axis.low = std::max(axis.low, axis.high * 1e-6);
   return axis;
 }
@@ -47,8 +51,8 @@ std::string horizontal_grid(const Axis& y, ChartSize size) {
   std::string out;
   for (double v : ticks(y.low, y.high, 6, y.logarithmic)) {
     const double py = y.pixel(v);
-    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#e3e3e3'/>\n", kLeft, size.width - kRight,
-                       py, py);
+    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#e3e3e3'/>\n", kLeft,
+                       size.width - kRight, py, py);
     out += text_at(kLeft - 6, py + 4, tick_label(v), "end", 11);
   }
   return out;
@@ -59,15 +63,16 @@ std::string vertical_grid(const Axis& x, ChartSize size) {
   const int bottom = size.height - kBottom;
   for (double v : ticks(x.low, x.high, 8, false)) {
     const double px = x.pixel(v);
-    out += fmt::format("<line x1='{:.1f}' x2='{:.1f}' y1='{}' y2='{}' stroke='#e3e3e3'/>\n", px, px, kTop, bottom);
+    out += fmt::format("<line x1='{:.1f}' x2='{:.1f}' y1='{}' y2='{}' stroke='#e3e3e3'/>\n", px, px,
+                       kTop, bottom);
     out += text_at(px, bottom + 16, tick_label(v), "middle", 11);
   }
   return out;
 }
 
 std::string frame(ChartSize size) {
-  return fmt::format("<rect x='{}' y='{}' width='{}' height='{}' fill='none' stroke='#555555'/>\n", kLeft, kTop,
-                     size.width - kLeft - kRight, size.height - kTop - kBottom);
+  return fmt::format("<rect x='{}' y='{}' width='{}' height='{}' fill='none' stroke='#555555'/>\n",
+                     kLeft, kTop, size.width - kLeft - kRight, size.height - kTop - kBottom);
 }
 
 std::string level_lines(const std::vector<Level>& levels, const Axis& y, ChartSize size) {
@@ -75,14 +80,16 @@ std::string level_lines(const std::vector<Level>& levels, const Axis& y, ChartSi
   for (const Level& level : levels) {
     const double py = y.pixel(level.y);
     if (py < kTop || py > size.height - kBottom) continue;
-    out += fmt::format("<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#b00000' stroke-dasharray='3 3'/>\n",
-                       kLeft, size.width - kRight, py, py);
+    out += fmt::format(
+        "<line x1='{}' x2='{}' y1='{:.1f}' y2='{:.1f}' stroke='#b00000' stroke-dasharray='3 3'/>\n",
+        kLeft, size.width - kRight, py, py);
     out += text_at(size.width - kRight - 4, py - 4, level.label, "end", 11, "fill='#b00000'");
   }
   return out;
 }
 
-/// Indices to draw: all of them, or the lowest and highest of every bucket, so that no spike is lost.
+/// Indices to draw: all of them, or the lowest and highest of every bucket, so that no spike is
+/// lost.
 std::vector<std::size_t> drawn_points(const std::vector<double>& y) {
   std::vector<std::size_t> out;
   const std::size_t n = y.size();
@@ -109,7 +116,8 @@ std::vector<std::size_t> drawn_points(const std::vector<double>& y) {
 std::string strip(const Ribbon& r, const Axis& x, const Axis& y) {
   std::string out;
   const auto inside = [&](double v) {
-    return std::clamp(y.pixel(v), std::min(y.pixel_low, y.pixel_high), std::max(y.pixel_low, y.pixel_high));
+    return std::clamp(y.pixel(v), std::min(y.pixel_low, y.pixel_high),
+                      std::max(y.pixel_low, y.pixel_high));
   };
   for (std::size_t first = 0; first < r.x.size();) {
     std::string upper, lower;
@@ -118,13 +126,15 @@ std::string strip(const Ribbon& r, const Axis& x, const Axis& y) {
       upper += fmt::format("{:.1f},{:.1f} ", x.pixel(r.x[k]), inside(r.high[k]));
       lower = fmt::format("{:.1f},{:.1f} ", x.pixel(r.x[k]), inside(r.low[k])) + lower;
     }
-    if (k > first) out += "<polygon points='" + upper + lower + "' fill='" + r.colour + "' opacity='0.4'/>\n";
+    if (k > first)
+      out += "<polygon points='" + upper + lower + "' fill='" + r.colour + "' opacity='0.4'/>\n";
     first = k + 1;
   }
   return out;
 }
 
-std::string polyline(const Series& series, const std::string& colour, const Axis& x, const Axis& y) {
+std::string polyline(const Series& series, const std::string& colour, const Axis& x,
+                     const Axis& y) {
   std::string path, dots;
   bool pen_down = false;
   for (std::size_t i : drawn_points(series.y)) {
@@ -134,7 +144,8 @@ std::string polyline(const Series& series, const std::string& colour, const Axis
     }
     const double px = x.pixel(series.x[i]), py = y.pixel(series.y[i]);
     path += fmt::format("{}{:.1f} {:.1f}", pen_down ? "L" : "M", px, py);
-    if (series.markers) dots += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.6' fill='{}'/>\n", px, py, colour);
+    if (series.markers)
+      dots += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='2.6' fill='{}'/>\n", px, py, colour);
     pen_down = true;
   }
   return fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='1.6' {}/>\n", path, colour,
@@ -142,28 +153,33 @@ std::string polyline(const Series& series, const std::string& colour, const Axis
          dots;
 }
 
-/// Right-aligned in the title's line; below it, inside the frame, where the title leaves too little room.
-std::string legend(const LineChart& chart, const std::vector<std::string>& colours, ChartSize size) {
+/// Right-aligned in the title's line; below it, inside the frame, where the title leaves too little
+/// room.
+std::string legend(const LineChart& chart, const std::vector<std::string>& colours,
+                   ChartSize size) {
   const auto width_of = [](const Series& s) {
     return s.name.empty() ? 0.0 : 26.0 + 6.6 * static_cast<double>(s.name.size());
   };
   double total = 0.0;
   for (const Series& s : chart.series) total += width_of(s);
   constexpr double kTitleLetter = 7.6;  // px
-  const bool beside = kLeft + kTitleLetter * static_cast<double>(chart.title.size()) + total < size.width - kRight;
+  const bool beside =
+      kLeft + kTitleLetter * static_cast<double>(chart.title.size()) + total < size.width - kRight;
   double right = size.width - kRight;
   const double middle = beside ? 20 : kTop + 12;
   std::string out;
   if (!beside) {
-    out += fmt::format("<rect x='{:.1f}' y='{}' width='{:.1f}' height='18' fill='#ffffff' opacity='0.85'/>\n",
-                       right - total - 4, middle - 9, total + 4);
+    out += fmt::format(
+        "<rect x='{:.1f}' y='{}' width='{:.1f}' height='18' fill='#ffffff' opacity='0.85'/>\n",
+        right - total - 4, middle - 9, total + 4);
   }
   for (std::size_t i = chart.series.size(); i-- > 0;) {  // from the right edge leftwards
     const Series& s = chart.series[i];
     if (s.name.empty()) continue;
     right -= width_of(s);
-    out += fmt::format("<line x1='{0:.1f}' x2='{1:.1f}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' {4}/>\n", right,
-                       right + 16, middle, colours[i], s.dashed ? "stroke-dasharray='4 3'" : "");
+    out += fmt::format(
+        "<line x1='{0:.1f}' x2='{1:.1f}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' {4}/>\n",
+        right, right + 16, middle, colours[i], s.dashed ? "stroke-dasharray='4 3'" : "");
     out += text_at(right + 20, middle + 4, s.name, "start", 11);
   }
   return out;
@@ -223,15 +239,17 @@ std::string svg(const LineChart& chart, ChartSize size) {
   if (chart.y_min) ys.include(*chart.y_min);
   if (chart.y_max) ys.include(*chart.y_max);
   const Range xr = xs.drawable(), yr = ys.drawable();
-  const Axis x{xr.low(), xr.high(), static_cast<double>(kLeft), static_cast<double>(size.width - kRight)};
+  const Axis x{xr.low(), xr.high(), static_cast<double>(kLeft),
+               static_cast<double>(size.width - kRight)};
   const Axis y = vertical_axis(yr, chart.log_y, size);
 
   std::string out = open_svg(chart.title, size);
   for (const Band& band : chart.bands) {
     const double from = std::clamp(x.pixel(band.from), x.pixel_low, x.pixel_high);
     const double to = std::clamp(x.pixel(band.to), x.pixel_low, x.pixel_high);
-    out += fmt::format("<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' fill='{}' opacity='0.45'/>\n", from, kTop,
-                       to - from, size.height - kTop - kBottom, band.colour);
+    out += fmt::format(
+        "<rect x='{:.1f}' y='{}' width='{:.1f}' height='{}' fill='{}' opacity='0.45'/>\n", from,
+        kTop, to - from, size.height - kTop - kBottom, band.colour);
   }
   out += horizontal_grid(y, size) + vertical_grid(x, size) + frame(size);
   for (const Ribbon& r : chart.ribbons) out += strip(r, x, y);
@@ -257,7 +275,8 @@ std::string svg(const BarChart& chart, ChartSize size) {
   if (chart.log_y) yr.include(0.5 * yr.low());
   const Axis y = vertical_axis(yr, chart.log_y, size);
   const double base = chart.log_y ? y.pixel_low : y.pixel(0.0);
-  const double slot = static_cast<double>(size.width - kLeft - kRight) / std::max<std::size_t>(chart.bars.size(), 1);
+  const double slot = static_cast<double>(size.width - kLeft - kRight) /
+                      std::max<std::size_t>(chart.bars.size(), 1);
 
   std::string out = open_svg(chart.title, size) + horizontal_grid(y, size) + frame(size);
   for (std::size_t i = 0; i < chart.bars.size(); ++i) {
@@ -266,16 +285,19 @@ std::string svg(const BarChart& chart, ChartSize size) {
     if (std::isfinite(bar.value)) {
       const double py = y.pixel(bar.value);
       out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>\n",
-                         centre - 0.32 * slot, std::min(py, base), 0.64 * slot, std::abs(base - py), kPalette[0]);
+                         centre - 0.32 * slot, std::min(py, base), 0.64 * slot, std::abs(base - py),
+                         kPalette[0]);
       out += text_at(centre, std::min(py, base) - 4, tick_label(bar.value), "middle", 10);
     }
     if (bar.low && bar.high) {
-      out += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1:.1f}' y2='{2:.1f}' stroke='#000000'/>\n", centre,
-                         y.pixel(*bar.low), y.pixel(*bar.high));
+      out += fmt::format(
+          "<line x1='{0:.1f}' x2='{0:.1f}' y1='{1:.1f}' y2='{2:.1f}' stroke='#000000'/>\n", centre,
+          y.pixel(*bar.low), y.pixel(*bar.high));
     }
     out += text_at(centre, size.height - kBottom + 16, bar.name, "middle", 11);
   }
-  return out + level_lines(chart.levels, y, size) + vertical_label(chart.y_label, size) + "</svg>\n";
+  return out + level_lines(chart.levels, y, size) + vertical_label(chart.y_label, size) +
+         "</svg>\n";
 }
 
 std::string svg(const HeatMap& map, ChartSize size) {
@@ -286,26 +308,33 @@ std::string svg(const HeatMap& map, ChartSize size) {
   if (map.high) seen.include(*map.high);
   const Range range = seen.drawable();
   constexpr int kNames = 130, kCellTop = 56;
-  const double cell_w = (size.width - kNames - kRight) / std::max<double>(1.0, static_cast<double>(map.columns.size()));
-  const double cell_h = (size.height - kCellTop - 10) / std::max<double>(1.0, static_cast<double>(map.rows.size()));
+  const double cell_w = (size.width - kNames - kRight) /
+                        std::max<double>(1.0, static_cast<double>(map.columns.size()));
+  const double cell_h =
+      (size.height - kCellTop - 10) / std::max<double>(1.0, static_cast<double>(map.rows.size()));
 
   std::string out = open_svg(map.title + (map.unit.empty() ? "" : " [" + map.unit + "]"), size);
   for (std::size_t c = 0; c < map.columns.size(); ++c)
-    out += text_at(kNames + (static_cast<double>(c) + 0.5) * cell_w, kCellTop - 8, map.columns[c], "middle", 11);
+    out += text_at(kNames + (static_cast<double>(c) + 0.5) * cell_w, kCellTop - 8, map.columns[c],
+                   "middle", 11);
   for (std::size_t r = 0; r < map.rows.size(); ++r) {
     const double top = kCellTop + static_cast<double>(r) * cell_h;
     out += text_at(kNames - 6, top + 0.5 * cell_h + 4, map.rows[r], "end", 11);
-    for (std::size_t c = 0; c < map.columns.size() && r < map.values.size() && c < map.values[r].size(); ++c) {
+    for (std::size_t c = 0;
+         c < map.columns.size() && r < map.values.size() && c < map.values[r].size(); ++c) {
       const double v = map.values[r][c];
       const bool known = std::isfinite(v);
-      const std::string fill = known ? cell_colour(v, range.low(), range.high(), map.diverging) : "#f2f2f2";
+      const std::string fill =
+          known ? cell_colour(v, range.low(), range.high(), map.diverging) : "#f2f2f2";
       const double left = kNames + static_cast<double>(c) * cell_w;
-      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' stroke='#ffffff'/>\n",
-                         left, top, cell_w, cell_h, fill);
+      out += fmt::format(
+          "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' "
+          "stroke='#ffffff'/>\n",
+          left, top, cell_w, cell_h, fill);
       if (!known || cell_w < 34 || cell_h < 13) continue;
       const bool dark = !map.diverging && (v - range.low()) > 0.55 * (range.high() - range.low());
-      out += text_at(left + 0.5 * cell_w, top + 0.5 * cell_h + 4, fmt::format("{:.3g}", v), "middle", 10,
-                     dark ? "fill='#ffffff'" : "");
+      out += text_at(left + 0.5 * cell_w, top + 0.5 * cell_h + 4, fmt::format("{:.3g}", v),
+                     "middle", 10, dark ? "fill='#ffffff'" : "");
     }
   }
   return out + "</svg>\n";

@@ -1,5 +1,6 @@
-// Charts as SVG text: lines, bars, heat map. Values in, markup out; no state, no files. Colours are the Okabe-Ito
-// palette, which colour-blind readers can tell apart. NaN breaks a line or leaves a cell empty.
+// Charts as SVG text: lines, bars, heat map. Values in, markup out; no state, no files. Colours are
+// the Okabe-Ito palette, which colour-blind readers can tell apart. NaN breaks a line or leaves a
+// cell empty.
 #pragma once
 
 #include <optional>
@@ -62,7 +63,8 @@ struct BarChart {
   bool log_y = false;
 };
 
-/// values[row][column]; the colour runs from white (low) to dark blue (high), or blue - white - red when `diverging`.
+/// values[row][column]; the colour runs from white (low) to dark blue (high), or blue - white - red
+/// when `diverging`.
 struct HeatMap {
   std::string title, unit;
   std::vector<std::string> rows, columns;

@@ -20,7 +20,8 @@ struct Bench {
 };
 
 constexpr std::array kBenches{
-    Bench{"dynamics", "one 60 ms step of the whole body: time, arithmetic, share of the peak", bench::bench_dynamics},
+    Bench{"dynamics", "one 60 ms step of the whole body: time, arithmetic, share of the peak",
+          bench::bench_dynamics},
     Bench{"tick", "one 10 ms tick of the controller", bench::bench_tick},
     Bench{"bus", "one bus cycle, by arithmetic", bench::bench_bus},
 };
@@ -28,7 +29,8 @@ constexpr std::array kBenches{
 /// `sanso bench mpc`: the only one with settings of its own.
 void add_mpc(CLI::App& bench, int& result) {
   auto o = std::make_shared<bench::BenchMpcOptions>();
-  CLI::App* command = bench.add_subcommand("mpc", "one policy update along a motion, beside the same iLQG on MuJoCo");
+  CLI::App* command = bench.add_subcommand(
+      "mpc", "one policy update along a motion, beside the same iLQG on MuJoCo");
   command->add_flag("--json", o->json, "figures as JSON");
   command->add_option("--updates", o->updates, "policy updates timed")
       ->check(CLI::Range(1, 1000000))
@@ -37,12 +39,15 @@ void add_mpc(CLI::App& bench, int& result) {
   command->add_option("--peer-updates", o->peer_updates, "updates that the peer repeats")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  command->add_option("--motion", o->motion, "motion of the library whose states the updates start from")
+  command
+      ->add_option("--motion", o->motion,
+                   "motion of the library whose states the updates start from")
       ->capture_default_str();
   command->add_option("--disturbance", o->disturbance, "1: centimetres, hundredths of a radian")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
-  command->add_option("--lanes", o->lanes, "avx512, avx2 or portable; default the widest this processor has");
+  command->add_option("--lanes", o->lanes,
+                      "avx512, avx2 or portable; default the widest this processor has");
   command->add_option("--budget-ms", o->budget_ms, "time given to the solver; 0: none")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
@@ -63,13 +68,18 @@ void add_mpc(CLI::App& bench, int& result) {
 
 void add_loop(CLI::App& bench, int& result) {
   auto o = std::make_shared<LoopStudyOptions>();
-  CLI::App* command = bench.add_subcommand("loop", "what update period, horizon and iterations buy in closed loop");
+  CLI::App* command =
+      bench.add_subcommand("loop", "what update period, horizon and iterations buy in closed loop");
   command->add_flag("--json", o->json, "figures as JSON");
-  command->add_option("--seeds", o->seeds, "trials of each task")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_option("--seeds", o->seeds, "trials of each task")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command->add_option("--push-N", o->push_N, "forward push of 0.1 s")
       ->check(CLI::Range(0.0, 200.0))
       ->capture_default_str();
-  command->add_option("--threads", o->threads, "of the planner")->check(CLI::Range(1, 64))->capture_default_str();
+  command->add_option("--threads", o->threads, "of the planner")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   command->add_flag("--only-default", o->only_default, "one case: 60 ms, 0.72 s, to convergence");
   command->add_option("--figure", o->figure, "write the push's costs as SVG");
   command->callback([o, &result] { result = bench_loop(*o); });

@@ -1,4 +1,5 @@
-// `sanso bench diagnose`: joins the maker of concealed cases with the diagnosis; neither knows the other.
+// `sanso bench diagnose`: joins the maker of concealed cases with the diagnosis; neither knows the
+// other.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -17,7 +18,8 @@ namespace {
 double nearest_ratio(double reached) {
   double nearest = 0.3;
   for (const double r : {0.3, 1.0, 3.0, 10.0, 30.0}) {
-    if (std::abs(std::log(r / std::max(reached, 1e-6))) < std::abs(std::log(nearest / std::max(reached, 1e-6))))
+    if (std::abs(std::log(r / std::max(reached, 1e-6))) <
+        std::abs(std::log(nearest / std::max(reached, 1e-6))))
       nearest = r;
   }
   return nearest;
@@ -27,12 +29,15 @@ bench::DiagnoseScore opened(const conceal::Score& s) {
   bench::DiagnoseScore out;
   out.family = s.family;
   out.ratio = s.ratio_target;
-  // a size at its physical limit may reach less than was asked for: cases count under the ratio that they have
-  if (!s.ratios.empty()) out.ratio = nearest_ratio(*std::min_element(s.ratios.begin(), s.ratios.end()));
+  // a size at its physical limit may reach less than was asked for: cases count under the ratio
+  // that they have
+  if (!s.ratios.empty())
+    out.ratio = nearest_ratio(*std::min_element(s.ratios.begin(), s.ratios.end()));
   out.truth = s.truth;
   out.named = s.named;
   out.status = s.status;
-  out.detected = s.detected, out.named_first = s.named_first, out.in_set = s.in_set, out.where_exact = s.where_exact;
+  out.detected = s.detected, out.named_first = s.named_first, out.in_set = s.in_set,
+  out.where_exact = s.where_exact;
   out.refused_by_name = s.refused_by_name, out.unnamed = s.unnamed, out.right = s.right;
   out.set_size = s.set_size, out.f1 = s.f1;
   out.relative_error = s.relative_error;
@@ -49,21 +54,32 @@ void add_bench_diagnose(CLI::App& app, int& result) {
     double ratio = 0.0;
   };
   auto options = std::make_shared<Options>();
-  // `bench` may exist already with the benchmarks that take no options; "diagnose" then stands beside them
-  const auto existing = app.get_subcommands([](const CLI::App* a) { return a->get_name() == "bench"; });
-  CLI::App* group = existing.empty() ? app.add_subcommand("bench", "measure against the budgets")->require_subcommand(1)
-                                     : existing.front();
+  // `bench` may exist already with the benchmarks that take no options; "diagnose" then stands
+  // beside them
+  const auto existing =
+      app.get_subcommands([](const CLI::App* a) { return a->get_name() == "bench"; });
+  CLI::App* group =
+      existing.empty()
+          ? app.add_subcommand("bench", "measure against the budgets")->require_subcommand(1)
+          : existing.front();
   if (CLI::Option* what = group->get_option_no_throw("what")) what->required(false);
-  CLI::App* command = group->add_subcommand("diagnose", "conceal, diagnose and reveal cases; print the scores");
-  options->bench.folder = (std::filesystem::temp_directory_path() / "sanso_bench_diagnose").string();
+  CLI::App* command =
+      group->add_subcommand("diagnose", "conceal, diagnose and reveal cases; print the scores");
+  options->bench.folder =
+      (std::filesystem::temp_directory_path() / "sanso_bench_diagnose").string();
   command->add_option("--cases", options->bench.cases, "how many")->capture_default_str();
-  command->add_option("--seed", options->bench.seed, "of the first case; the others follow")->capture_default_str();
-  command->add_option("--robot", options->bench.robot, "pendulum, arm or op3-stand")->capture_default_str();
-  command->add_option("--family", options->family, "only clean, single, pair, decoy, outside or ambiguous cases");
+  command->add_option("--seed", options->bench.seed, "of the first case; the others follow")
+      ->capture_default_str();
+  command->add_option("--robot", options->bench.robot, "pendulum, arm or op3-stand")
+      ->capture_default_str();
+  command->add_option("--family", options->family,
+                      "only clean, single, pair, decoy, outside or ambiguous cases");
   command->add_option("--effect", options->effect, "only this effect hidden");
   command->add_option("--ratio", options->ratio, "only this severity");
-  command->add_option("--folder", options->bench.folder, "where the cases are put")->capture_default_str();
-  command->add_option("--minutes", options->bench.minutes, "begin no case later than this; 0: run all");
+  command->add_option("--folder", options->bench.folder, "where the cases are put")
+      ->capture_default_str();
+  command->add_option("--minutes", options->bench.minutes,
+                      "begin no case later than this; 0: run all");
   command->add_flag("--leave-out", options->bench.leave_out,
                     "diagnose every case again without its true effects in the library");
   command->add_option("--constant", options->constant,
@@ -77,7 +93,8 @@ void add_bench_diagnose(CLI::App& app, int& result) {
         throw CLI::ValidationError("--constant", error.what());
       }
     }
-    options->bench.conceal = [options](unsigned long seed, const std::string& robot, const std::string& folder) {
+    options->bench.conceal = [options](unsigned long seed, const std::string& robot,
+                                       const std::string& folder) {
       conceal::ConcealOptions c;
       c.seed = seed;
       c.robot = robot;

@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void become(const fs::path& program, std::vector<char*>& argv, int log, pid_t parent) {
-  ::setpgid(0, 0);                      // Ctrl-C is for the host: robot and controller go on until it ends them
+  // Ctrl-C is for the host: robot and controller go on until it ends them
+  ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // even when this program is killed
   if (::getppid() != parent) ::_exit(127);
   ::dup2(log, STDOUT_FILENO);
@@ -33,9 +34,12 @@ namespace fs = std::filesystem;
 
 }  // namespace
 
-ChildProcess::ChildProcess(const fs::path& program, const std::vector<std::string>& arguments, const fs::path& log) : log_(log) {
+ChildProcess::ChildProcess(const fs::path& program, const std::vector<std::string>& arguments,
+                           const fs::path& log)
+    : log_(log) {
   const int descriptor = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-  if (descriptor < 0) throw std::runtime_error(log.string() + ": cannot create: " + std::strerror(errno));
+  if (descriptor < 0)
+    throw std::runtime_error(log.string() + ": cannot create: " + std::strerror(errno));
   std::vector<std::string> words{program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -46,7 +50,8 @@ ChildProcess::ChildProcess(const fs::path& program, const std::vector<std::strin
   if (pid_ == 0) become(program, argv, descriptor, parent);
   const int error = errno;
   ::close(descriptor);
-  if (pid_ < 0) throw std::runtime_error(program.string() + ": cannot start: " + std::strerror(error));
+  if (pid_ < 0)
+    throw std::runtime_error(program.string() + ": cannot start: " + std::strerror(error));
 }
 
 bool ChildProcess::running() {
@@ -67,13 +72,15 @@ ChildProcess::~ChildProcess() {
 fs::path find_program(const std::string& name) {
   const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
   if (fs::exists(here / name)) return here / name;
-  for (fs::path up = here; up != up.parent_path(); up = up.parent_path())  // up to the top of a build tree
+  // up to the top of a build tree
+  for (fs::path up = here; up != up.parent_path(); up = up.parent_path())
     for (const fs::path& folder : {up / "firmware", up / "tools" / "emulator"})
       if (fs::is_regular_file(folder / name)) return folder / name;
   std::istringstream path(std::getenv("PATH") ? std::getenv("PATH") : "");
   for (std::string folder; std::getline(path, folder, ':');)
     if (!folder.empty() && fs::exists(fs::path(folder) / name)) return fs::path(folder) / name;
-  throw std::runtime_error(name + ": not beside " + here.string() + ", not in the build tree and not on the PATH; build or install it");
+  throw std::runtime_error(name + ": not beside " + here.string() +
+                           ", not in the build tree and not on the PATH; build or install it");
 }
 
 }  // namespace sanso::cli

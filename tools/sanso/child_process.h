@@ -1,4 +1,5 @@
-// A program started by this one: its output goes to a file, and it ends with this program at the latest.
+// A program started by this one: its output goes to a file, and it ends with this program at the
+// latest.
 #pragma once
 
 #include <sys/types.h>
@@ -11,8 +12,10 @@ namespace sanso::cli {
 
 class ChildProcess {
  public:
-  /// Starts `program` with `arguments`; its standard output and error go to `log`. Throws std::runtime_error.
-  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments, const std::filesystem::path& log);
+  /// Starts `program` with `arguments`; its standard output and error go to `log`. Throws
+  /// std::runtime_error.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               const std::filesystem::path& log);
   /// Asks it to end (SIGTERM), kills it after two seconds.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
@@ -28,8 +31,8 @@ class ChildProcess {
   std::filesystem::path log_;
 };
 
-/// The program `name` beside this executable, in a sibling folder of the build tree, or on the PATH. Throws
-/// std::runtime_error naming where it looked.
+/// The program `name` beside this executable, in a sibling folder of the build tree, or on the
+/// PATH. Throws std::runtime_error naming where it looked.
 std::filesystem::path find_program(const std::string& name);
 
 }  // namespace sanso::cli

@@ -1,5 +1,7 @@
-// The subcommands of `sanso`: each adds itself to the command line and, when chosen, leaves its exit code in `result`.
-// What a command does lives in the folder of its subject; here is only its grammar. DESIGN: names and options are stable.
+// The subcommands of `sanso`: each adds itself to the command line and, when chosen, leaves its
+// exit code in `result`.
+// What a command does lives in the folder of its subject; here is only its grammar. DESIGN: names
+// and options are stable.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,9 +9,9 @@
 namespace sanso::cli {
 
 /// Exit codes of every command.
-inline constexpr int kDone = 0;         // done, the answer is "good"
-inline constexpr int kBadAnswer = 1;    // the answer is "bad": a mismatch, a failed motion
-inline constexpr int kCouldNot = 2;     // no answer: bad input, missing file, full disk
+inline constexpr int kDone = 0;       // done, the answer is "good"
+inline constexpr int kBadAnswer = 1;  // the answer is "bad": a mismatch, a failed motion
+inline constexpr int kCouldNot = 2;   // no answer: bad input, missing file, full disk
 
 void add_demo(CLI::App& app, int& result);
 void add_conceal(CLI::App& app, int& result);

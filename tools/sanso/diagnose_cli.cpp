@@ -7,17 +7,27 @@ namespace sanso::cli {
 
 void add_diagnose(CLI::App& app, int& result) {
   auto options = std::make_shared<diagnose::DiagnoseOptions>();
-  CLI::App* command = app.add_subcommand("diagnose", "find where simulation and recording part, and name the missing physics");
-  command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")->required();
-  command->add_option("--recordings", options->recordings, "recordings (CSV, plain or gzip), one or more")->required();
-  command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")->required();
-  command->add_option("--effects", options->effects, "only these ids of the library")->delimiter(',');
-  command->add_option("--without", options->without, "leave these ids out of the library")->delimiter(',');
+  CLI::App* command = app.add_subcommand(
+      "diagnose", "find where simulation and recording part, and name the missing physics");
+  command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")
+      ->required();
+  command
+      ->add_option("--recordings", options->recordings,
+                   "recordings (CSV, plain or gzip), one or more")
+      ->required();
+  command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")
+      ->required();
+  command->add_option("--effects", options->effects, "only these ids of the library")
+      ->delimiter(',');
+  command->add_option("--without", options->without, "leave these ids out of the library")
+      ->delimiter(',');
   command->add_option("--seed", options->seed, "seed of every random draw")->capture_default_str();
   command->add_flag("--json", options->json, "print verdict.json");
   command->add_flag("--quiet", options->quiet, "no progress lines");
-  command->footer("Exit codes: 0 no mismatch, 1 mismatch found, 2 refused or interrupted.\n"
-                  "Example:\n  sanso diagnose --model my_robot --recordings walk_1.csv walk_2.csv --out result");
+  command->footer(
+      "Exit codes: 0 no mismatch, 1 mismatch found, 2 refused or interrupted.\n"
+      "Example:\n  sanso diagnose "
+      "--model my_robot --recordings walk_1.csv walk_2.csv --out result");
   command->callback([options, &result] { result = diagnose::run_diagnose(*options); });
 }
 

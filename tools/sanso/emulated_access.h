@@ -1,5 +1,7 @@
-// Controller and robot as two more processes: sanso-emulator behind a pty and sockets, sanso-firmware on UDP, real clock.
-// What a person does between trials (put the robot on its feet) goes through the emulator's control socket.
+// Controller and robot as two more processes: sanso-emulator behind a pty and sockets,
+// sanso-firmware on UDP, real clock.
+// What a person does between trials (put the robot on its feet) goes through the emulator's control
+// socket.
 #pragma once
 
 #include <memory>
@@ -14,11 +16,14 @@ namespace sanso::cli {
 
 class EmulatedAccess : public learn::RobotAccess {
  public:
-  /// Starts both programs; their configuration, key and logs go to `folder`. Throws std::runtime_error.
+  /// Starts both programs; their configuration, key and logs go to `folder`. Throws
+  /// std::runtime_error.
   EmulatedAccess(const std::string& world, std::uint64_t seed, const std::filesystem::path& folder);
   link::RobotLink& place(const model::State& x, std::uint64_t seed) override;
   void add_measurements(learn::Episode& episode) override;
-  std::string description() const override { return "emulated (three processes, real clock), world " + world_; }
+  std::string description() const override {
+    return "emulated (three processes, real clock), world " + world_;
+  }
   bool real_time() const override { return true; }
 
  private:

@@ -45,7 +45,8 @@ std::string last_lines(const fs::path& log) {
 
 }  // namespace
 
-EmulatedProcesses::EmulatedProcesses(const std::string& world, std::uint64_t seed, const fs::path& folder)
+EmulatedProcesses::EmulatedProcesses(const std::string& world, std::uint64_t seed,
+                                     const fs::path& folder)
     : folder_(folder), key_(wire::random_key()), port_(free_port()) {
   fs::create_directories(folder_);
   std::string name = (fs::temp_directory_path() / "sanso_robot_XXXXXX").string();
@@ -64,25 +65,33 @@ EmulatedProcesses::~EmulatedProcesses() {
 
 std::string EmulatedProcesses::address() const { return fmt::format("127.0.0.1:{}", port_); }
 std::string EmulatedProcesses::firmware_log() const { return last_lines(firmware_->log()); }
-std::string EmulatedProcesses::tell(const std::string& json) const { return emulator::tell_emulator(robot_directory_, json); }
+std::string EmulatedProcesses::tell(const std::string& json) const {
+  return emulator::tell_emulator(robot_directory_, json);
+}
 
 void EmulatedProcesses::put_on_feet(const model::State& x) const {
   std::string angles;
-  for (int j = 0; j < model::kNumJoints; ++j) angles += fmt::format("{}{:.9f}", j > 0 ? ", " : "", x[model::kXJoint + j]);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    angles += fmt::format("{}{:.9f}", j > 0 ? ", " : "", x[model::kXJoint + j]);
   (void)tell(fmt::format(R"({{"command": "place", "leg_angles": [{}], "held": true}})", angles));
 }
 
 void EmulatedProcesses::check() {
-  if (!emulator_->running()) throw std::runtime_error("sanso-emulator ended:\n" + last_lines(emulator_->log()));
-  if (!firmware_->running()) throw std::runtime_error("sanso-firmware ended:\n" + last_lines(firmware_->log()));
+  if (!emulator_->running())
+    throw std::runtime_error("sanso-emulator ended:\n" + last_lines(emulator_->log()));
+  if (!firmware_->running())
+    throw std::runtime_error("sanso-firmware ended:\n" + last_lines(firmware_->log()));
 }
 
 void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t seed) {
   const fs::path config = folder_ / "emulator.toml";
-  learn::write_atomically(config, fmt::format("world = \"{}\"\nseed = {}\ndirectory = \"{}\"\n", world, seed % 1'000'000, robot_directory_));
-  emulator_ = std::make_unique<ChildProcess>(find_program("sanso-emulator"), std::vector<std::string>{"--config", config.string()},
+  learn::write_atomically(config, fmt::format("world = \"{}\"\nseed = {}\ndirectory = \"{}\"\n",
+                                              world, seed % 1'000'000, robot_directory_));
+  emulator_ = std::make_unique<ChildProcess>(find_program("sanso-emulator"),
+                                             std::vector<std::string>{"--config", config.string()},
                                              folder_ / "emulator.log");
-  for (int i = 0; i < 600 && emulator_->running(); ++i) {  // half a minute: a crowded machine starts programs slowly
+  for (int i = 0; i < 600 && emulator_->running();
+       ++i) {  // half a minute: a crowded machine starts programs slowly
     if (fs::exists(fs::path(robot_directory_) / "control")) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
@@ -92,10 +101,15 @@ void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t s
 void EmulatedProcesses::start_firmware() {
   const fs::path key_file = folder_ / "key.hex", config = folder_ / "firmware.toml";
   learn::write_atomically(key_file, hex(key_) + "\n");
-  learn::write_atomically(config, fmt::format("[device]\nbus = \"{0}/bus\"\nimu = \"unix:{0}/imu\"\npose = \"unix:{0}/pose\"\n"
-                                              "listen = \"127.0.0.1\"\nport = {1}\nkey_file = \"{2}\"\nlog_directory = \"{3}\"\n",
-                                              robot_directory_, port_, fs::absolute(key_file).string(), fs::absolute(folder_).string()));
-  firmware_ = std::make_unique<ChildProcess>(find_program("sanso-firmware"), std::vector<std::string>{"--config", config.string()},
+  learn::write_atomically(
+      config,
+      fmt::format(
+          "[device]\nbus = \"{0}/bus\"\nimu = \"unix:{0}/imu\"\npose = \"unix:{0}/pose\"\n"
+          "listen = \"127.0.0.1\"\nport = {1}\nkey_file = \"{2}\"\nlog_directory = \"{3}\"\n",
+          robot_directory_, port_, fs::absolute(key_file).string(),
+          fs::absolute(folder_).string()));
+  firmware_ = std::make_unique<ChildProcess>(find_program("sanso-firmware"),
+                                             std::vector<std::string>{"--config", config.string()},
                                              folder_ / "firmware.log");
 }
 

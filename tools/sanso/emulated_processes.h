@@ -1,4 +1,5 @@
-// sanso-emulator and sanso-firmware as two children of this process, joined by a pty and sockets, with a fresh key.
+// sanso-emulator and sanso-firmware as two children of this process, joined by a pty and sockets,
+// with a fresh key.
 #pragma once
 
 #include <memory>
@@ -12,15 +13,18 @@ namespace sanso::cli {
 
 class EmulatedProcesses {
  public:
-  /// Configuration, key and logs go to `folder`. Throws std::runtime_error with the end of a log when one does not start.
-  EmulatedProcesses(const std::string& world, std::uint64_t seed, const std::filesystem::path& folder);
+  /// Configuration, key and logs go to `folder`. Throws std::runtime_error with the end of a log
+  /// when one does not start.
+  EmulatedProcesses(const std::string& world, std::uint64_t seed,
+                    const std::filesystem::path& folder);
   ~EmulatedProcesses();
 
   const wire::Key& key() const { return key_; }
   /// "127.0.0.1:PORT" of the controller.
   std::string address() const;
   const std::string& robot_directory() const { return robot_directory_; }
-  /// One command of the emulator's control socket, as a person at the robot would do it; returns the answer.
+  /// One command of the emulator's control socket, as a person at the robot would do it; returns
+  /// the answer.
   std::string tell(const std::string& json) const;
   /// Puts the robot on its feet in the joint angles of `x` and holds it until it stands by itself.
   void put_on_feet(const model::State& x) const;

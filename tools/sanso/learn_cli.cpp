@@ -14,10 +14,13 @@ namespace sanso::cli {
 namespace {
 
 std::unique_ptr<learn::RobotAccess> make_robot(const app::LearnOptions& options) {
-  if (options.robot == "in-process") return std::make_unique<inprocess::InProcessAccess>(options.world);
-  if (options.robot == "emulated") return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
+  if (options.robot == "in-process")
+    return std::make_unique<inprocess::InProcessAccess>(options.world);
+  if (options.robot == "emulated")
+    return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
   if (options.robot.find(':') == std::string::npos)
-    throw std::runtime_error("--robot " + options.robot + ": expected in-process, emulated or HOST:PORT");
+    throw std::runtime_error("--robot " + options.robot +
+                             ": expected in-process, emulated or HOST:PORT");
   return std::make_unique<app::NetworkRobot>(options.robot, options.key, stderr, stdin);
 }
 
@@ -26,21 +29,46 @@ std::unique_ptr<learn::RobotAccess> make_robot(const app::LearnOptions& options)
 void add_learn(CLI::App& app, int& result) {
   auto options = std::make_shared<app::LearnOptions>();
   CLI::App* command = app.add_subcommand("learn", "run and learn a motion, trial by trial");
-  command->add_option("--motion", options->motion, "name of a motion file (see sanso motions)")->required();
-  command->add_option("--iterations", options->iterations, "trials in all, including those of a resumed session")
-      ->required()->check(CLI::Range(1, 100000));
-  command->add_option("--robot", options->robot, "in-process (virtual clock), emulated (three processes, real clock) or HOST:PORT of a controller")->capture_default_str();
-  command->add_option("--key", options->key, "with HOST:PORT: file of 64 hexadecimal digits, the controller's key_file");
-  command->add_option("--out", options->out, "folder of the session: episodes, state, summary.json, report.html")->required();
-  command->add_flag("--resume", options->resume, "continue the session in --out after its last finished trial");
-  command->add_option("--seed", options->seed, "of everything random; same seed, same bits")->capture_default_str();
-  command->add_option("--without", options->without, "switch off: lower, middle, upper, residual, stochastic")->delimiter(',');
-  command->add_option("--world", options->world, "of the emulated robot: nominal, lab, hard, seed:N or a TOML file")->capture_default_str();
-  command->add_option("--threads", options->threads, "of the planner")->capture_default_str()->check(CLI::Range(1, 64));
-  command->footer("Examples:\n"
-                  "  sanso learn --motion squat --iterations 100 --out results/squat\n"
-                  "  sanso learn --motion squat --iterations 200 --out results/squat --resume\n"
-                  "  sanso learn --motion squat --iterations 20 --out results/no_upper --without upper --world hard");
+  command->add_option("--motion", options->motion, "name of a motion file (see sanso motions)")
+      ->required();
+  command
+      ->add_option("--iterations", options->iterations,
+                   "trials in all, including those of a resumed session")
+      ->required()
+      ->check(CLI::Range(1, 100000));
+  command
+      ->add_option(
+          "--robot", options->robot,
+          "in-process (virtual clock), emulated (three processes, real clock) or HOST:PORT of a "
+          "controller")
+      ->capture_default_str();
+  command->add_option("--key", options->key,
+                      "with HOST:PORT: file of 64 hexadecimal digits, the controller's key_file");
+  command
+      ->add_option("--out", options->out,
+                   "folder of the session: episodes, state, summary.json, report.html")
+      ->required();
+  command->add_flag("--resume", options->resume,
+                    "continue the session in --out after its last finished trial");
+  command->add_option("--seed", options->seed, "of everything random; same seed, same bits")
+      ->capture_default_str();
+  command
+      ->add_option("--without", options->without,
+                   "switch off: lower, middle, upper, residual, stochastic")
+      ->delimiter(',');
+  command
+      ->add_option("--world", options->world,
+                   "of the emulated robot: nominal, lab, hard, seed:N or a TOML file")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "of the planner")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  command->footer(
+      "Examples:\n"
+      "  sanso learn --motion squat --iterations 100 --out results/squat\n"
+      "  sanso learn --motion squat --iterations 200 --out results/squat --resume\n"
+      "  sanso learn --motion squat --iterations 20 --out results/no_upper --without upper "
+      "--world hard");
   command->callback([options, &result] {
     result = app::learn(*options, make_robot);
     fmt::print("report: {}\n", report::write_session_report(options->out).string());

@@ -23,11 +23,12 @@ constexpr int kIterations[] = {1, 3, 10};
 constexpr double kPushAt_s = 1.0, kPushFor_s = 0.1;
 constexpr int kStandTicks = 400;  // 4 s: push after one, three to recover
 
-/// One motion, ready for trials; the lower layer gives the motion, there is no middle layer yet (first trial of a
-/// session).
+/// One motion, ready for trials; the lower layer gives the motion, there is no middle layer yet
+/// (first trial of a session).
 class Task {
  public:
-  Task(const std::string& name, int most_ticks) : motion_(motion::MotionLibrary().load(name)), access_("lab") {
+  Task(const std::string& name, int most_ticks)
+      : motion_(motion::MotionLibrary().load(name)), access_("lab") {
     motion_.primitives = learn::from_origin(motion_.primitives);
     reference_ = learn::reference_of(motion_.primitives);
     setup_.primitives = &motion_.primitives;
@@ -118,15 +119,18 @@ std::vector<LoopCase> cases_of(const LoopStudyOptions& options) {
 }
 
 std::string name_of(const LoopCase& c) {
-  return fmt::format("{:.2f} s, {}", 0.06 * c.horizon,
-                     c.iterations == 10 ? "to convergence" : fmt::format("{} iteration(s)", c.iterations));
+  return fmt::format(
+      "{:.2f} s, {}", 0.06 * c.horizon,
+      c.iterations == 10 ? "to convergence" : fmt::format("{} iteration(s)", c.iterations));
 }
 
 void print_line(const LoopOutcome& r) {
-  fmt::print("| {} | {:.2f} | {} | {:.2f} | {} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | {:.2f} |\n",
-             10 * r.set.period_ticks, 0.06 * r.set.horizon, r.set.iterations, r.squat.cost, r.squat.failed, r.push.cost,
-             r.push.failed, r.update_p50_ms, r.update_p99_ms, r.update_max_ms, r.updates, r.late,
-             r.wall_per_simulated_s);
+  fmt::print(
+      "| {} | {:.2f} | {} | {:.2f} | {} | {:.2f} | {} | {:.2f} | {:.2f} | {:.2f} | {} | {} | "
+      "{:.2f} |\n",
+      10 * r.set.period_ticks, 0.06 * r.set.horizon, r.set.iterations, r.squat.cost, r.squat.failed,
+      r.push.cost, r.push.failed, r.update_p50_ms, r.update_p99_ms, r.update_max_ms, r.updates,
+      r.late, r.wall_per_simulated_s);
   std::fflush(stdout);
 }
 
@@ -134,15 +138,16 @@ nlohmann::json to_json(const LoopOutcome& r) {
   const auto task = [](const TaskOutcome& t) {
     return nlohmann::json{{"cost", t.cost}, {"worst_cost", t.worst_cost}, {"failed", t.failed}};
   };
-  return {{"period_ms", 10 * r.set.period_ticks},
-          {"horizon_s", 0.06 * r.set.horizon},
-          {"iterations", r.set.iterations},
-          {"squat", task(r.squat)},
-          {"push", task(r.push)},
-          {"update_ms", {{"p50", r.update_p50_ms}, {"p99", r.update_p99_ms}, {"max", r.update_max_ms}}},
-          {"updates", r.updates},
-          {"late_updates", r.late},
-          {"wall_per_simulated_s", r.wall_per_simulated_s}};
+  return {
+      {"period_ms", 10 * r.set.period_ticks},
+      {"horizon_s", 0.06 * r.set.horizon},
+      {"iterations", r.set.iterations},
+      {"squat", task(r.squat)},
+      {"push", task(r.push)},
+      {"update_ms", {{"p50", r.update_p50_ms}, {"p99", r.update_p99_ms}, {"max", r.update_max_ms}}},
+      {"updates", r.updates},
+      {"late_updates", r.late},
+      {"wall_per_simulated_s", r.wall_per_simulated_s}};
 }
 
 /// Cost of the push over the period, one line per horizon and number of iterations.
@@ -154,7 +159,8 @@ std::string figure_of(const std::vector<LoopOutcome>& results) {
   for (const LoopOutcome& r : results) {
     const std::string name = name_of(r.set);
     if (chart.series.empty() || chart.series.back().name != name)
-      chart.series.push_back({.name = name, .x = {}, .y = {}, .dashed = r.set.horizon > 12, .markers = true});
+      chart.series.push_back(
+          {.name = name, .x = {}, .y = {}, .dashed = r.set.horizon > 12, .markers = true});
     chart.series.back().x.push_back(10.0 * r.set.period_ticks);
     chart.series.back().y.push_back(r.push.cost);
   }
@@ -168,7 +174,8 @@ int bench_loop(const LoopStudyOptions& options) {
   std::vector<LoopOutcome> results;
   if (!options.json)
     fmt::print(
-        "| period ms | horizon s | iterations | squat J | failed | push J | failed | update p50 ms | p99 | max | "
+        "| period ms | horizon s | iterations | squat J | failed | push J | failed | update p50 "
+        "ms | p99 | max | "
         "updates | late | wall s per simulated s |\n"
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const LoopCase& set : cases_of(options)) {
@@ -184,9 +191,12 @@ int bench_loop(const LoopStudyOptions& options) {
     fmt::print("{}\n", all.dump(2));
   }
   if (!options.figure.empty() && !(std::ofstream(options.figure) << figure_of(results)))
-    throw std::runtime_error(
-        fmt::format("--figure {}: cannot be written; expected a file in a folder that exists", options.figure));
-  return std::any_of(results.begin(), results.end(), [](const LoopOutcome& r) { return r.late > 0; }) ? 1 : 0;
+    throw std::runtime_error(fmt::format(
+        "--figure {}: cannot be written; expected a file in a folder that exists", options.figure));
+  return std::any_of(results.begin(), results.end(),
+                     [](const LoopOutcome& r) { return r.late > 0; })
+             ? 1
+             : 0;
 }
 
 }  // namespace sanso::cli

@@ -6,9 +6,14 @@
 #include "tools/sanso/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("sanso: three-layer whole-body control that learns its robot, and diagnosis of simulation against recording", "sanso");
+  CLI::App app(
+      "sanso: three-layer whole-body control that learns its robot, and diagnosis of simulation "
+      "against recording",
+      "sanso");
   app.require_subcommand(1);
-  app.footer("Examples and more: sanso COMMAND --help.\nExit codes: 0 done, 1 the answer is \"bad\", 2 could not answer.");
+  app.footer(
+      "Examples and more: sanso COMMAND --help.\nExit codes: 0 done, 1 the answer is \"bad\", 2 "
+      "could not answer.");
   int result = sanso::cli::kDone;
   sanso::cli::add_demo(app, result);
   sanso::cli::add_bench(app, result);

@@ -22,7 +22,8 @@ void list_motions(bool json) {
   for (const std::string& name : library.names()) {
     const motion::Motion m = library.load(name);
     if (!json) {
-      fmt::print("{:<16} {:>6.2f}  {} ({}; {})\n", name, m.duration_s(), m.title, m.recipe.clip, m.source.licence);
+      fmt::print("{:<16} {:>6.2f}  {} ({}; {})\n", name, m.duration_s(), m.title, m.recipe.clip,
+                 m.source.licence);
       continue;
     }
     nlohmann::ordered_json clauses = nlohmann::ordered_json::array();
@@ -33,10 +34,18 @@ void list_motions(bool json) {
       if (!clause.waived.empty()) entry["waived"] = clause.waived;
       clauses.push_back(entry);
     }
-    list.push_back({{"name", name}, {"title", m.title}, {"duration_s", m.duration_s()}, {"clip", m.recipe.clip},
-                    {"licence", m.source.licence}, {"basis", m.primitives.num_basis}, {"success", clauses}});
+    list.push_back({{"name", name},
+                    {"title", m.title},
+                    {"duration_s", m.duration_s()},
+                    {"clip", m.recipe.clip},
+                    {"licence", m.source.licence},
+                    {"basis", m.primitives.num_basis},
+                    {"success", clauses}});
   }
-  if (json) fmt::print("{}\n", nlohmann::ordered_json{{"folder", library.folder().string()}, {"motions", list}}.dump(2));
+  if (json)
+    fmt::print(
+        "{}\n",
+        nlohmann::ordered_json{{"folder", library.folder().string()}, {"motions", list}}.dump(2));
 }
 
 struct ImportOptions {
@@ -53,11 +62,13 @@ void import_clip(const ImportOptions& options) {
   const fs::path page = fs::path(file).replace_extension(".html");
   learn::write_atomically(page, std::string_view(report::motion_page(made.motion)));
   const auto& check = made.check;
-  fmt::print("{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), joint limits {:.0f} deg away,\n"
-             "  primitives within {:.2f} deg and {:.2f} mm of the retargeted clip\n",
-             made.motion.name, made.motion.duration_s(), check.fastest_joint, check.peak_joint_speed,
-             1e3 * check.zmp_margin_worst_m, 1e3 * check.zmp_margin_p5_m, check.joint_margin_rad * 57.29578,
-             made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m);
+  fmt::print(
+      "{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), "
+      "joint limits {:.0f} deg away,\n"
+      "  primitives within {:.2f} deg and {:.2f} mm of the retargeted clip\n",
+      made.motion.name, made.motion.duration_s(), check.fastest_joint, check.peak_joint_speed,
+      1e3 * check.zmp_margin_worst_m, 1e3 * check.zmp_margin_p5_m,
+      check.joint_margin_rad * 57.29578, made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m);
   fmt::print("motion: {}\nreport: {}\n", file.string(), page.string());
 }
 
@@ -66,21 +77,30 @@ void import_clip(const ImportOptions& options) {
 void add_motions(CLI::App& app, int& result) {
   auto json = std::make_shared<bool>(false);
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* command = app.add_subcommand("motions", "list the motions, or make one from a human clip");
+  CLI::App* command =
+      app.add_subcommand("motions", "list the motions, or make one from a human clip");
   command->add_flag("--json", *json, "as JSON");
-  command->footer("Examples:\n  sanso motions\n  sanso motions import clips/squat.bvh --as my_squat --like squat --out my_motions\n"
-                  "SANSO_MOTIONS names another folder of motions than the shipped one.");
-  CLI::App* import = command->add_subcommand("import", "retarget a clip (BVH or DeepMimic), check it, write motion and page");
-  import->add_option("CLIP", options->request.clip, "the clip")->required()->check(CLI::ExistingFile);
+  command->footer(
+      "Examples:\n  sanso motions\n  sanso motions import clips/squat.bvh --as my_squat --like "
+      "squat --out my_motions\n"
+      "SANSO_MOTIONS names another folder of motions than the shipped one.");
+  CLI::App* import = command->add_subcommand(
+      "import", "retarget a clip (BVH or DeepMimic), check it, write motion and page");
+  import->add_option("CLIP", options->request.clip, "the clip")
+      ->required()
+      ->check(CLI::ExistingFile);
   import->add_option("--as", options->request.name, "name of the motion")->required();
-  import->add_option("--like", options->request.like, "motion whose figures are used (default: the one of that name)");
-  import->add_option("--set", options->request.figures, "a figure of the retargeting, KEY=VALUE (docs/motions.md)");
+  import->add_option("--like", options->request.like,
+                     "motion whose figures are used (default: the one of that name)");
+  import->add_option("--set", options->request.figures,
+                     "a figure of the retargeting, KEY=VALUE (docs/motions.md)");
   import->add_option("--out", options->out, "folder (default: the library)");
-  import->callback([options] { import_clip(*options); });
-  command->callback([json, import, &result] {
-    if (!import->parsed()) list_motions(*json);
-    result = kDone;
-  });
-}
+  import->callback([options] { import_clip(*options);
+});
+command->callback([json, import, &result] {
+  if (!import->parsed()) list_motions(*json);
+  result = kDone;
+});
+}  // namespace sanso::cli
 
 }  // namespace sanso::cli

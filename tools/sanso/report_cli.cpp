@@ -38,11 +38,17 @@ int run_report(const ReportOptions& options) {
 
 void add_report(CLI::App& app, int& result) {
   auto options = std::make_shared<ReportOptions>();
-  CLI::App* command = app.add_subcommand("report", "write report.html of a learning session and print its table");
-  command->add_option("DIR", options->folder, "folder that `sanso learn` or `sanso demo` wrote")->required();
-  command->add_option("--compare", options->compare, "further sessions: their costs in one figure, DIR/compare.svg");
-  command->add_option("--figures", options->figures, "also write the figures over trials as SVG files into this folder");
-  command->footer("Examples:\n  sanso report results/squat\n  sanso report results/squat --compare results/no_middle results/no_upper");
+  CLI::App* command =
+      app.add_subcommand("report", "write report.html of a learning session and print its table");
+  command->add_option("DIR", options->folder, "folder that `sanso learn` or `sanso demo` wrote")
+      ->required();
+  command->add_option("--compare", options->compare,
+                      "further sessions: their costs in one figure, DIR/compare.svg");
+  command->add_option("--figures", options->figures,
+                      "also write the figures over trials as SVG files into this folder");
+  command->footer(
+      "Examples:\n  sanso report results/squat\n"
+      "  sanso report results/squat --compare results/no_middle results/no_upper");
   command->callback([options, &result] { result = run_report(*options); });
 }
 

@@ -17,15 +17,19 @@ void add_score(CLI::App& app, int& result) {
     bool json = false;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("score", "how far a model's prediction is from recordings");
-  command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")->required();
+  CLI::App* command =
+      app.add_subcommand("score", "how far a model's prediction is from recordings");
+  command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")
+      ->required();
   command->add_option("--recordings", options->recordings, "CSV files (.csv, .csv.gz)")->required();
   command->add_flag("--json", options->json, "RMSE by recording, horizon and channel as JSON");
-  command->footer("Example:\n  sanso score --model tools/diagnose/examples/emps --recordings DATA_EMPS.csv");
+  command->footer(
+      "Example:\n  sanso score --model tools/diagnose/examples/emps --recordings DATA_EMPS.csv");
   command->callback([options, &result] {
     try {
       const auto scores = diagnose::score_files(options->model, options->recordings);
-      fmt::print("{}", options->json ? diagnose::score_json(scores) : diagnose::score_table(scores));
+      fmt::print("{}",
+                 options->json ? diagnose::score_json(scores) : diagnose::score_table(scores));
       result = kDone;
     } catch (const recording::InputError& e) {
       fmt::print(stderr, "sanso score: {}\n", e.what());

@@ -7,7 +7,8 @@
 
 namespace sanso::cli {
 
-TruthSampler::TruthSampler(std::string robot_directory) : directory_(std::move(robot_directory)), thread_([this] { run(); }) {}
+TruthSampler::TruthSampler(std::string robot_directory)
+    : directory_(std::move(robot_directory)), thread_([this] { run(); }) {}
 
 TruthSampler::~TruthSampler() {
   stop_ = true;
@@ -26,14 +27,17 @@ void TruthSampler::run() {
   for (auto next = steady_clock::now(); !stop_; next += 20ms) {
     std::this_thread::sleep_until(next);
     try {
-      const auto answer = nlohmann::json::parse(emulator::tell_emulator(directory_, R"({"command": "truth"})"));
+      const auto answer =
+          nlohmann::json::parse(emulator::tell_emulator(directory_, R"({"command": "truth"})"));
       Sample sample;
       sample.time = duration_cast<nanoseconds>(steady_clock::now().time_since_epoch()).count();
       sample.leg_state = answer.at("leg_state").get<std::array<double, 37>>();
-      for (std::size_t foot = 0; foot < 2; ++foot) sample.foot_load_N[foot] = answer.at("foot_force_in_world").at(foot).at(2);
+      for (std::size_t foot = 0; foot < 2; ++foot)
+        sample.foot_load_N[foot] = answer.at("foot_force_in_world").at(foot).at(2);
       const std::lock_guard lock(mutex_);
       samples_.push_back(sample);
-    } catch (const std::exception&) {  // a busy emulator answers next time; a figure can spare a point
+    } catch (
+        const std::exception&) {  // a busy emulator answers next time; a figure can spare a point
     }
   }
 }

@@ -1,4 +1,5 @@
-// Asks the emulator 50 times a second what really is, from a thread of its own: for reports, never for control.
+// Asks the emulator 50 times a second what really is, from a thread of its own: for reports, never
+// for control.
 #pragma once
 
 #include <array>
@@ -15,9 +16,10 @@ namespace sanso::cli {
 class TruthSampler {
  public:
   struct Sample {
-    Nanoseconds time = 0;                   // CLOCK_MONOTONIC, as the controller's on the same machine
-    std::array<double, 37> leg_state{};     // order of the state layout, world frame
-    std::array<double, 2> foot_load_N{};    // right, left
+    // CLOCK_MONOTONIC, as the controller's on the same machine
+    Nanoseconds time = 0;
+    std::array<double, 37> leg_state{};   // order of the state layout, world frame
+    std::array<double, 2> foot_load_N{};  // right, left
   };
 
   explicit TruthSampler(std::string robot_directory);

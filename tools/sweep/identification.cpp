@@ -12,7 +12,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace
 
@@ -31,7 +33,9 @@ int run_identification(const Ranks& ranks, const app::IdentifyOptions& given) {
   const learn::Identification found = identify_over(ranks, options, data);
   const bool complete = found.generations >= options.generations;
   if (ranks.rank() != 0) return complete ? 0 : 2;
-  Json answer{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"bytes_per_generation", 8 * options.population}};
+  Json answer{{"ranks", ranks.size()},
+              {"wall_s", wall_s() - begin},
+              {"bytes_per_generation", 8 * options.population}};
   answer.update(Json::parse(app::identification_json(options, data, found)));
   fmt::print("{}\n", answer.dump(2));
   return complete ? 0 : 2;

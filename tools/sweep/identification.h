@@ -6,8 +6,9 @@
 
 namespace sanso::sweep {
 
-/// Every rank gets the same answer, bit for bit the one of a single rank; rank 0 stores. SIGINT or SIGTERM at any rank
-/// ends the search after the generation under way (Identification::generations says how many there were).
+/// Every rank gets the same answer, bit for bit the one of a single rank; rank 0 stores. SIGINT or
+/// SIGTERM at any rank ends the search after the generation under way (Identification::generations
+/// says how many there were).
 learn::Identification identify_over(const Ranks& ranks, const app::IdentifyOptions& options,
                                     const app::IdentificationData& data);
 

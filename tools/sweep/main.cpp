@@ -1,5 +1,5 @@
-// sanso-sweep: many learning sessions, one identification, or a campaign of pushes, spread over MPI ranks. Same results
-// as on one rank.
+// sanso-sweep: many learning sessions, one identification, or a campaign of pushes, spread over MPI
+// ranks. Same results as on one rank.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -19,33 +19,44 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kFooter[] = R"(Examples:
-  mpirun -n 2 sanso-sweep learn --motions stand,squat --worlds lab,hard --seeds 1,2 --iterations 20 --out runs/sweep
+  mpirun -n 2 sanso-sweep learn --motions stand,squat --worlds lab,hard --seeds 1,2 \
+      --iterations 20 --out runs/sweep
   mpirun -n 2 sanso-sweep identify --episodes runs/sweep/squat_lab_seed1
-  mpirun -n 2 sanso-sweep pushes --session runs/sweep/squat_lab_seed1 --motion squat --out runs/pushes
-SIGINT or SIGTERM to one rank ends the sweep after the trials under way; sessions go on with the same command. A stopped
-mpirun kills its ranks a second later, or after S seconds with --mca odls_base_sigkill_timeout S.)";
+  mpirun -n 2 sanso-sweep pushes --session runs/sweep/squat_lab_seed1 --motion squat \
+      --out runs/pushes
+SIGINT or SIGTERM to one rank ends the sweep after the trials under way; sessions go on with the
+same command. A stopped mpirun kills its ranks a second later, or after S seconds
+with --mca odls_base_sigkill_timeout S.)";
 
 std::unique_ptr<learn::RobotAccess> in_process(const app::LearnOptions& options) {
   return std::make_unique<inprocess::InProcessAccess>(options.world);
 }
 
 CLI::App* add_learn(CLI::App& app, SessionsOptions& o) {
-  CLI::App* c = app.add_subcommand("learn", "every combination of motions, worlds and seeds as a session of its own");
+  CLI::App* c = app.add_subcommand(
+      "learn", "every combination of motions, worlds and seeds as a session of its own");
   c->add_option("--motions", o.motions, "names of motions")->delimiter(',')->capture_default_str();
-  c->add_option("--worlds", o.worlds, "of the emulated robot")->delimiter(',')->capture_default_str();
+  c->add_option("--worlds", o.worlds, "of the emulated robot")
+      ->delimiter(',')
+      ->capture_default_str();
   c->add_option("--seeds", o.seeds, "one session each")->delimiter(',')->capture_default_str();
   c->add_option("--without", o.without, "layers switched off, as in sanso learn")->delimiter(',');
   c->add_option("--iterations", o.iterations, "trials of every session")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  c->add_option("--threads", o.threads, "of every rank's planner")->capture_default_str()->check(CLI::PositiveNumber);
+  c->add_option("--threads", o.threads, "of every rank's planner")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   c->add_option("--out", o.out, "folder of the sessions and of sweep.json")->required();
   return c;
 }
 
 CLI::App* add_identify(CLI::App& app, app::IdentifyOptions& o) {
-  CLI::App* c = app.add_subcommand("identify", "parameters of the model from the trials of sessions (sanso identify)");
-  c->add_option("--episodes", o.episodes, "folders of learning sessions")->required()->check(CLI::ExistingPath);
+  CLI::App* c = app.add_subcommand(
+      "identify", "parameters of the model from the trials of sessions (sanso identify)");
+  c->add_option("--episodes", o.episodes, "folders of learning sessions")
+      ->required()
+      ->check(CLI::ExistingPath);
   c->add_option("--motion", o.motion, "whose weights the loss uses; by default the session's own");
   c->add_option("--seed", o.seed)->capture_default_str();
   c->add_option("--population", o.population)->capture_default_str()->check(CLI::Range(4, 100000));
@@ -56,24 +67,33 @@ CLI::App* add_identify(CLI::App& app, app::IdentifyOptions& o) {
 }
 
 CLI::App* add_predict(CLI::App& app, PredictionOptions& o) {
-  CLI::App* c =
-      app.add_subcommand("predict", "what the models of sessions foresee over 0.72 s beside a recorded trial");
-  c->add_option("--episode", o.episode, "trial_NNNN.episode of a session")->required()->check(CLI::ExistingFile);
-  c->add_option("--sessions", o.sessions, "folders whose newest models predict it")->required()->delimiter(',');
+  CLI::App* c = app.add_subcommand(
+      "predict", "what the models of sessions foresee over 0.72 s beside a recorded trial");
+  c->add_option("--episode", o.episode, "trial_NNNN.episode of a session")
+      ->required()
+      ->check(CLI::ExistingFile);
+  c->add_option("--sessions", o.sessions, "folders whose newest models predict it")
+      ->required()
+      ->delimiter(',');
   c->add_option("--motion", o.motion, "whose weights the loss uses")->capture_default_str();
   c->add_option("--out", o.out, "folder of predictions.json")->required();
   return c;
 }
 
 CLI::App* add_pushes(CLI::App& app, PushOptions& o) {
-  CLI::App* c = app.add_subcommand("pushes", "push the torso while a learned motion runs; who stays on its feet");
-  c->add_option("--session", o.session, "folder of a learning session")->required()->check(CLI::ExistingDirectory);
+  CLI::App* c = app.add_subcommand(
+      "pushes", "push the torso while a learned motion runs; who stays on its feet");
+  c->add_option("--session", o.session, "folder of a learning session")
+      ->required()
+      ->check(CLI::ExistingDirectory);
   c->add_option("--motion", o.motion, "of that session")->capture_default_str();
   c->add_option("--world", o.world, "of the emulated robot")->capture_default_str();
   c->add_option("--without", o.without, "one campaign each: none, lower, middle, upper")
       ->delimiter(',')
       ->capture_default_str();
-  c->add_option("--count", o.count, "pushes of every campaign")->capture_default_str()->check(CLI::PositiveNumber);
+  c->add_option("--count", o.count, "pushes of every campaign")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
   c->add_option("--largest", o.largest_Ns, "impulses are drawn from 0 to this [N s]")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);

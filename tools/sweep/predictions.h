@@ -1,5 +1,5 @@
-// What the learned models of two sessions foresee over 0.72 s beside what was recorded: the paper's last figure as
-// data.
+// What the learned models of two sessions foresee over 0.72 s beside what was recorded: the paper's
+// last figure as data.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,8 @@ struct PredictionOptions {
   std::filesystem::path out;  // predictions.json
 };
 
-/// Writes recorded and predicted base y and three joint angles, restarted from the observed state every 0.72 s.
+/// Writes recorded and predicted base y and three joint angles, restarted from the observed state
+/// every 0.72 s.
 int run_predictions(const PredictionOptions& options);
 
 }  // namespace sanso::sweep

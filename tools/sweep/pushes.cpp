@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kSurvival_s = 2.0;  // on its feet for so long after the push: survived
-constexpr double kDuration_s = 0.1;  // short against the robot's 0.16 s of falling time: the impulse counts
+// short against the robot's 0.16 s of falling time: the impulse counts
+constexpr double kDuration_s = 0.1;
 constexpr double kHighest_m = 0.10;  // of the torso
 
 /// What a session learned, ready to run again.
@@ -41,8 +42,9 @@ std::unique_ptr<Learned> load_learned(const PushOptions& options) {
   learned->motion = motion::MotionLibrary().load(options.motion);
   learn::load_state(options.session / "state.bin", learned->state);
   if (!learned->state.identity.starts_with("motion " + options.motion + " "))
-    throw std::runtime_error(fmt::format("{}: holds \"{}\", expected a session of motion {}", options.session.string(),
-                                         learned->state.identity, options.motion));
+    throw std::runtime_error(fmt::format("{}: holds \"{}\", expected a session of motion {}",
+                                         options.session.string(), learned->state.identity,
+                                         options.motion));
   learn::ModelLearner learner({}, learned->motion.weights.state, {}, options.seed);
   if (learned->state.model_rounds > 0)
     learner.load(options.session / fmt::format("model_{:03d}.bin", learned->state.model_rounds));
@@ -57,15 +59,16 @@ inprocess::InProcessRobot::Push as_push(const DrawnPush& drawn) {
   inprocess::InProcessRobot::Push push;
   push.trial_tick = static_cast<std::int32_t>(std::lround(drawn.time_s / to_seconds(kTickPeriod)));
   push.duration_s = drawn.duration_s;
-  const double fx = force * std::cos(drawn.direction_rad), fy = force * std::sin(drawn.direction_rad);
+  const double fx = force * std::cos(drawn.direction_rad),
+               fy = force * std::sin(drawn.direction_rad);
   push.force_in_world_N = {fx, fy, 0.0};
   push.torque_in_world_Nm = {-drawn.height_m * fy, drawn.height_m * fx, 0.0};  // (0, 0, h) x f
   return push;
 }
 
 /// True when the robot was still on its feet kSurvival_s after the push.
-bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLayer& upper, const learn::Layers& layers,
-              const DrawnPush& drawn, int number) {
+bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLayer& upper,
+              const learn::Layers& layers, const DrawnPush& drawn, int number) {
   auto middle = std::make_unique<policy::MiddleTable>(learned.state.middle);
   middle->trial_id = 1;
   policy::round_to_wire(*middle);
@@ -76,8 +79,8 @@ bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLaye
   setup.weights = learned.motion.weights;
   setup.layers = layers;
   setup.sigma = learned.state.sigma;
-  const int end =
-      static_cast<int>(std::lround((drawn.time_s + drawn.duration_s + kSurvival_s) / to_seconds(kTickPeriod)));
+  const int end = static_cast<int>(
+      std::lround((drawn.time_s + drawn.duration_s + kSurvival_s) / to_seconds(kTickPeriod)));
   setup.duration_ticks = std::min(learned.state.primitives.duration_ticks(), end);
   learn::TrialSettings settings;
   settings.cost_limit = 1e9;  // a push costs; what counts is whether the robot falls
@@ -85,7 +88,8 @@ bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLaye
   settings.drop_limit_m = learned.motion.stop.drop_limit_m;
 
   inprocess::InProcessAccess access(options.world);
-  const auto seed = learn::derived_seed(options.seed, static_cast<std::uint64_t>(number), learn::Stream::robot);
+  const auto seed =
+      learn::derived_seed(options.seed, static_cast<std::uint64_t>(number), learn::Stream::robot);
   link::RobotLink& link = access.place(learned.reference.front(), seed);
   learn::prepare_trial(link, setup, settings);
   access.robot().push_at(as_push(drawn));
@@ -97,13 +101,16 @@ std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learn
   mpc_settings.threads = 1;
   mpc::UpperLayer upper(mpc_settings, learned.model);
   const double from = learned.motion.window.from_s;
-  const double to = std::min(learned.motion.window.to_s, learned.motion.duration_s() - kDuration_s - kSurvival_s);
+  const double to =
+      std::min(learned.motion.window.to_s, learned.motion.duration_s() - kDuration_s - kSurvival_s);
   const int jobs = options.count * static_cast<int>(options.without.size());
   std::vector<Json> rows;
   for (int job = ranks.take_job(); job < jobs; job = ranks.take_job()) {
     const int number = job / static_cast<int>(options.without.size());
-    const std::string& without = options.without[static_cast<std::size_t>(job) % options.without.size()];
-    const auto layers = app::layers_without(without == "none" ? std::vector<std::string>{} : std::vector{without});
+    const std::string& without =
+        options.without[static_cast<std::size_t>(job) % options.without.size()];
+    const auto layers =
+        app::layers_without(without == "none" ? std::vector<std::string>{} : std::vector{without});
     const DrawnPush drawn = draw_push(options.seed, number, options.largest_Ns, from, to);
     rows.push_back({{"push", number},
                     {"without", without},
@@ -120,8 +127,10 @@ std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learn
 }  // namespace
 
 DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double from_s, double to_s) {
-  std::mt19937_64 rng(learn::derived_seed(seed, static_cast<std::uint64_t>(number), learn::Stream::robot));
-  // the top 53 bits as a fraction: the same on every machine, unlike the distributions of the library
+  std::mt19937_64 rng(
+      learn::derived_seed(seed, static_cast<std::uint64_t>(number), learn::Stream::robot));
+  // the top 53 bits as a fraction: the same on every machine, unlike the distributions of the
+  // library
   const auto uniform = [&rng](double low, double high) {
     return low + (high - low) * 0x1p-53 * static_cast<double>(rng() >> 11);
   };
@@ -145,21 +154,26 @@ int run_pushes(Ranks& ranks, const PushOptions& options) {
   if (ranks.rank() != 0) return 0;
   const std::size_t asked = static_cast<std::size_t>(options.count) * options.without.size();
   if (stopped && rows.size() < asked) {
-    fmt::print(stderr, "sanso-sweep: stopped after {} of {} pushes; nothing is written\n", rows.size(), asked);
+    fmt::print(stderr, "sanso-sweep: stopped after {} of {} pushes; nothing is written\n",
+               rows.size(), asked);
     return 2;
   }
   std::sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) {
     return std::pair(a.at("without").get<std::string>(), a.at("push").get<int>()) <
            std::pair(b.at("without").get<std::string>(), b.at("push").get<int>());
   });
-  std::ofstream(options.out / "pushes.json")
-      << Json{{"motion", options.motion}, {"world", options.world}, {"seed", options.seed}, {"pushes", rows}}.dump(1)
-      << '\n';
+  std::ofstream(options.out / "pushes.json") << Json{{"motion", options.motion},
+                                                     {"world", options.world},
+                                                     {"seed", options.seed},
+                                                     {"pushes", rows}}
+                                                    .dump(1)
+                                             << '\n';
   for (const std::string& without : options.without) {
     const auto survived = std::count_if(rows.begin(), rows.end(), [&](const Json& r) {
       return r.at("without") == without && r.at("survived").get<bool>();
     });
-    fmt::print("{} without {}: {} of {} pushes survived\n", options.motion, without, survived, options.count);
+    fmt::print("{} without {}: {} of {} pushes survived\n", options.motion, without, survived,
+               options.count);
   }
   fmt::print("{}\n", (options.out / "pushes.json").string());
   return 0;

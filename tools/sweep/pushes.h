@@ -1,5 +1,5 @@
-// Survival under pushes: a learned motion is run again and again, each time with one push of the torso, with all layers
-// and without each of them. Same pushes for every choice of layers.
+// Survival under pushes: a learned motion is run again and again, each time with one push of the
+// torso, with all layers and without each of them. Same pushes for every choice of layers.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +31,8 @@ struct DrawnPush {
 };
 DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double from_s, double to_s);
 
-/// Writes pushes.json at rank 0: every push with the layers' survival. Exit code: 0 done; 2 SIGINT or SIGTERM came, no
-/// push began after that and nothing is written.
+/// Writes pushes.json at rank 0: every push with the layers' survival. Exit code: 0 done; 2 SIGINT
+/// or SIGTERM came, no push began after that and nothing is written.
 int run_pushes(Ranks& ranks, const PushOptions& options);
 
 }  // namespace sanso::sweep

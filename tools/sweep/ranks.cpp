@@ -8,7 +8,8 @@ namespace sanso::sweep {
 
 Mpi::Mpi(int* argc, char*** argv) {
   int provided = 0;
-  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);  // the planner's threads never call MPI
+  // the planner's threads never call MPI
+  MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
 }
 
 Mpi::~Mpi() { MPI_Finalize(); }
@@ -38,7 +39,8 @@ void Ranks::take_no_more() { (void)add_to_counter(MPI_MAX, std::numeric_limits<i
 
 std::vector<std::string> Ranks::gather(const std::string& text) const {
   const int length = static_cast<int>(text.size());
-  std::vector<int> lengths(static_cast<std::size_t>(size_)), starts(static_cast<std::size_t>(size_));
+  std::vector<int> lengths(static_cast<std::size_t>(size_)),
+      starts(static_cast<std::size_t>(size_));
   MPI_Gather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, 0, ranks_);
   int total = 0;
   for (std::size_t r = 0; r < lengths.size(); ++r) {
@@ -46,11 +48,13 @@ std::vector<std::string> Ranks::gather(const std::string& text) const {
     total += lengths[r];
   }
   std::string all(static_cast<std::size_t>(total), ' ');
-  MPI_Gatherv(text.data(), length, MPI_CHAR, all.data(), lengths.data(), starts.data(), MPI_CHAR, 0, ranks_);
+  MPI_Gatherv(text.data(), length, MPI_CHAR, all.data(), lengths.data(), starts.data(), MPI_CHAR, 0,
+              ranks_);
   std::vector<std::string> parts;
   if (rank_ != 0) return parts;
   for (std::size_t r = 0; r < lengths.size(); ++r) {
-    parts.push_back(all.substr(static_cast<std::size_t>(starts[r]), static_cast<std::size_t>(lengths[r])));
+    parts.push_back(
+        all.substr(static_cast<std::size_t>(starts[r]), static_cast<std::size_t>(lengths[r])));
   }
   return parts;
 }
@@ -64,12 +68,14 @@ bool Ranks::any(bool here) const {
 learn::DistributeCandidates Ranks::shared_candidates() const {
   return [ranks = ranks_, rank = rank_, size = size_](const Eigen::MatrixXd& candidates,
                                                       const learn::LossOfCandidate& loss) {
-    // Each loss is computed by one rank and is the largest number anyone has for it: the maximum carries the bits over.
+    // Each loss is computed by one rank and is the largest number anyone has for it: the maximum
+    // carries the bits over.
     constexpr double kNotMine = -std::numeric_limits<double>::infinity();
     std::vector<double> losses(static_cast<std::size_t>(candidates.cols()), kNotMine);
     for (Eigen::Index c = rank; c < candidates.cols(); c += size)
       losses[static_cast<std::size_t>(c)] = loss(candidates.col(c));
-    MPI_Allreduce(MPI_IN_PLACE, losses.data(), static_cast<int>(losses.size()), MPI_DOUBLE, MPI_MAX, ranks);
+    MPI_Allreduce(MPI_IN_PLACE, losses.data(), static_cast<int>(losses.size()), MPI_DOUBLE, MPI_MAX,
+                  ranks);
     return losses;
   };
 }

@@ -1,4 +1,5 @@
-// What a sweep needs of MPI: who am I, take the next job, share losses. Every rank runs the same program.
+// What a sweep needs of MPI: who am I, take the next job, share losses. Every rank runs the same
+// program.
 #pragma once
 
 #include <mpi.h>
@@ -16,7 +17,8 @@ class Mpi {
   Mpi& operator=(const Mpi&) = delete;
 };
 
-/// The ranks of one communicator and the jobs they share. Made, used and destroyed by all of them together.
+/// The ranks of one communicator and the jobs they share. Made, used and destroyed by all of them
+/// together.
 class Ranks {
  public:
   explicit Ranks(MPI_Comm ranks = MPI_COMM_WORLD);
@@ -27,7 +29,8 @@ class Ranks {
   int rank() const { return rank_; }
   int size() const { return size_; }
 
-  /// The next job nobody has taken yet, counted up over all ranks: long jobs do not hold the others up.
+  /// The next job nobody has taken yet, counted up over all ranks: long jobs do not hold the others
+  /// up.
   int take_job();
   /// From now on take_job gives every rank a number beyond all jobs.
   void take_no_more();
@@ -36,8 +39,8 @@ class Ranks {
   /// True everywhere when it is true somewhere. All ranks must call it.
   bool any(bool here) const;
 
-  /// Evaluates every size()-th candidate here and exchanges the losses: 8 bytes a candidate and generation. All ranks
-  /// must call it with the same candidates; all get the same answer.
+  /// Evaluates every size()-th candidate here and exchanges the losses: 8 bytes a candidate and
+  /// generation. All ranks must call it with the same candidates; all get the same answer.
   learn::DistributeCandidates shared_candidates() const;
 
  private:

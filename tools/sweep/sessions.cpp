@@ -14,7 +14,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double wall_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 /// The row of a finished session, from what it stored.
 Json row_of(const app::LearnOptions& job) {
@@ -26,7 +28,8 @@ Json row_of(const app::LearnOptions& job) {
   for (const Json& i : iterations) {
     if (!i.at("failed").get<bool>()) best = std::min(best, i.at("cost").get<double>());
   }
-  for (std::size_t i = iterations.size() > 10 ? iterations.size() - 10 : 0; i < iterations.size(); ++i, ++counted) {
+  for (std::size_t i = iterations.size() > 10 ? iterations.size() - 10 : 0; i < iterations.size();
+       ++i, ++counted) {
     if (iterations[i].at("succeeded").get<bool>()) ++succeeded;
   }
   return {{"motion", job.motion},
@@ -46,12 +49,14 @@ Json run_session(const app::LearnOptions& job, const app::RobotFactory& make_rob
     app::learn(job, make_robot);
     return row_of(job);
   } catch (const std::exception& error) {
-    return {{"motion", job.motion}, {"world", job.world}, {"seed", job.seed}, {"error", error.what()}};
+    return {
+        {"motion", job.motion}, {"world", job.world}, {"seed", job.seed}, {"error", error.what()}};
   }
 }
 
 /// The sessions that this rank takes, until none is left or a rank is asked to stop.
-Json run_mine(Ranks& ranks, const std::vector<app::LearnOptions>& jobs, const app::RobotFactory& make_robot) {
+Json run_mine(Ranks& ranks, const std::vector<app::LearnOptions>& jobs,
+              const app::RobotFactory& make_robot) {
   const auto count = static_cast<int>(jobs.size());
   Json rows = Json::array();
   for (int i = ranks.take_job(); i < count; i = ranks.take_job()) {
@@ -89,7 +94,8 @@ std::vector<app::LearnOptions> sessions_of(const SessionsOptions& o) {
   return jobs;
 }
 
-int run_sessions(Ranks& ranks, const SessionsOptions& options, const app::RobotFactory& make_robot) {
+int run_sessions(Ranks& ranks, const SessionsOptions& options,
+                 const app::RobotFactory& make_robot) {
   const app::Interrupt interrupt;
   const std::vector<app::LearnOptions> jobs = sessions_of(options);
   const double begin = wall_s();
@@ -98,13 +104,17 @@ int run_sessions(Ranks& ranks, const SessionsOptions& options, const app::RobotF
     for (const Json& row : Json::parse(part)) rows.push_back(row);
   const bool stopped = ranks.any(app::Interrupt::requested());
   if (ranks.rank() != 0) return 0;
-  std::sort(rows.begin(), rows.end(), [](const Json& a, const Json& b) { return a.at("job") < b.at("job"); });
-  const auto answered = std::count_if(rows.begin(), rows.end(), [](const Json& row) { return !row.contains("error"); });
+  std::sort(rows.begin(), rows.end(),
+            [](const Json& a, const Json& b) { return a.at("job") < b.at("job"); });
+  const auto answered = std::count_if(rows.begin(), rows.end(),
+                                      [](const Json& row) { return !row.contains("error"); });
   const std::filesystem::path file = options.out / "sweep.json";
-  std::ofstream(file) << Json{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"sessions", rows}}.dump(2)
-                      << '\n';
-  fmt::print("{} of {} sessions on {} ranks in {:.1f} s: {}{}\n", answered, jobs.size(), ranks.size(), wall_s() - begin,
-             file.string(), stopped ? "; stopped, the same command goes on" : "");
+  std::ofstream(file)
+      << Json{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"sessions", rows}}.dump(2)
+      << '\n';
+  fmt::print("{} of {} sessions on {} ranks in {:.1f} s: {}{}\n", answered, jobs.size(),
+             ranks.size(), wall_s() - begin, file.string(),
+             stopped ? "; stopped, the same command goes on" : "");
   return answered == static_cast<std::ptrdiff_t>(jobs.size()) ? 0 : 2;
 }
 

@@ -1,4 +1,5 @@
-// Every combination of motions, worlds and seeds as a learning session of its own, spread over ranks.
+// Every combination of motions, worlds and seeds as a learning session of its own, spread over
+// ranks.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +23,9 @@ struct SessionsOptions {
 /// The sessions in the order of their numbers.
 std::vector<app::LearnOptions> sessions_of(const SessionsOptions& options);
 
-/// Runs what is not finished yet; rank 0 writes sweep.json. Exit code: 0 every session is finished; 2 one gave no
-/// answer, or SIGINT or SIGTERM came: the trials under way end and are stored, no session begins after that, and the
-/// same call goes on.
+/// Runs what is not finished yet; rank 0 writes sweep.json. Exit code: 0 every session is finished;
+/// 2 one gave no answer, or SIGINT or SIGTERM came: the trials under way end and are stored, no
+/// session begins after that, and the same call goes on.
 int run_sessions(Ranks& ranks, const SessionsOptions& options, const app::RobotFactory& make_robot);
 
 }  // namespace sanso::sweep

@@ -48,12 +48,14 @@ class Words {
   std::size_t count(const char* what, std::size_t limit) {
     const double value = number(what);
     if (value < 0 || value > static_cast<double>(limit) || value != std::floor(value)) {
-      fail(std::to_string(value), std::string("a whole number up to ") + std::to_string(limit) + " (" + what + ")");
+      fail(std::to_string(value),
+           std::string("a whole number up to ") + std::to_string(limit) + " (" + what + ")");
     }
     return static_cast<std::size_t>(value);
   }
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
-    throw ClipError(file_ + ":" + std::to_string(line_) + ": found " + found + ", expected " + expected);
+    throw ClipError(file_ + ":" + std::to_string(line_) + ": found " + found + ", expected " +
+                    expected);
   }
 
  private:
@@ -94,7 +96,8 @@ void read_joint(Words& words, BvhClip& clip, int parent, int& channels) {
   clip.joints[self].first_channel = channels;
   channels += static_cast<int>(n);
   for (std::size_t k = 0; k < n; ++k) clip.joints[self].channels.push_back(read_channel(words));
-  for (std::string word = words.next("JOINT, End or }"); word != "}"; word = words.next("JOINT, End or }")) {
+  for (std::string word = words.next("JOINT, End or }"); word != "}";
+       word = words.next("JOINT, End or }")) {
     if (word == "JOINT") {
       read_joint(words, clip, self, channels);
     } else if (word == "End") {
@@ -115,7 +118,8 @@ void read_frames(Words& words, BvhClip& clip, int channels) {
   words.expect("Frame");
   words.expect("Time:");
   clip.frame_time_s = words.number("frame time");
-  if (clip.frame_time_s <= 0.0) words.fail(std::to_string(clip.frame_time_s), "a frame time above 0 s");
+  if (clip.frame_time_s <= 0.0)
+    words.fail(std::to_string(clip.frame_time_s), "a frame time above 0 s");
   clip.frames.reserve(n);
   for (std::size_t f = 0; f < n; ++f) {
     std::vector<double> row(static_cast<std::size_t>(channels));
@@ -123,8 +127,8 @@ void read_frames(Words& words, BvhClip& clip, int channels) {
     clip.frames.push_back(std::move(row));
   }
   if (!words.peek().empty()) {
-    words.fail("'" + words.peek() + "'", "the end of the file after " + std::to_string(n) + " frames of " +
-                                             std::to_string(channels) + " values");
+    words.fail("'" + words.peek() + "'", "the end of the file after " + std::to_string(n) +
+                                             " frames of " + std::to_string(channels) + " values");
   }
 }
 
@@ -173,7 +177,8 @@ std::vector<Eigen::Vector3d> BvhClip::positions(std::size_t frame) const {
     }
     const bool root = joint.parent < 0;
     rotation[j] = root ? local : Eigen::Matrix3d(rotation[joint.parent] * local);
-    position[j] = root ? offset : Eigen::Vector3d(position[joint.parent] + rotation[joint.parent] * offset);
+    position[j] =
+        root ? offset : Eigen::Vector3d(position[joint.parent] + rotation[joint.parent] * offset);
   }
   return position;
 }

@@ -1,5 +1,7 @@
-// BVH (Biovision hierarchy) reader: skeleton, channels, frames, and joint positions by forward kinematics.
-// Units and axes are the file's own (usually centimetres, y up); human_motion.h turns them into metres, z up.
+// BVH (Biovision hierarchy) reader: skeleton, channels, frames, and joint positions by forward
+// kinematics.
+// Units and axes are the file's own (usually centimetres, y up); human_motion.h turns them into
+// metres, z up.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,17 +20,18 @@ enum class BvhChannel { x_position, y_position, z_position, x_rotation, y_rotati
 
 struct BvhJoint {
   std::string name;
-  int parent = -1;                        // index into joints; -1: root
-  Eigen::Vector3d offset{0, 0, 0};        // from the parent, in the parent's axes
-  std::vector<BvhChannel> channels;       // in file order; rotations multiply from left to right
-  int first_channel = 0;                  // column of the first one in `frames`
+  int parent = -1;                   // index into joints; -1: root
+  Eigen::Vector3d offset{0, 0, 0};   // from the parent, in the parent's axes
+  std::vector<BvhChannel> channels;  // in file order; rotations multiply from left to right
+  int first_channel = 0;             // column of the first one in `frames`
 };
 
 struct BvhClip {
   std::string file;
   double frame_time_s = 0.0;
-  std::vector<BvhJoint> joints;           // parents before children; end sites are left out
-  std::vector<std::vector<double>> frames;  // one row of channel values per frame (position in file units, angles deg)
+  std::vector<BvhJoint> joints;  // parents before children; end sites are left out
+  // one row of channel values per frame (position in file units, angles deg)
+  std::vector<std::vector<double>> frames;
 
   /// Index of a joint. Throws ClipError naming the joints there are.
   int joint(const std::string& name) const;

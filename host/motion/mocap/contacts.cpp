@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStandingPercentile = 0.08;  // of a foot point's height: its value in stance
 constexpr double kContactHeight_m = 0.030;
-constexpr double kContactSpeed = 0.25;        // m/s, when the hips hardly move
+constexpr double kContactSpeed = 0.25;  // m/s, when the hips hardly move
 constexpr double kMedian_s = 0.07;
 constexpr double kFloorWindow_s = 0.7;
 constexpr double kShortestStance_s = 0.08;
@@ -26,15 +26,19 @@ std::vector<double> heights(const HumanMotion& motion, int side, Eigen::Vector3d
 std::vector<double> sole_height(const HumanMotion& motion, int side) {
   const std::vector<double> ankle = heights(motion, side, &HumanLeg::ankle);
   const std::vector<double> toe = heights(motion, side, &HumanLeg::toe);
-  const double ankle_low = percentile(ankle, kStandingPercentile), toe_low = percentile(toe, kStandingPercentile);
+  const double ankle_low = percentile(ankle, kStandingPercentile),
+               toe_low = percentile(toe, kStandingPercentile);
   std::vector<double> height(ankle.size());
-  for (std::size_t f = 0; f < ankle.size(); ++f) height[f] = std::min(ankle[f] - ankle_low, toe[f] - toe_low);
+  for (std::size_t f = 0; f < ankle.size(); ++f)
+    height[f] = std::min(ankle[f] - ankle_low, toe[f] - toe_low);
   return height;
 }
 
-double speed_at(const HumanMotion& motion, std::size_t f, int side, Eigen::Vector3d HumanLeg::*point) {
+double speed_at(const HumanMotion& motion, std::size_t f, int side,
+                Eigen::Vector3d HumanLeg::*point) {
   const std::size_t a = f > 0 ? f - 1 : 0, b = std::min(f + 1, motion.frames.size() - 1);
-  const Eigen::Vector3d step = motion.frames[b].leg[side].*point - motion.frames[a].leg[side].*point;
+  const Eigen::Vector3d step =
+      motion.frames[b].leg[side].*point - motion.frames[a].leg[side].*point;
   return step.norm() / (static_cast<double>(b - a) * motion.dt_s);
 }
 
@@ -90,7 +94,8 @@ HumanMotion floor_levelled(const HumanMotion& motion) {
   const auto [offset, slope] = fit_line(x, running_minimum(lower, half));
   HumanMotion out = motion;
   for (std::size_t f = 0; f < out.frames.size(); ++f) {
-    for_each_point(out.frames[f], [&, o = offset, s = slope](Eigen::Vector3d& p) { p.z() -= o + s * x[f]; });
+    for_each_point(out.frames[f],
+                   [&, o = offset, s = slope](Eigen::Vector3d& p) { p.z() -= o + s * x[f]; });
   }
   return out;
 }
@@ -108,8 +113,8 @@ std::array<std::vector<bool>, 2> foot_contacts(const HumanMotion& motion) {
     const std::vector<double> height = sole_height(motion, side);
     std::vector<double> raw(height.size());
     for (std::size_t f = 0; f < raw.size(); ++f) {
-      const double speed =
-          std::min(speed_at(motion, f, side, &HumanLeg::ankle), speed_at(motion, f, side, &HumanLeg::toe));
+      const double speed = std::min(speed_at(motion, f, side, &HumanLeg::ankle),
+                                    speed_at(motion, f, side, &HumanLeg::toe));
       raw[f] = height[f] < kContactHeight_m && speed < slow ? 1.0 : 0.0;
     }
     for (const double c : running_median(raw, static_cast<int>(0.5 * kMedian_s / motion.dt_s))) {
@@ -135,12 +140,17 @@ std::vector<HumanStance> stances(const HumanMotion& motion) {
         x.push_back(motion.frames[f].leg[side].ankle.x());
         y.push_back(motion.frames[f].leg[side].ankle.y());
       }
-      HumanStance stance{side, static_cast<double>(from) * motion.dt_s, static_cast<double>(f - 1) * motion.dt_s,
-                         from > 0 && f < n, {median(x), median(y)}};
-      if (stance.to_s - stance.from_s >= kShortestStance_s || !stance.whole) found.push_back(stance);
+      HumanStance stance{side,
+                         static_cast<double>(from) * motion.dt_s,
+                         static_cast<double>(f - 1) * motion.dt_s,
+                         from > 0 && f < n,
+                         {median(x), median(y)}};
+      if (stance.to_s - stance.from_s >= kShortestStance_s || !stance.whole)
+        found.push_back(stance);
     }
   }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.from_s < b.from_s; });
+  std::sort(found.begin(), found.end(),
+            [](const auto& a, const auto& b) { return a.from_s < b.from_s; });
   return found;
 }
 

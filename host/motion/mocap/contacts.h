@@ -8,14 +8,16 @@
 
 namespace sanso::motion {
 
-/// Turns the motion about the vertical and moves it so that it starts above the origin. By body: mean facing is +x.
+/// Turns the motion about the vertical and moves it so that it starts above the origin. By body:
+/// mean facing is +x.
 /// Else: the travel lies along +x, or along -x when the man walks backwards.
 HumanMotion aligned(const HumanMotion& motion, bool heading_by_body);
 
 /// Removes a floor that tilts along x: a line through the running minimum of the lower foot point.
 HumanMotion floor_levelled(const HumanMotion& motion);
 
-/// True where a foot carries: low and slow, against its own lowest heights and the speed of the hips.
+/// True where a foot carries: low and slow, against its own lowest heights and the speed of the
+/// hips.
 std::array<std::vector<bool>, 2> foot_contacts(const HumanMotion& motion);
 
 struct HumanStance {

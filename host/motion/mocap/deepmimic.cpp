@@ -9,17 +9,21 @@
 namespace sanso::motion {
 namespace {
 
-// Skeleton of the format's humanoid (public humanoid3d description): m, in its axes x forward, y up, z right.
+// Skeleton of the format's humanoid (public humanoid3d description): m, in its axes x forward, y
+// up, z right.
 constexpr double kHipHalfSpacing = 0.0849;
 constexpr double kThigh = 0.4215;
 constexpr double kShank = 0.4099;
 const Eigen::Vector3d kToeInFoot(0.14, -0.04, 0.0);  // front lower edge of the foot box
 constexpr std::size_t kColumns = 44;
 constexpr std::size_t kRootPosition = 1, kRootQuat = 4;
-constexpr std::array<std::size_t, 2> kHipQuat = {16, 30}, kKneeAngle = {20, 34}, kAnkleQuat = {21, 35};  // right, left
+// right, left
+constexpr std::array<std::size_t, 2> kHipQuat = {16, 30}, kKneeAngle = {20, 34},
+                                     kAnkleQuat = {21, 35};
 
 Eigen::Quaterniond quaternion_at(const std::vector<double>& row, std::size_t column) {
-  return Eigen::Quaterniond(row[column], row[column + 1], row[column + 2], row[column + 3]).normalized();
+  return Eigen::Quaterniond(row[column], row[column + 1], row[column + 2], row[column + 3])
+      .normalized();
 }
 
 /// x forward, y up, z right -> x forward, y left, z up.
@@ -28,11 +32,12 @@ Eigen::Vector3d to_z_up(const Eigen::Vector3d& p) { return {p.x(), -p.z(), p.y()
 HumanLeg leg_of(const std::vector<double>& row, int side) {
   const Eigen::Vector3d root(row[kRootPosition], row[kRootPosition + 1], row[kRootPosition + 2]);
   const Eigen::Quaterniond root_rotation = quaternion_at(row, kRootQuat);
-  const Eigen::Vector3d hip = root + root_rotation * Eigen::Vector3d(0, 0, -side_sign(side) * kHipHalfSpacing);
+  const Eigen::Vector3d hip =
+      root + root_rotation * Eigen::Vector3d(0, 0, -side_sign(side) * kHipHalfSpacing);
   const Eigen::Quaterniond thigh = root_rotation * quaternion_at(row, kHipQuat[side]);
   const Eigen::Vector3d knee = hip + thigh * Eigen::Vector3d(0, -kThigh, 0);
-  const Eigen::Quaterniond shank =
-      thigh * Eigen::Quaterniond(Eigen::AngleAxisd(row[kKneeAngle[side]], Eigen::Vector3d::UnitZ()));
+  const Eigen::Quaterniond shank = thigh * Eigen::Quaterniond(Eigen::AngleAxisd(
+                                               row[kKneeAngle[side]], Eigen::Vector3d::UnitZ()));
   const Eigen::Vector3d ankle = knee + shank * Eigen::Vector3d(0, -kShank, 0);
   const Eigen::Vector3d toe = ankle + (shank * quaternion_at(row, kAnkleQuat[side])) * kToeInFoot;
   return {to_z_up(hip), to_z_up(knee), to_z_up(ankle), to_z_up(toe)};
@@ -40,12 +45,14 @@ HumanLeg leg_of(const std::vector<double>& row, int side) {
 
 std::vector<double> read_row(const nlohmann::json& json, const std::string& where) {
   if (!json.is_array() || json.size() != kColumns) {
-    throw ClipError(where + ": found " + (json.is_array() ? std::to_string(json.size()) + " values" : "no list") +
+    throw ClipError(where + ": found " +
+                    (json.is_array() ? std::to_string(json.size()) + " values" : "no list") +
                     ", expected 44 numbers");
   }
   std::vector<double> row;
   for (const auto& value : json) {
-    if (!value.is_number()) throw ClipError(where + ": found " + value.dump() + ", expected a number");
+    if (!value.is_number())
+      throw ClipError(where + ": found " + value.dump() + ", expected a number");
     row.push_back(value.get<double>());
   }
   return row;
@@ -64,7 +71,8 @@ HumanMotion parse_deepmimic(const std::string& text, const std::string& name) {
   motion.loops = json.value("Loop", std::string("none")) == "wrap";
   std::size_t index = 0;
   for (const auto& entry : json["Frames"]) {
-    const std::vector<double> row = read_row(entry, name + ": Frames[" + std::to_string(index++) + "]");
+    const std::vector<double> row =
+        read_row(entry, name + ": Frames[" + std::to_string(index++) + "]");
     if (motion.frames.empty()) motion.dt_s = row[0];
     motion.frames.push_back({{leg_of(row, kRight), leg_of(row, kLeft)}});
   }
@@ -74,7 +82,8 @@ HumanMotion parse_deepmimic(const std::string& text, const std::string& name) {
 
 HumanMotion read_deepmimic(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw ClipError(path + ": cannot be opened; give the path of a DeepMimic motion (JSON)");
+  if (!file)
+    throw ClipError(path + ": cannot be opened; give the path of a DeepMimic motion (JSON)");
   std::ostringstream text;
   text << file.rdbuf();
   return parse_deepmimic(text.str(), path);

@@ -6,7 +6,8 @@
 namespace sanso::motion {
 namespace {
 
-/// Second-order low-pass by the bilinear transform, transposed direct form II, started in the steady state of `first`.
+/// Second-order low-pass by the bilinear transform, transposed direct form II, started in the
+/// steady state of `first`.
 void filter_in_place(std::vector<double>& signal, double dt_s, double cutoff_Hz) {
   const double c = std::tan(M_PI * std::min(cutoff_Hz * dt_s, 0.49));
   const double norm = 1.0 / (1.0 + std::sqrt(2.0) * c + c * c);
@@ -28,7 +29,8 @@ std::vector<double> over_window(const std::vector<double>& signal, int half, Pic
   std::vector<double> out(signal.size());
   for (int i = 0; i < n; ++i) {
     const int from = std::max(0, i - half), to = std::min(n - 1, i + half);
-    out[static_cast<std::size_t>(i)] = pick(std::vector<double>(signal.begin() + from, signal.begin() + to + 1));
+    out[static_cast<std::size_t>(i)] =
+        pick(std::vector<double>(signal.begin() + from, signal.begin() + to + 1));
   }
   return out;
 }
@@ -48,19 +50,23 @@ std::vector<double> low_pass(const std::vector<double>& signal, double dt_s, dou
     filter_in_place(padded, dt_s, cutoff_Hz);
     std::reverse(padded.begin(), padded.end());
   }
-  return {padded.begin() + static_cast<std::ptrdiff_t>(pad), padded.begin() + static_cast<std::ptrdiff_t>(pad + n)};
+  return {padded.begin() + static_cast<std::ptrdiff_t>(pad),
+          padded.begin() + static_cast<std::ptrdiff_t>(pad + n)};
 }
 
 double sample_at(const std::vector<double>& signal, double index) {
   const auto last = static_cast<double>(signal.size() - 1);
   const double clamped = std::clamp(index, 0.0, last);
-  const auto i = static_cast<std::ptrdiff_t>(std::min(std::floor(clamped), std::max(last - 1, 0.0)));
+  const auto i =
+      static_cast<std::ptrdiff_t>(std::min(std::floor(clamped), std::max(last - 1, 0.0)));
   const double t = clamped - static_cast<double>(i);
   const auto at = [&](std::ptrdiff_t k) {
-    return signal[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, static_cast<std::ptrdiff_t>(last)))];
+    return signal[static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(k, 0, static_cast<std::ptrdiff_t>(last)))];
   };
   const double p0 = at(i - 1), p1 = at(i), p2 = at(i + 1), p3 = at(i + 2);
-  return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
+  return p1 +
+         0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
 }
 
 std::vector<double> running_median(const std::vector<double>& signal, int half) {
@@ -72,8 +78,9 @@ std::vector<double> running_median(const std::vector<double>& signal, int half) 
 }
 
 std::vector<double> running_minimum(const std::vector<double>& signal, int half) {
-  return over_window(signal, half,
-                     [](const std::vector<double>& window) { return *std::min_element(window.begin(), window.end()); });
+  return over_window(signal, half, [](const std::vector<double>& window) {
+    return *std::min_element(window.begin(), window.end());
+  });
 }
 
 double percentile(std::vector<double> values, double fraction) {

@@ -1,12 +1,14 @@
-// Small signal tools of the retargeting: zero-phase low-pass, running median and minimum, cubic sampling.
+// Small signal tools of the retargeting: zero-phase low-pass, running median and minimum, cubic
+// sampling.
 #pragma once
 
 #include <vector>
 
 namespace sanso::motion {
 
-/// Second-order Butterworth at `cutoff_Hz`, run forwards and backwards (no delay). The ends are reflected about their
-/// first and last value, so that a motion that starts at rest keeps its start.
+/// Second-order Butterworth at `cutoff_Hz`, run forwards and backwards (no delay). The ends are
+/// reflected about their first and last value, so that a motion that starts at rest keeps its
+/// start.
 std::vector<double> low_pass(const std::vector<double>& signal, double dt_s, double cutoff_Hz);
 
 /// Value at a fractional index by a Catmull-Rom cubic; held beyond the ends.

@@ -12,7 +12,8 @@ struct LegNames {
   std::string hip, knee, ankle, toe;
 };
 
-/// Joint names of one side. Two customs are known: <prefix>LeftUpLeg, LeftLeg, LeftFoot, LeftToeBase, and UpperLeg_L.
+/// Joint names of one side. Two customs are known: <prefix>LeftUpLeg, LeftLeg, LeftFoot,
+/// LeftToeBase, and UpperLeg_L.
 LegNames find_leg(const BvhClip& clip, int side) {
   const std::string word = side == kLeft ? "Left" : "Right";
   const std::string up_leg = word + "UpLeg";
@@ -20,7 +21,8 @@ LegNames find_leg(const BvhClip& clip, int side) {
     const std::size_t at = joint.name.rfind(up_leg);
     if (at == std::string::npos || at + up_leg.size() != joint.name.size()) continue;
     const std::string prefix = joint.name.substr(0, at);
-    return {prefix + up_leg, prefix + word + "Leg", prefix + word + "Foot", prefix + word + "ToeBase"};
+    return {prefix + up_leg, prefix + word + "Leg", prefix + word + "Foot",
+            prefix + word + "ToeBase"};
   }
   const std::string suffix = side == kLeft ? "_L" : "_R";
   return {"UpperLeg" + suffix, "LowerLeg" + suffix, "Foot" + suffix, "Toes" + suffix};
@@ -34,7 +36,8 @@ Eigen::Vector3d to_z_up(const Eigen::Vector3d& p) { return {p.z(), p.x(), p.y()}
 double HumanMotion::leg_length() const {
   double sum = 0.0;
   for (const auto& frame : frames) {
-    for (const auto& leg : frame.leg) sum += (leg.hip - leg.knee).norm() + (leg.knee - leg.ankle).norm();
+    for (const auto& leg : frame.leg)
+      sum += (leg.hip - leg.knee).norm() + (leg.knee - leg.ankle).norm();
   }
   return sum / (2.0 * static_cast<double>(frames.size()));
 }
@@ -49,7 +52,8 @@ HumanMotion human_from_bvh(const BvhClip& clip) {
   std::array<std::array<int, 4>, 2> index;
   for (int side : {kRight, kLeft}) {
     const LegNames names = find_leg(clip, side);
-    index[side] = {clip.joint(names.hip), clip.joint(names.knee), clip.joint(names.ankle), clip.joint(names.toe)};
+    index[side] = {clip.joint(names.hip), clip.joint(names.knee), clip.joint(names.ankle),
+                   clip.joint(names.toe)};
   }
   HumanMotion motion;
   motion.source = clip.file;
@@ -58,13 +62,14 @@ HumanMotion human_from_bvh(const BvhClip& clip) {
     const auto p = clip.positions(f);
     HumanFrame frame;
     for (int side : {kRight, kLeft}) {
-      frame.leg[side] = {to_z_up(p[index[side][0]]), to_z_up(p[index[side][1]]), to_z_up(p[index[side][2]]),
-                         to_z_up(p[index[side][3]])};
+      frame.leg[side] = {to_z_up(p[index[side][0]]), to_z_up(p[index[side][1]]),
+                         to_z_up(p[index[side][2]]), to_z_up(p[index[side][3]])};
     }
     motion.frames.push_back(frame);
   }
   const double metres = motion.leg_length() > 10.0 ? 0.01 : 1.0;
-  for (auto& frame : motion.frames) for_each_point(frame, [&](Eigen::Vector3d& point) { point *= metres; });
+  for (auto& frame : motion.frames)
+    for_each_point(frame, [&](Eigen::Vector3d& point) { point *= metres; });
   const double length = motion.leg_length();
   if (length < 0.3 || length > 1.5) {
     throw ClipError(clip.file + ": legs of " + std::to_string(length) +
@@ -74,15 +79,17 @@ HumanMotion human_from_bvh(const BvhClip& clip) {
 }
 
 HumanMotion read_human_motion(const std::string& path) {
-  if (path.size() > 4 && path.substr(path.size() - 4) == ".bvh") return human_from_bvh(read_bvh(path));
+  if (path.size() > 4 && path.substr(path.size() - 4) == ".bvh")
+    return human_from_bvh(read_bvh(path));
   return read_deepmimic(path);
 }
 
 HumanMotion cut(const HumanMotion& motion, int first, int last) {
   const int size = static_cast<int>(motion.frames.size());
   if (first < 0 || last < first || last >= size) {
-    throw ClipError(motion.source + ": frames " + std::to_string(first) + " to " + std::to_string(last) +
-                    " asked for, the clip has 0 to " + std::to_string(size - 1));
+    throw ClipError(motion.source + ": frames " + std::to_string(first) + " to " +
+                    std::to_string(last) + " asked for, the clip has 0 to " +
+                    std::to_string(size - 1));
   }
   HumanMotion part = motion;
   part.frames.assign(motion.frames.begin() + first, motion.frames.begin() + last + 1);
@@ -92,7 +99,9 @@ HumanMotion cut(const HumanMotion& motion, int first, int last) {
 HumanMotion smooth_and_resample(const HumanMotion& motion, double cutoff_Hz, double dt_s) {
   HumanMotion out = motion;
   const std::size_t n = motion.frames.size();
-  const auto count = static_cast<std::size_t>(std::floor(static_cast<double>(n - 1) * motion.dt_s / dt_s + 1e-9)) + 1;
+  const auto count =
+      static_cast<std::size_t>(std::floor(static_cast<double>(n - 1) * motion.dt_s / dt_s + 1e-9)) +
+      1;
   out.dt_s = dt_s;
   out.frames.assign(count, {});
   // the eight points are filtered coordinate by coordinate
@@ -102,13 +111,17 @@ HumanMotion smooth_and_resample(const HumanMotion& motion, double cutoff_Hz, dou
       for (std::size_t f = 0; f < n; ++f) {
         HumanFrame frame = motion.frames[f];
         int k = 0;
-        for_each_point(frame, [&](Eigen::Vector3d& p) { if (k++ == point) signal[f] = p[axis]; });
+        for_each_point(frame, [&](Eigen::Vector3d& p) {
+          if (k++ == point) signal[f] = p[axis];
+        });
       }
       const std::vector<double> smooth = low_pass(signal, motion.dt_s, cutoff_Hz);
       for (std::size_t f = 0; f < count; ++f) {
         const double value = sample_at(smooth, static_cast<double>(f) * dt_s / motion.dt_s);
         int k = 0;
-        for_each_point(out.frames[f], [&](Eigen::Vector3d& p) { if (k++ == point) p[axis] = value; });
+        for_each_point(out.frames[f], [&](Eigen::Vector3d& p) {
+          if (k++ == point) p[axis] = value;
+        });
       }
     }
   }

@@ -1,4 +1,5 @@
-// Fixed-size kernels of the backward pass: [A | B] is 36 x 48, Vxx 36 x 36 padded to 40. Per instruction set (SANSO_ISA).
+// Fixed-size kernels of the backward pass: [A | B] is 36 x 48, Vxx 36 x 36 padded to 40. Per
+// instruction set (SANSO_ISA).
 #pragma once
 
 #include <cmath>
@@ -8,28 +9,31 @@
 
 namespace sanso::mpc::SANSO_ISA {
 
-inline constexpr int kPacksAB = kColumns / 8;      // 6
-inline constexpr int kPacksX = kNdxPadded / 8;     // 5
+inline constexpr int kPacksAB = kColumns / 8;   // 6
+inline constexpr int kPacksX = kNdxPadded / 8;  // 5
 
 /// out[r][..] (+)= sum_k left(r, k) right[k][..] for Rows rows and Packs packs of 8 columns.
 template <int Rows, int Packs, Start start = Start::at_zero>
-inline void multiply_rows(const double* left, int left_row_stride, int left_k_stride, const double* right,
-                          int right_stride, int inner, double* out, int out_stride) {
-  multiply<Rows, 8 * Packs, start>(left, left_row_stride, left_k_stride, right, right_stride, inner, out, out_stride);
+inline void multiply_rows(const double* left, int left_row_stride, int left_k_stride,
+                          const double* right, int right_stride, int inner, double* out,
+                          int out_stride) {
+  multiply<Rows, 8 * Packs, start>(left, left_row_stride, left_k_stride, right, right_stride, inner,
+                                   out, out_stride);
 }
 
 /// out[..] -= factor in[..] over a row of gains.
 inline void subtract_row(double factor, const double* in, double* out) {
-  for (int c = 0; c < kNdxPadded; c += kWidth<double>) store(out + c, load(out + c) - factor * load(in + c));
+  for (int c = 0; c < kNdxPadded; c += kWidth<double>)
+    store(out + c, load(out + c) - factor * load(in + c));
 }
 
 /// Scratch of one stage.
 struct alignas(64) StageScratch {
-  double T[kNdx][kColumns];         // Vxx [A | B]
-  double B[kNdx][16];               // B, rows padded to two packs
-  double WB[kNdx][16];              // sigma^2 diag(Vxx) B
-  double Quu_noise[kNu][16];        // B' WB
-  double Qu_x[kNu][kColumns];       // [Qux | B'Vxx B]
+  double T[kNdx][kColumns];    // Vxx [A | B]
+  double B[kNdx][16];          // B, rows padded to two packs
+  double WB[kNdx][16];         // sigma^2 diag(Vxx) B
+  double Quu_noise[kNu][16];   // B' WB
+  double Qu_x[kNu][kColumns];  // [Qux | B'Vxx B]
   double Qxx[kNdxPadded][kNdxPadded];
   double Quu[kNu][kNu];
   double L[kNu][kNu];
@@ -40,14 +44,15 @@ struct alignas(64) StageScratch {
 /// T = Vxx [A | B], four rows at a time so that the accumulators stay in registers.
 inline void multiply_value(const Value& value, const StageDerivatives& d, StageScratch& s) {
   for (int r = 0; r < kNdx; r += 4)
-    multiply_rows<4, kPacksAB>(&value.Vxx[r][0], kNdxPadded, 1, &d.AB[0][0], kColumns, kNdx, &s.T[r][0], kColumns);
+    multiply_rows<4, kPacksAB>(&value.Vxx[r][0], kNdxPadded, 1, &d.AB[0][0], kColumns, kNdx,
+                               &s.T[r][0], kColumns);
 }
 
 /// Rows r .. r+3 of A'T, from the pack that holds the diagonal on: the upper part is enough.
 template <int FirstPack>
 inline void upper_rows(const StageDerivatives& d, StageScratch& s, int r) {
-  multiply_rows<4, kPacksX - FirstPack>(&d.AB[0][r], 1, kColumns, &s.T[0][8 * FirstPack], kColumns, kNdx,
-                                        &s.Qxx[r][8 * FirstPack], kNdxPadded);
+  multiply_rows<4, kPacksX - FirstPack>(&d.AB[0][r], 1, kColumns, &s.T[0][8 * FirstPack], kColumns,
+                                        kNdx, &s.Qxx[r][8 * FirstPack], kNdxPadded);
 }
 
 inline void quadratic_terms(const StageDerivatives& d, StageScratch& s) {
@@ -57,7 +62,8 @@ inline void quadratic_terms(const StageDerivatives& d, StageScratch& s) {
   upper_rows<3>(d, s, 24), upper_rows<3>(d, s, 28);
   upper_rows<4>(d, s, 32);
   for (int r = 0; r < kNu; r += 4)
-    multiply_rows<4, kPacksAB>(&d.AB[0][kNdx + r], 1, kColumns, &s.T[0][0], kColumns, kNdx, &s.Qu_x[r][0], kColumns);
+    multiply_rows<4, kPacksAB>(&d.AB[0][kNdx + r], 1, kColumns, &s.T[0][0], kColumns, kNdx,
+                               &s.Qu_x[r][0], kColumns);
 }
 
 /// Quu, Qu, Qx of the stage, noise included, mu not.
@@ -80,7 +86,8 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
     }
     for (int j = kNu; j < 16; ++j) s.B[i][j] = s.WB[i][j] = 0;
   }
-  for (int r = 0; r < kNu; r += 4) multiply_rows<4, 2>(&s.B[0][r], 1, 16, &s.WB[0][0], 16, kNdx, &s.Quu_noise[r][0], 16);
+  for (int r = 0; r < kNu; r += 4)
+    multiply_rows<4, 2>(&s.B[0][r], 1, 16, &s.WB[0][0], 16, kNdx, &s.Quu_noise[r][0], 16);
   double noise_gradient[16];
   multiply_rows<1, 2>(weighted_F, 0, 1, &s.B[0][0], 16, kNdx, noise_gradient, 16);
 
@@ -96,11 +103,13 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
     for (int j = 0; j < 3; ++j) s.Qxx[kTheta + i][kTheta + j] += cost.lxx_theta[i][j];
 }
 
-/// Cholesky factor of Quu + mu I with held inputs replaced by unit rows. False when not positive definite.
+/// Cholesky factor of Quu + mu I with held inputs replaced by unit rows. False when not positive
+/// definite.
 inline bool factorize(StageScratch& s, double mu) {
   for (int j = 0; j < kNu; ++j) {
     for (int i = j; i < kNu; ++i) {
-      double sum = (s.held[i] || s.held[j]) ? (i == j ? 1.0 : 0.0) : s.Quu[i][j] + (i == j ? mu : 0.0);
+      double sum =
+          (s.held[i] || s.held[j]) ? (i == j ? 1.0 : 0.0) : s.Quu[i][j] + (i == j ? mu : 0.0);
       for (int k = 0; k < j; ++k) sum -= s.L[i][k] * s.L[j][k];
       if (i == j) {
         if (!(sum > 1e-12)) return false;
@@ -141,13 +150,17 @@ inline void solve_gains(StageScratch& s, StageGains& g) {
 
 /// Rows r .. r+3 of Qxx += K' (Qux - mu K), upper part.
 template <int FirstPack>
-inline void add_gain_rows(const StageGains& g, const double (&R)[kNu][kNdxPadded], StageScratch& s, int r) {
-  multiply_rows<4, kPacksX - FirstPack, Start::at_out>(&g.K[0][r], 1, kNdxPadded, &R[0][8 * FirstPack], kNdxPadded, kNu,
+inline void add_gain_rows(const StageGains& g, const double (&R)[kNu][kNdxPadded], StageScratch& s,
+                          int r) {
+  multiply_rows<4, kPacksX - FirstPack, Start::at_out>(&g.K[0][r], 1, kNdxPadded,
+                                                       &R[0][8 * FirstPack], kNdxPadded, kNu,
                                                        &s.Qxx[r][8 * FirstPack], kNdxPadded);
 }
 
-/// V of the knot before the stage. With k, K exact solutions for Quu + mu I the usual sums shrink to
-/// Vxx = Qxx + K'(Qux - mu K),  Vx = Qx + Qux'k - mu K'k  (on the free inputs; the held ones have zero rows).
+/// V of the knot before the stage. With k, K exact solutions for Quu + mu I the usual sums shrink
+/// to
+/// Vxx = Qxx + K'(Qux - mu K),  Vx = Qx + Qux'k - mu K'k  (on the free inputs; the held ones have
+/// zero rows).
 inline void value_before(StageScratch& s, const StageGains& g, double mu, Value& value) {
   alignas(64) double R[kNu][kNdxPadded];  // Qux - mu K
   for (int i = 0; i < kNu; ++i)
@@ -183,7 +196,8 @@ inline void start_value(const StageCost& last, Value& value) {
     for (int j = 0; j < 3; ++j) value.Vxx[kTheta + i][kTheta + j] = last.lxx_theta[i][j];
 }
 
-inline BackwardSummary run_backward_pass(const BackwardInput& in, const BackwardOutput& out, Value& value) {
+inline BackwardSummary run_backward_pass(const BackwardInput& in, const BackwardOutput& out,
+                                         Value& value) {
   BackwardSummary summary;
   StageScratch s;
   start_value(in.costs[in.stages], value);

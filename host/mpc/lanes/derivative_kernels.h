@@ -1,17 +1,21 @@
-// Implementation of lane_kernels.h: perturbed states of a stage, their differences, and what is added analytically
-// (residual network, slope of middle layer and reflex). Per instruction set.
+// Implementation of lane_kernels.h: perturbed states of a stage, their differences, and what is
+// added analytically (residual network, slope of middle layer and reflex). Per instruction set.
 #pragma once
 
 #include "host/mpc/lanes/stage_kernels.h"
 
 namespace sanso::mpc::SANSO_ISA {
 
-inline constexpr int kLinearBlocks[2] = {model::kDPos, model::kDVel};  // blocks of a tangent in world axes
+// blocks of a tangent in world axes
+inline constexpr int kLinearBlocks[2] = {model::kDPos, model::kDVel};
 
 /// Where column c of [A | B] is evaluated (StageEvaluations).
-constexpr int group_of(int c) { return c == 2 ? kConfigurationGroups : c < 18 ? (c - 2) / 8 : c / 8; }
+constexpr int group_of(int c) {
+  return c == 2 ? kConfigurationGroups : c < 18 ? (c - 2) / 8 : c / 8;
+}
 constexpr int lane_of(int c) { return c == 2 ? 0 : c < 18 ? (c - 2) % 8 : c % 8; }
-static_assert(18 == kTheta + 3 + kNu && group_of(17) == kConfigurationGroups - 1 && group_of(18) == kConfigurationGroups);
+static_assert(18 == kTheta + 3 + kNu && group_of(17) == kConfigurationGroups - 1 &&
+              group_of(18) == kConfigurationGroups);
 
 inline void spread(const double* x, const double* u_total, double eps, StageEvaluations& out) {
   for (int g = 0; g < kEvaluationGroups; ++g) {
@@ -36,8 +40,10 @@ inline void spread(const double* x, const double* u_total, double eps, StageEval
 
 typedef double UnalignedLanes __attribute__((vector_size(64), aligned(8), may_alias));
 
-/// Eight columns of AB from `first` on: (f(x perturbed) ⊖ f(x)) / eps, with f(x) in lane `nominal` of group `from`.
-inline void difference_group(const StageFinish& f, int group, int from, int nominal_lane, int first, StageDerivatives& out) {
+/// Eight columns of AB from `first` on: (f(x perturbed) ⊖ f(x)) / eps, with f(x) in lane `nominal`
+/// of group `from`.
+inline void difference_group(const StageFinish& f, int group, int from, int nominal_lane, int first,
+                             StageDerivatives& out) {
   Lanes nominal[kNx], d[kNdx], xs[kNx];
   for (int i = 0; i < kNx; ++i) nominal[i] = f.evaluations->x[from][i][nominal_lane];
   load_state(f.evaluations->x[group], xs);
@@ -45,7 +51,8 @@ inline void difference_group(const StageFinish& f, int group, int from, int nomi
   quat_minus_small(xs + 3, nominal + 3, d + 3);
   for (int i = 6; i < kNdx; ++i) d[i] = xs[i + 1] - nominal[i + 1];
   const double scale = 1.0 / f.difference_step;
-  for (int i = 0; i < kNdx; ++i) *reinterpret_cast<UnalignedLanes*>(&out.AB[i][first]) = (scale * d[i]).v;
+  for (int i = 0; i < kNdx; ++i)
+    *reinterpret_cast<UnalignedLanes*>(&out.AB[i][first]) = (scale * d[i]).v;
 }
 
 /// The groups overlap by two columns: what is right is written last.
@@ -54,7 +61,8 @@ inline void difference(const StageFinish& f, StageDerivatives& out) {
   difference_group(f, shared, shared, 1, 16, out);
   double height[kNdx];
   for (int i = 0; i < kNdx; ++i) height[i] = out.AB[i][16];
-  for (int g = shared + 1; g < kEvaluationGroups; ++g) difference_group(f, g, shared, 1, 8 * g, out);
+  for (int g = shared + 1; g < kEvaluationGroups; ++g)
+    difference_group(f, g, shared, 1, 8 * g, out);
   for (int g = 0; g < shared; ++g) difference_group(f, g, 0, 0, 2 + 8 * g, out);
   for (int i = 0; i < kNdx; ++i) {
     out.AB[i][0] = out.AB[i][1] = 0;
@@ -68,11 +76,13 @@ inline void difference(const StageFinish& f, StageDerivatives& out) {
   }
 }
 
-inline void single_features(const double* x, const double* u, const double (&R)[3][3], float (&out)[kFeaturesPadded]) {
+inline void single_features(const double* x, const double* u, const double (&R)[3][3],
+                            float (&out)[kFeaturesPadded]) {
   out[0] = static_cast<float>(x[2]);
   for (int i = 0; i < 3; ++i) {
     out[1 + i] = static_cast<float>(-R[2][i]);
-    out[16 + i] = static_cast<float>(R[0][i] * x[model::kXVel] + R[1][i] * x[model::kXVel + 1] + R[2][i] * x[model::kXVel + 2]);
+    out[16 + i] = static_cast<float>(R[0][i] * x[model::kXVel] + R[1][i] * x[model::kXVel + 1] +
+                                     R[2][i] * x[model::kXVel + 2]);
     out[19 + i] = static_cast<float>(x[model::kXOmega + i]);
   }
   for (int j = 0; j < kNu; ++j) {
@@ -88,7 +98,8 @@ inline void to_tangent(const float* y, const double (&R)[3][3], double* d) {
   for (int i = 0; i < kNdx; ++i) d[i] = static_cast<double>(y[i]);
   for (const int block : kLinearBlocks)
     for (int i = 0; i < 3; ++i)
-      d[block + i] = R[i][0] * static_cast<double>(y[block]) + R[i][1] * static_cast<double>(y[block + 1]) +
+      d[block + i] = R[i][0] * static_cast<double>(y[block]) +
+                     R[i][1] * static_cast<double>(y[block + 1]) +
                      R[i][2] * static_cast<double>(y[block + 2]);
 }
 
@@ -100,19 +111,25 @@ inline void state_plus(double* x, const double* d) {
   for (int i = 6; i < kNdx; ++i) x[i + 1] += d[i];
 }
 
-/// row3 += J skew(c): what J times R'c gains when the base turns, since R'c then changes by skew(R'c) dtheta.
+/// row3 += J skew(c): what J times R'c gains when the base turns, since R'c then changes by
+/// skew(R'c) dtheta.
 inline void add_times_skew(const float* J, const double* c, double* row3) {
-  const double a = static_cast<double>(J[0]), b = static_cast<double>(J[1]), d = static_cast<double>(J[2]);
+  const double a = static_cast<double>(J[0]), b = static_cast<double>(J[1]),
+               d = static_cast<double>(J[2]);
   row3[0] += b * c[2] - d * c[1];
   row3[1] += d * c[0] - a * c[2];
   row3[2] += a * c[1] - b * c[0];
 }
 
-/// Derivative of the network's tangent with respect to tangent and input, added to AB; `d` is the tangent itself.
-inline void add_residual_derivative(const double (&R)[3][3], const float (&features)[kFeaturesPadded],
-                                    const float (&y)[kOutputsPadded], const float (&J)[kOutputCount][kFeaturesPadded],
+/// Derivative of the network's tangent with respect to tangent and input, added to AB; `d` is the
+/// tangent itself.
+inline void add_residual_derivative(const double (&R)[3][3],
+                                    const float (&features)[kFeaturesPadded],
+                                    const float (&y)[kOutputsPadded],
+                                    const float (&J)[kOutputCount][kFeaturesPadded],
                                     const double* d, StageDerivatives& out) {
-  // analytical orientation columns as seen from the corrected orientation: Exp(d)' A = A - d x A + ..
+  // analytical orientation columns as seen from the corrected orientation: Exp(d)' A = A - d x A +
+  // ..
   const double* t = d + kTheta;
   for (int c = 0; c < kColumns; ++c) {
     double a[3] = {out.AB[3][c], out.AB[4][c], out.AB[5][c]}, once[3], twice[3];
@@ -121,7 +138,8 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
     for (int i = 0; i < 3; ++i) out.AB[3 + i][c] = a[i] - once[i] + 0.5 * twice[i];
   }
   double g[3], v[3];
-  for (int i = 0; i < 3; ++i) g[i] = static_cast<double>(features[1 + i]), v[i] = static_cast<double>(features[16 + i]);
+  for (int i = 0; i < 3; ++i)
+    g[i] = static_cast<double>(features[1 + i]), v[i] = static_cast<double>(features[16 + i]);
   alignas(64) double D[kNdx][kColumns];
   for (int i = 0; i < kNdx; ++i) {
     const float* row = J[i];
@@ -130,7 +148,8 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
     add_times_skew(row + 1, g, &D[i][kTheta]);
     add_times_skew(row + 16, v, &D[i][kTheta]);
     for (int j = 0; j < 3; ++j) {
-      D[i][model::kDVel + j] = static_cast<double>(row[16]) * R[j][0] + static_cast<double>(row[17]) * R[j][1] +
+      D[i][model::kDVel + j] = static_cast<double>(row[16]) * R[j][0] +
+                               static_cast<double>(row[17]) * R[j][1] +
                                static_cast<double>(row[18]) * R[j][2];
       D[i][model::kDOmega + j] = static_cast<double>(row[19 + j]);
     }
@@ -140,7 +159,8 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
       D[i][kNdx + j] = static_cast<double>(row[34 + j]);
     }
   }
-  // orientation: the network's own change enters through the right Jacobian of Exp, 1 - skew(d)/2 + ..
+  // orientation: the network's own change enters through the right Jacobian of Exp, 1 - skew(d)/2 +
+  // ..
   for (int c = 0; c < kColumns; ++c) {
     double a[3] = {D[3][c], D[4][c], D[5][c]}, once[3], twice[3];
     kernel::cross(t, a, once);
@@ -151,12 +171,14 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
     // linear blocks: R y, and turning the base turns them: -R skew(y)
     for (int i = 0; i < 3; ++i) {
       const float unit[3] = {i == 0 ? 1.0f : 0.0f, i == 1 ? 1.0f : 0.0f, i == 2 ? 1.0f : 0.0f};
-      const double yb[3] = {-static_cast<double>(y[block]), -static_cast<double>(y[block + 1]), -static_cast<double>(y[block + 2])};
+      const double yb[3] = {-static_cast<double>(y[block]), -static_cast<double>(y[block + 1]),
+                            -static_cast<double>(y[block + 2])};
       add_times_skew(unit, yb, &D[block + i][kTheta]);
     }
     for (int c = 0; c < kColumns; ++c)
       for (int i = 0; i < 3; ++i)
-        out.AB[block + i][c] += R[i][0] * D[block][c] + R[i][1] * D[block + 1][c] + R[i][2] * D[block + 2][c];
+        out.AB[block + i][c] +=
+            R[i][0] * D[block][c] + R[i][1] * D[block + 1][c] + R[i][2] * D[block + 2][c];
   }
   for (int i = 3; i < kNdx; ++i)
     if (i < model::kDVel || i >= model::kDVel + 3)
@@ -167,7 +189,8 @@ inline void add_residual_derivative(const double (&R)[3][3], const float (&featu
 inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives& out) {
   for (int i = 0; i < kNdx; i += 4) {
     alignas(64) double rows[4][kNdxPadded];
-    multiply<4, kNdxPadded, Start::at_zero>(&out.AB[i][kNdx], kColumns, 1, slope[0], kNdxPadded, kNu, rows[0], kNdxPadded);
+    multiply<4, kNdxPadded, Start::at_zero>(&out.AB[i][kNdx], kColumns, 1, slope[0], kNdxPadded,
+                                            kNu, rows[0], kNdxPadded);
     for (int r = 0; r < 4; ++r)
       for (int c = 0; c < kNdx; ++c) out.AB[i + r][c] += rows[r][c];
   }
@@ -178,7 +201,8 @@ inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
   for (int i = 0; i < kNx; ++i) next[i] = f.next[i], without[i] = f.without_upper[i];
   difference(f, out);
   if (f.residual) {
-    alignas(64) float features[kFeaturesPadded], y[kOutputsPadded], J[kOutputCount][kFeaturesPadded];
+    alignas(64) float features[kFeaturesPadded], y[kOutputsPadded],
+        J[kOutputCount][kFeaturesPadded];
     double d[kNdx];
     kernel::rotation_from_quat(f.x + model::kXQuat, R);
     single_features(f.x, f.u_total, R, features);

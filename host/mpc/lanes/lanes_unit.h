@@ -1,4 +1,5 @@
-// Body of one instruction set's copy of all lane kernels. Include once in a .cpp that defines SANSO_ISA.
+// Body of one instruction set's copy of all lane kernels. Include once in a .cpp that defines
+// SANSO_ISA.
 #include "host/mpc/lanes/backward_kernels.h"
 #include "host/mpc/lanes/derivative_kernels.h"
 
@@ -8,7 +9,8 @@
 namespace sanso::mpc::SANSO_ISA {
 
 extern const LaneKernels kKernels;
-const LaneKernels kKernels = {SANSO_TEXT(SANSO_ISA), &run_backward_pass, &line_inputs, &layer_inputs,
-                              &add_residual,         &add_cost,          &spread,      &finish_stage};
+const LaneKernels kKernels = {
+    SANSO_TEXT(SANSO_ISA), &run_backward_pass, &line_inputs, &layer_inputs,
+    &add_residual,         &add_cost,          &spread,      &finish_stage};
 
 }  // namespace sanso::mpc::SANSO_ISA

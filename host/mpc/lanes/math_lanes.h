@@ -1,4 +1,5 @@
-// Tangent operators and elementary functions for several states in step: x ⊖ y, exp, softplus. Per instruction set.
+// Tangent operators and elementary functions for several states in step: x ⊖ y, exp, softplus. Per
+// instruction set.
 #pragma once
 
 #include "host/mpc/problem.h"
@@ -7,8 +8,8 @@
 namespace sanso::mpc::SANSO_ISA {
 
 namespace kernel = sanso::model::SANSO_ISA;
-using Lanes = kernel::Pack<8>;               // of a linearisation
-using Quad = kernel::Pack<kRollOutLanes>;    // of a roll-out
+using Lanes = kernel::Pack<8>;             // of a linearisation
+using Quad = kernel::Pack<kRollOutLanes>;  // of a roll-out
 
 /// Logarithm of conj(b) * a [rad], body axes of b: the twin of math::quat_minus. |result| <= pi.
 template <class T>
@@ -19,7 +20,8 @@ inline void quat_minus(const T* a, const T* b, T* out) {
   const T z0 = b[0] * a[3] - b[3] * a[0] - b[1] * a[2] + b[2] * a[1];
   const T sign = kernel::select_less(w0, T(0.0), T(-1.0), T(1.0));  // the shorter way round
   const T w = sign * w0;
-  // angle = 2 atan2(n, w) = 8 atan(t) after halving twice: t = n * half2 with n the length of the vector part
+  // angle = 2 atan2(n, w) = 8 atan(t) after halving twice: t = n * half2 with n the length of the
+  // vector part
   const T n2 = x0 * x0 + y0 * y0 + z0 * z0;
   const T half1 = 1.0 / (1.0 + w);
   const T half2 = half1 / (1.0 + kernel::sqrt_of(1.0 + n2 * half1 * half1));
@@ -50,7 +52,8 @@ inline void quat_minus_small(const T* a, const T* b, T* out) {
   const T z = b[0] * a[3] - b[3] * a[0] - b[1] * a[2] + b[2] * a[1];
   // asin(n)/n = 1 + n^2/6 + 3 n^4/40; the factor 2/w-sign keeps q and -q equal
   const T n2 = x * x + y * y + z * z;
-  const T factor = kernel::select_less(w, T(0.0), T(-2.0), T(2.0)) * (1.0 + n2 * (1.0 / 6.0 + n2 * 0.075));
+  const T factor =
+      kernel::select_less(w, T(0.0), T(-2.0), T(2.0)) * (1.0 + n2 * (1.0 / 6.0 + n2 * 0.075));
   out[0] = factor * x;
   out[1] = factor * y;
   out[2] = factor * z;
@@ -60,7 +63,8 @@ inline void quat_minus_small(const T* a, const T* b, T* out) {
 template <int W>
 inline kernel::Pack<W> exp_of(kernel::Pack<W> a) {
   using P = kernel::Pack<W>;
-  const double log2e = 1.4426950408889634074, ln2_high = 6.93147180369123816490e-01, ln2_low = 1.90821492927058770002e-10;
+  const double log2e = 1.4426950408889634074, ln2_high = 6.93147180369123816490e-01,
+               ln2_low = 1.90821492927058770002e-10;
   const P n = kernel::round_of(a * log2e);
   const P r = (a - n * ln2_high) - n * ln2_low;  // |r| <= ln 2 / 2
   P sum = 1.0;

@@ -1,8 +1,10 @@
-// Vectors as wide as the registers of the instruction set that is compiled for, by the compiler's vector extension, and
-// the two shapes of fixed-size products that the planner needs. Wider vectors than registers would be correct too, but
-// compilers keep them in memory: on AVX2 that cost a factor of ten.
-// Included only by the per-instruction-set sources: every name lives in a namespace of its own (SANSO_ISA), because an
-// inline function with one name compiled for two instruction sets would be merged by the linker into one of them.
+// Vectors as wide as the registers of the instruction set that is compiled for, by the compiler's
+// vector extension, and the two shapes of fixed-size products that the planner needs. Wider vectors
+// than registers would be correct too, but compilers keep them in memory: on AVX2 that cost a
+// factor of ten.
+// Included only by the per-instruction-set sources: every name lives in a namespace of its own
+// (SANSO_ISA), because an inline function with one name compiled for two instruction sets would be
+// merged by the linker into one of them.
 #pragma once
 
 #ifndef SANSO_ISA
@@ -57,8 +59,9 @@ enum class Start { at_zero, at_out };
 
 /// One block of multiply(): `Rows` x `Vectors` sums in registers.
 template <int Rows, int Vectors, Start start, class Element>
-inline void multiply_block(const Element* left, int left_row_stride, int left_k_stride, const Element* right,
-                           int right_stride, int inner, Element* out, int out_stride) {
+inline void multiply_block(const Element* left, int left_row_stride, int left_k_stride,
+                           const Element* right, int right_stride, int inner, Element* out,
+                           int out_stride) {
   constexpr int w = kWidth<Element>;
   using Vector = typename Native<Element>::Vector;
   Vector sum[Rows][Vectors];
@@ -77,16 +80,18 @@ inline void multiply_block(const Element* left, int left_row_stride, int left_k_
     for (int c = 0; c < Vectors; ++c) store(out + r * out_stride + w * c, sum[r][c]);
 }
 
-/// out[r][0 .. Columns) = start + sum_k left(r, k) right[k][0 .. Columns) for Rows rows; Columns a multiple of 8
-/// doubles or 16 floats. The strides of `left` let the same kernel read a matrix or its transpose.
+/// out[r][0 .. Columns) = start + sum_k left(r, k) right[k][0 .. Columns) for Rows rows; Columns a
+/// multiple of 8 doubles or 16 floats. The strides of `left` let the same kernel read a matrix or
+/// its transpose.
 template <int Rows, int Columns, Start start, class Element>
-inline void multiply(const Element* left, int left_row_stride, int left_k_stride, const Element* right,
-                     int right_stride, int inner, Element* out, int out_stride) {
+inline void multiply(const Element* left, int left_row_stride, int left_k_stride,
+                     const Element* right, int right_stride, int inner, Element* out,
+                     int out_stride) {
   constexpr int block = kBlock<Element, Columns>;
   static_assert(Columns % (block * kWidth<Element>) == 0);
   for (int c = 0; c < Columns; c += block * kWidth<Element>)
-    multiply_block<Rows, block, start>(left, left_row_stride, left_k_stride, right + c, right_stride, inner, out + c,
-                                       out_stride);
+    multiply_block<Rows, block, start>(left, left_row_stride, left_k_stride, right + c,
+                                       right_stride, inner, out + c, out_stride);
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

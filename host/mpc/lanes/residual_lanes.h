@@ -1,6 +1,7 @@
-// The residual network in single precision: a group of evaluations at once for roll-outs, and its exact Jacobian by the chain
-// rule for the linearisation (cheaper than differencing it: 295 k products against 465 k and no softplus). Per
-// instruction set. Vectors run along the hidden units, so a weight is loaded once for several states.
+// The residual network in single precision: a group of evaluations at once for roll-outs, and its
+// exact Jacobian by the chain rule for the linearisation (cheaper than differencing it: 295 k
+// products against 465 k and no softplus). Per instruction set. Vectors run along the hidden units,
+// so a weight is loaded once for several states.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace sanso::mpc::SANSO_ISA {
 
 /// softplus(a) = log(1 + e^a) and its slope 1 / (1 + e^-a); relative error a few 1e-7.
 inline Floats softplus(Floats a, Floats& slope) {
-  const Floats magnitude = a < 0 ? a : -a;                       // -|a|
+  const Floats magnitude = a < 0 ? a : -a;  // -|a|
   const Floats clamped = magnitude < -80.0f ? Floats{} - 80.0f : magnitude;
   // e = exp(-|a|) = 2^n e^r
   const float magic = 12582912.0f;  // 1.5 x 2^23: rounds to the nearest whole number
@@ -33,7 +34,8 @@ inline Floats softplus(Floats a, Floats& slope) {
 
 /// out[r][..] = bias[..] + sum_k in(r, k) W[k][..] for Rows states and Units units.
 template <int Rows, int Units>
-inline void layer(const float* in, int in_row_stride, const float* weights, int inner, const float* bias, float* out) {
+inline void layer(const float* in, int in_row_stride, const float* weights, int inner,
+                  const float* bias, float* out) {
   for (int r = 0; r < Rows; ++r) std::copy_n(bias, Units, out + r * Units);
   multiply<Rows, Units, Start::at_out>(in, in_row_stride, 1, weights, Units, inner, out, Units);
 }
@@ -45,14 +47,17 @@ inline void activate(float* a, int count) {
 }
 
 /// A group's evaluations: features[lane][48] -> output[lane][48] (36 used), base axes, SI.
-inline void residual_lanes(const ResidualWeights& w, const float (&features)[kRollOutLanes][kFeaturesPadded],
+inline void residual_lanes(const ResidualWeights& w,
+                           const float (&features)[kRollOutLanes][kFeaturesPadded],
                            float (&output)[kRollOutLanes][kOutputsPadded]) {
   alignas(64) float h1[kRollOutLanes][kHiddenUnits], h2[kRollOutLanes][kHiddenUnits];
-  layer<kRollOutLanes, kHiddenUnits>(features[0], kFeaturesPadded, &w.W1[0][0], kFeatureCount, w.b1, h1[0]);
+  layer<kRollOutLanes, kHiddenUnits>(features[0], kFeaturesPadded, &w.W1[0][0], kFeatureCount, w.b1,
+                                     h1[0]);
   activate(&h1[0][0], kRollOutLanes * kHiddenUnits);
   layer<kRollOutLanes, kHiddenUnits>(h1[0], kHiddenUnits, &w.W2[0][0], kHiddenUnits, w.b2, h2[0]);
   activate(&h2[0][0], kRollOutLanes * kHiddenUnits);
-  layer<kRollOutLanes, kOutputsPadded>(h2[0], kHiddenUnits, &w.W3[0][0], kHiddenUnits, w.b3, output[0]);
+  layer<kRollOutLanes, kOutputsPadded>(h2[0], kHiddenUnits, &w.W3[0][0], kHiddenUnits, w.b3,
+                                       output[0]);
 }
 
 /// One evaluation.
@@ -73,7 +78,8 @@ inline void scale_row(float factor, const float* in, float* out, int count) {
 
 /// Output and d output / d features (36 x 48, the last two columns zero) at one point.
 inline void residual_jacobian(const ResidualWeights& w, const float (&features)[kFeaturesPadded],
-                              float (&output)[kOutputsPadded], float (&J)[kOutputCount][kFeaturesPadded]) {
+                              float (&output)[kOutputsPadded],
+                              float (&J)[kOutputCount][kFeaturesPadded]) {
   alignas(64) float a1[kHiddenUnits], a2[kHiddenUnits], d1[kHiddenUnits], d2[kHiddenUnits];
   alignas(64) float V3[kHiddenUnits][kOutputsPadded], V2[kOutputCount][kHiddenUnits];
   const auto activate_with_slope = [](float* a, float* d) {
@@ -92,12 +98,14 @@ inline void residual_jacobian(const ResidualWeights& w, const float (&features)[
   for (int i = 0; i < kHiddenUnits; ++i) scale_row(d2[i], w.W3[i], V3[i], kOutputsPadded);
   constexpr int kRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
   for (int i = 0; i < kOutputCount; i += kRows) {
-    multiply<kRows, kHiddenUnits, Start::at_zero>(&V3[0][i], 1, kOutputsPadded, &w.W2_by_unit[0][0], kHiddenUnits, kHiddenUnits,
-                                                  V2[i], kHiddenUnits);
+    multiply<kRows, kHiddenUnits, Start::at_zero>(&V3[0][i], 1, kOutputsPadded, &w.W2_by_unit[0][0],
+                                                  kHiddenUnits, kHiddenUnits, V2[i], kHiddenUnits);
     for (int r = i; r < i + kRows; ++r)
-      for (int c = 0; c < kHiddenUnits; c += kWidth<float>) store(V2[r] + c, load(V2[r] + c) * load(d1 + c));
-    multiply<kRows, kFeaturesPadded, Start::at_zero>(V2[i], kHiddenUnits, 1, &w.W1_by_unit[0][0], kFeaturesPadded,
-                                                     kHiddenUnits, J[i], kFeaturesPadded);
+      for (int c = 0; c < kHiddenUnits; c += kWidth<float>)
+        store(V2[r] + c, load(V2[r] + c) * load(d1 + c));
+    multiply<kRows, kFeaturesPadded, Start::at_zero>(V2[i], kHiddenUnits, 1, &w.W1_by_unit[0][0],
+                                                     kFeaturesPadded, kHiddenUnits, J[i],
+                                                     kFeaturesPadded);
   }
 }
 

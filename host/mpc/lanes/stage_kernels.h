@@ -1,4 +1,5 @@
-// Implementation of lane_kernels.h: inputs of the layers, cost and residual of a group of lanes. Per instruction set.
+// Implementation of lane_kernels.h: inputs of the layers, cost and residual of a group of lanes.
+// Per instruction set.
 #pragma once
 
 #include "host/mpc/lane_kernels.h"
@@ -13,7 +14,9 @@ inline kernel::Pack<W> load_row(const double (&p)[W]) {
 }
 inline Quad load_quad(const double* p) { return Quad(*reinterpret_cast<const Quad::Lanes*>(p)); }
 template <int W>
-inline void store(double* p, kernel::Pack<W> a) { *reinterpret_cast<typename kernel::Pack<W>::Lanes*>(p) = a.v; }
+inline void store(double* p, kernel::Pack<W> a) {
+  *reinterpret_cast<typename kernel::Pack<W>::Lanes*>(p) = a.v;
+}
 
 template <int W>
 inline void load_state(const double (*x)[W], kernel::Pack<W>* out) {
@@ -28,7 +31,8 @@ inline void minus_shared(const LaneArray* x, const double* y, Quad* out) {
   state_minus(xs, ys, out);
 }
 
-inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upper, double* noise_cost) {
+inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upper,
+                        double* noise_cost) {
   Quad u[kNu], change[kNu];
   for (int i = 0; i < kNu; ++i) u[i] = s.u_nominal[i];
   if (s.gains) {
@@ -56,7 +60,9 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
   store(noise_cost, load_quad(noise_cost) + 0.5 * s.sigma * s.sigma * price);
 }
 
-inline Quad zeta(Quad distance, double sharpness) { return 1.0 / (1.0 + exp_of(sharpness * distance)); }
+inline Quad zeta(Quad distance, double sharpness) {
+  return 1.0 / (1.0 + exp_of(sharpness * distance));
+}
 
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,
                          const LaneArray* u_upper, LaneArray* u) {
@@ -71,20 +77,23 @@ inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, con
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
       const Quad q = load_row(x[model::kXJoint + i]);
-      sum[i] += reflex.gain * (zeta(q - reflex.lower[i], reflex.sharpness) - zeta(reflex.upper[i] - q, reflex.sharpness));
+      sum[i] += reflex.gain * (zeta(q - reflex.lower[i], reflex.sharpness) -
+                               zeta(reflex.upper[i] - q, reflex.sharpness));
     }
   }
   for (int i = 0; i < kNu; ++i) store(u[i], sum[i]);
 }
 
 /// Features of a group of lanes, transposed into rows of single precision.
-inline void lane_features(const Quad* x, const LaneArray* u, float (&out)[kRollOutLanes][kFeaturesPadded]) {
+inline void lane_features(const Quad* x, const LaneArray* u,
+                          float (&out)[kRollOutLanes][kFeaturesPadded]) {
   Quad R[3][3], f[kFeatureCount];
   kernel::rotation_from_quat(x + model::kXQuat, R);
   f[0] = x[2];
   for (int i = 0; i < 3; ++i) {
     f[1 + i] = -R[2][i];
-    f[16 + i] = R[0][i] * x[model::kXVel] + R[1][i] * x[model::kXVel + 1] + R[2][i] * x[model::kXVel + 2];
+    f[16 + i] =
+        R[0][i] * x[model::kXVel] + R[1][i] * x[model::kXVel + 1] + R[2][i] * x[model::kXVel + 2];
     f[19 + i] = x[model::kXOmega + i];
   }
   for (int j = 0; j < kNu; ++j) {
@@ -93,19 +102,21 @@ inline void lane_features(const Quad* x, const LaneArray* u, float (&out)[kRollO
     f[34 + j] = load_row(u[j]);
   }
   for (int i = 0; i < kFeatureCount; ++i)
-    for (int lane = 0; lane < kRollOutLanes; ++lane) out[lane][i] = static_cast<float>(f[i].v[lane]);
+    for (int lane = 0; lane < kRollOutLanes; ++lane)
+      out[lane][i] = static_cast<float>(f[i].v[lane]);
   for (auto& row : out) row[46] = row[47] = 0.0f;
 }
 
-inline void add_residual(const ResidualWeights& weights, double share, const LaneArray* x, const LaneArray* u,
-                         LaneArray* x_next) {
+inline void add_residual(const ResidualWeights& weights, double share, const LaneArray* x,
+                         const LaneArray* u, LaneArray* x_next) {
   alignas(64) float features[kRollOutLanes][kFeaturesPadded], output[kRollOutLanes][kOutputsPadded];
   Quad xs[kNx], y[kNdx], R[3][3], next[kNx];
   load_state(x, xs);
   lane_features(xs, u, features);
   residual_lanes(weights, features, output);
   for (int i = 0; i < kNdx; ++i)
-    for (int lane = 0; lane < kRollOutLanes; ++lane) y[i].v[lane] = share * static_cast<double>(output[lane][i]);
+    for (int lane = 0; lane < kRollOutLanes; ++lane)
+      y[i].v[lane] = share * static_cast<double>(output[lane][i]);
   kernel::rotation_from_quat(xs + model::kXQuat, R);
   load_state(x_next, next);
   for (int i = 0; i < 3; ++i) {
@@ -121,7 +132,8 @@ inline void add_residual(const ResidualWeights& weights, double share, const Lan
   for (int i = 0; i < kNx; ++i) store(x_next[i], next[i]);
 }
 
-inline void add_cost(const ProblemContext& p, int knot, const LaneArray* x, const LaneArray* u_upper, double* cost) {
+inline void add_cost(const ProblemContext& p, int knot, const LaneArray* x,
+                     const LaneArray* u_upper, double* cost) {
   Quad e[kNdx], sum = load_quad(cost);
   minus_shared(x, p.x_ref[knot], e);
   for (int i = 0; i < kNdx; ++i) sum += p.state_weight[i] * (e[i] * e[i]);

@@ -1,13 +1,18 @@
-// Body of one instruction set's copy of the batch step. Include once in a .cpp that defines SANSO_ISA and SANSO_LANES.
+// Body of one instruction set's copy of the batch step. Include once in a .cpp that defines
+// SANSO_ISA and SANSO_LANES.
 #include "shared/model/kernel/neighbour.h"
 #include "shared/model/step_batch.h"
 
 namespace sanso::model::SANSO_ISA {
 
 template <int W>
-inline Pack<W> load(const double* p) { return Pack<W>(*reinterpret_cast<const typename Pack<W>::Lanes*>(p)); }
+inline Pack<W> load(const double* p) {
+  return Pack<W>(*reinterpret_cast<const typename Pack<W>::Lanes*>(p));
+}
 template <int W>
-inline void store(Pack<W> a, double* p) { *reinterpret_cast<typename Pack<W>::Lanes*>(p) = a.v; }
+inline void store(Pack<W> a, double* p) {
+  *reinterpret_cast<typename Pack<W>::Lanes*>(p) = a.v;
+}
 
 /// W lanes in registers, from `first` on of memory with Count.
 template <int W>
@@ -26,9 +31,9 @@ struct Group {
 
 /// `keep` (may be null): the first `kept` lanes' steps for their neighbours; one substep only.
 template <int Count>
-inline void step_lanes(const StepModel& model, const Ground& ground, const StatesOf<Count>& x, const InputsOf<Count>& u,
-                       const BatchStep& step, StatesOf<Count>& x_next, ContactsOf<Count>* contact, NominalStep* keep,
-                       int kept) {
+inline void step_lanes(const StepModel& model, const Ground& ground, const StatesOf<Count>& x,
+                       const InputsOf<Count>& u, const BatchStep& step, StatesOf<Count>& x_next,
+                       ContactsOf<Count>* contact, NominalStep* keep, int kept) {
   constexpr int W = SANSO_LANES < Count ? SANSO_LANES : Count;
   using P = Pack<W>;
   for (int first = 0; first < Count; first += W) {
@@ -54,18 +59,19 @@ inline void step_lanes(const StepModel& model, const Ground& ground, const State
   }
 }
 
-void step_group(const StepModel& model, const Ground& ground, const StateLanes& x, const InputLanes& u,
-                const BatchStep& step, StateLanes& x_next, ContactLanes* contact, NominalStep* keep, int kept) {
+void step_group(const StepModel& model, const Ground& ground, const StateLanes& x,
+                const InputLanes& u, const BatchStep& step, StateLanes& x_next,
+                ContactLanes* contact, NominalStep* keep, int kept) {
   step_lanes(model, ground, x, u, step, x_next, contact, keep, kept);
 }
 
-void step_four(const StepModel& model, const Ground& ground, const StateQuad& x, const InputQuad& u, const BatchStep& step,
-               StateQuad& x_next, ContactQuad* contact) {
+void step_four(const StepModel& model, const Ground& ground, const StateQuad& x, const InputQuad& u,
+               const BatchStep& step, StateQuad& x_next, ContactQuad* contact) {
   step_lanes(model, ground, x, u, step, x_next, contact, nullptr, 0);
 }
 
-void neighbour_group(const StepModel& model, const NominalStep& nominal, const StateLanes& x, const InputLanes& u, double h,
-                     StateLanes& x_next) {
+void neighbour_group(const StepModel& model, const NominalStep& nominal, const StateLanes& x,
+                     const InputLanes& u, double h, StateLanes& x_next) {
   for (int first = 0; first < kLanes; first += SANSO_LANES) {
     Group<SANSO_LANES> g(x, u, first);
     neighbour_step(model, nominal, g.x, g.u, h, g.next);
@@ -73,8 +79,8 @@ void neighbour_group(const StepModel& model, const NominalStep& nominal, const S
   }
 }
 
-void held_group(const StepModel& model, const Ground& ground, const NominalStep& nominal, const StateLanes& x,
-                const InputLanes& u, double h, StateLanes& x_next) {
+void held_group(const StepModel& model, const Ground& ground, const NominalStep& nominal,
+                const StateLanes& x, const InputLanes& u, double h, StateLanes& x_next) {
   for (int first = 0; first < kLanes; first += SANSO_LANES) {
     Group<SANSO_LANES> g(x, u, first);
     held_step(model, ground, nominal, g.x, g.u, h, g.next);

@@ -1,12 +1,14 @@
-// The effective inertia of the step, M + armature + h D + h^2 K, as three 6 x 6 blocks: each leg and, after the legs are
-// eliminated, the base. A tree without loops has no fill between the legs. [Featherstone 2005, branch-induced sparsity]
+// The effective inertia of the step, M + armature + h D + h^2 K, as three 6 x 6 blocks: each leg
+// and, after the legs are eliminated, the base. A tree without loops has no fill between the legs.
+// [Featherstone 2005, branch-induced sparsity]
 #pragma once
 
 #include "shared/model/kernel/leg.h"
 
 namespace sanso::model::SANSO_ISA {
 
-/// L D L' in place: unit lower triangle in A, inverse of D in `inverse_d`. Reads the lower triangle only.
+/// L D L' in place: unit lower triangle in A, inverse of D in `inverse_d`. Reads the lower triangle
+/// only.
 template <class T>
 inline void factorize6(T (&A)[6][6], T (&inverse_d)[6]) {
 #pragma GCC unroll 6
@@ -16,7 +18,8 @@ inline void factorize6(T (&A)[6][6], T (&inverse_d)[6]) {
     for (int i = j + 1; i < 6; ++i) {
       const T l = A[i][j] * inverse_d[j];
 #pragma GCC unroll 6
-      for (int k = j + 1; k <= i; ++k) A[i][k] -= l * A[k][j];  // column j is still unscaled below row i
+      // column j is still unscaled below row i
+      for (int k = j + 1; k <= i; ++k) A[i][k] -= l * A[k][j];
     }
 #pragma GCC unroll 6
     for (int i = j + 1; i < 6; ++i) A[i][j] = A[i][j] * inverse_d[j];
@@ -53,7 +56,8 @@ inline void backward6(const S (&L)[6][6], T (&x)[6]) {
 
 /// out -= X' D^-1 Y, entries [i][j] for all i, or only j <= i when `Lower`.
 template <bool Lower, class T>
-inline void subtract_product(const T (&X)[6][6], const T (&inverse_d)[6], const T (&Y)[6][6], T (&out)[6][6]) {
+inline void subtract_product(const T (&X)[6][6], const T (&inverse_d)[6], const T (&Y)[6][6],
+                             T (&out)[6][6]) {
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k)
 #pragma GCC unroll 6

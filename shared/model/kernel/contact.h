@@ -1,8 +1,13 @@
-// Contact of the eight sole corners on velocity level, solved in the six-dimensional twist space of each foot.
-// Per corner, with v+ the velocity at the end of the step and lambda the impulse over the step [N s]:
-//   normal    lambda_n >= 0,  u_n + gap/h >= 0,  complementary (gap scaled by `recovery` inside the ground)
-//   tangents  |lambda_x| <= mu_forward lambda_n,  |lambda_y| <= mu_sideways lambda_n, opposing u_x, u_y
-// The gap stands inside the constraint, so that contacts to come are seen and differences stay finite.
+// Contact of the eight sole corners on velocity level, solved in the six-dimensional twist space of
+// each foot.
+// Per corner, with v+ the velocity at the end of the step and lambda the impulse over the step [N
+// s]:
+//   normal    lambda_n >= 0,  u_n + gap/h >= 0,  complementary (gap scaled by `recovery` inside the
+//   ground)
+//   tangents  |lambda_x| <= mu_forward lambda_n,  |lambda_y| <= mu_sideways lambda_n, opposing u_x,
+//   u_y
+// The gap stands inside the constraint, so that contacts to come are seen and differences stay
+// finite.
 #pragma once
 
 #include "shared/model/kernel/block_solve.h"
@@ -10,51 +15,63 @@
 
 namespace sanso::model::SANSO_ISA {
 
-inline constexpr double kSoleCentreX = 0.5 * (kSoleFront + kSoleBack), kSoleHalfLength = 0.5 * (kSoleFront - kSoleBack);
-inline constexpr double kSoleCentreY = 0.5 * (kSoleOuter + kSoleInner), kSoleHalfWidth = 0.5 * (kSoleOuter - kSoleInner);
-/// Corner order: front outer, back outer, back inner, front inner; signs of the half length and half width (left foot).
+inline constexpr double kSoleCentreX = 0.5 * (kSoleFront + kSoleBack),
+                        kSoleHalfLength = 0.5 * (kSoleFront - kSoleBack);
+inline constexpr double kSoleCentreY = 0.5 * (kSoleOuter + kSoleInner),
+                        kSoleHalfWidth = 0.5 * (kSoleOuter - kSoleInner);
+/// Corner order: front outer, back outer, back inner, front inner; signs of the half length and
+/// half width (left foot).
 inline constexpr double kCornerX[kCornersPerFoot] = {1, -1, -1, 1};
 inline constexpr double kCornerY[kCornersPerFoot] = {1, 1, -1, -1};
 
 /// Rows of a foot: three a corner, 3 k + 0 forward, + 1 across, + 2 normal.
 inline constexpr int kFootRows = 3 * kCornersPerFoot;
 
-/// Contact frame of a foot: origin in the sole's centre, axes 0 along the foot (in the surface), 1 across, 2 normal.
+/// Contact frame of a foot: origin in the sole's centre, axes 0 along the foot (in the surface), 1
+/// across, 2 normal.
 template <class T>
 struct FootContact {
-  T axis[3][3];                   // [axis][component]: contact axes in base axes
-  T p_base_sole[3];               // m
-  T corner[kCornersPerFoot][3];   // m, corners from the sole's centre, contact axes
-  T gap[kCornersPerFoot];         // m, distance of the corner along the normal, negative inside
-  T cos_slope;                    // of the ground below
-  T X[6][6];                      // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
-  T G[6][6];                      // [base][twist]: transposed Jacobian of the base, then reduced by the leg
-  T twist[6];                     // m/s, rad/s: velocity of the sole's centre, contact axes
-  T impulse[6];                   // N s, N m s: sum over the corners
-  T diagonal[kFootRows], inverse_diagonal[kFootRows];  // velocity of a row per unit of its impulse, softness included
-  T response[kFootRows][kFootRows]; // [row pushed][row that answers]: velocities per unit impulse; only the sweeps need it
-  T residual[kFootRows];            // m/s: velocity of the row + its target + softness x impulse; zero where a row holds
+  T axis[3][3];                  // [axis][component]: contact axes in base axes
+  T p_base_sole[3];              // m
+  T corner[kCornersPerFoot][3];  // m, corners from the sole's centre, contact axes
+  T gap[kCornersPerFoot];        // m, distance of the corner along the normal, negative inside
+  T cos_slope;                   // of the ground below
+  T X[6][6];                     // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
+  // [base][twist]: transposed Jacobian of the base, then reduced by the leg
+  T G[6][6];
+  T twist[6];    // m/s, rad/s: velocity of the sole's centre, contact axes
+  T impulse[6];  // N s, N m s: sum over the corners
+  // velocity of a row per unit of its impulse, softness included
+  T diagonal[kFootRows], inverse_diagonal[kFootRows];
+  // [row pushed][row that answers]: velocities per unit impulse; only the sweeps need it
+  T response[kFootRows][kFootRows];
+  // m/s: velocity of the row + its target + softness x impulse; zero where a row holds
+  T residual[kFootRows];
 };
 
 /// Contact frame, corners and gaps. R_world_base[row][column].
 template <class T>
-inline void foot_geometry(const Ground& ground, const T* p_world_base, const T (&R_world_base)[3][3],
-                          const LegFrames<T>& frames, double side, FootContact<T>& foot) {
+inline void foot_geometry(const Ground& ground, const T* p_world_base,
+                          const T (&R_world_base)[3][3], const LegFrames<T>& frames, double side,
+                          FootContact<T>& foot) {
   const auto& R = frames.R_base_foot;
   T half_x[3], half_y[3];
   for (int i = 0; i < 3; ++i) {
-    foot.p_base_sole[i] = frames.origin[5][i] + kSoleCentreX * R[0][i] + (side * kSoleCentreY) * R[1][i] + kSoleHeight * R[2][i];
+    foot.p_base_sole[i] = frames.origin[5][i] + kSoleCentreX * R[0][i] +
+                          (side * kSoleCentreY) * R[1][i] + kSoleHeight * R[2][i];
     half_x[i] = kSoleHalfLength * R[0][i];
     half_y[i] = (side * kSoleHalfWidth) * R[1][i];
   }
   const auto& W = R_world_base;
-  const T x_sole = p_world_base[0] + dot(W[0], foot.p_base_sole), z_sole = p_world_base[2] + dot(W[2], foot.p_base_sole);
+  const T x_sole = p_world_base[0] + dot(W[0], foot.p_base_sole),
+          z_sole = p_world_base[2] + dot(W[2], foot.p_base_sole);
   const GroundPoint<T> below = ground_at(ground, x_sole);
   foot.cos_slope = below.cos_slope;
   // normal in world axes is (-sin, 0, cos); into base axes
   T* n = foot.axis[2];
   for (int i = 0; i < 3; ++i) n[i] = below.cos_slope * W[2][i] - below.sin_slope * W[0][i];
-  // across the foot: n x (foot x); a foot that stands on its toe has no forward direction: then n x (foot z)
+  // across the foot: n x (foot x); a foot that stands on its toe has no forward direction: then n x
+  // (foot z)
   T* across = foot.axis[1];
   T by_z[3];
   cross(n, R[0], across);
@@ -82,8 +99,8 @@ inline void foot_geometry(const Ground& ground, const T* p_world_base, const T (
 
 /// Transposed Jacobian of the sole's centre in contact axes, and the present twist.
 template <class T>
-inline void foot_jacobian(const LegFrames<T>& frames, const T* rate, const T* v_base_in_base, const T* w_base,
-                          FootContact<T>& foot) {
+inline void foot_jacobian(const LegFrames<T>& frames, const T* rate, const T* v_base_in_base,
+                          const T* w_base, FootContact<T>& foot) {
   const T* p = foot.p_base_sole;
   for (int i = 0; i < 3; ++i) {
     T p_cross_axis[3];
@@ -129,7 +146,8 @@ inline void corner_velocity(const T* t, const T* r, T* u) {
   u[2] = t[2] + t[3] * r[1] - t[4] * r[0];
 }
 
-/// Twist of the sole for a unit impulse along contact axis Axis at a corner r, from the foot's 6 x 6 inverse inertia A.
+/// Twist of the sole for a unit impulse along contact axis Axis at a corner r, from the foot's 6 x
+/// 6 inverse inertia A.
 template <int Axis, class T>
 inline T corner_push(const T (&A)[6][6], const T* r, int i) {
   constexpr int I = (Axis + 1) % 3, J = (Axis + 2) % 3;
@@ -140,7 +158,8 @@ inline T corner_push(const T (&A)[6][6], const T* r, int i) {
 template <int Axis, class T>
 inline T row_diagonal(const T (&A)[6][6], const T* r) {
   constexpr int I = (Axis + 1) % 3, J = (Axis + 2) % 3;
-  return corner_push<Axis>(A, r, Axis) + corner_push<Axis>(A, r, 3 + I) * r[J] - corner_push<Axis>(A, r, 3 + J) * r[I];
+  return corner_push<Axis>(A, r, Axis) + corner_push<Axis>(A, r, 3 + I) * r[J] -
+         corner_push<Axis>(A, r, 3 + J) * r[I];
 }
 template <class T>
 inline void row_diagonals(const T (&A)[6][6], double regularization, FootContact<T>& foot) {
@@ -167,7 +186,8 @@ inline void row_responses(const T (&A)[6][6], FootContact<T>& foot) {
     }
     for (int a = 0; a < 3; ++a) {
       T* row = foot.response[3 * k + a];
-      for (int other = 0; other < kCornersPerFoot; ++other) corner_velocity(twist[a], foot.corner[other], row + 3 * other);
+      for (int other = 0; other < kCornersPerFoot; ++other)
+        corner_velocity(twist[a], foot.corner[other], row + 3 * other);
       row[3 * k + a] = foot.diagonal[3 * k + a];
     }
   }
@@ -183,10 +203,12 @@ inline void add_twist(const T* twist, FootContact<T>& foot) {
   }
 }
 
-/// One Gauss-Seidel pass over the corners of a foot: normal row, then both tangents at once (they hardly see each other).
+/// One Gauss-Seidel pass over the corners of a foot: normal row, then both tangents at once (they
+/// hardly see each other).
 /// The change of the foot's impulse is added to `change`.
 template <class T>
-inline void sweep_foot(double mu_forward, double mu_sideways, FootContact<T>& foot, T* lambda, T* change) {
+inline void sweep_foot(double mu_forward, double mu_sideways, FootContact<T>& foot, T* lambda,
+                       T* change) {
   T s[kFootRows];  // a local copy stays in registers: nothing else can point to it
   for (int i = 0; i < kFootRows; ++i) s[i] = foot.residual[i];
 #pragma GCC unroll 4

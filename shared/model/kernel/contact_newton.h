@@ -1,13 +1,15 @@
-// Finishes the contact solution that Gauss-Seidel began: with the set of touching, sticking and sliding rows it has found,
-// the remaining equations are linear and solved exactly (a semi-smooth Newton step). Gauss-Seidel alone leaves 10 to 20 %
-// of some derivatives behind after 24 sweeps; where the set was right, one such step leaves rounding only. Where it was
-// not, the step shows by its defect that another round is needed.
+// Finishes the contact solution that Gauss-Seidel began: with the set of touching, sticking and
+// sliding rows it has found, the remaining equations are linear and solved exactly (a semi-smooth
+// Newton step). Gauss-Seidel alone leaves 10 to 20 % of some derivatives behind after 24 sweeps;
+// where the set was right, one such step leaves rounding only. Where it was not, the step shows by
+// its defect that another round is needed.
 //
 // Unknown is the change tau of both soles' twists (12). A row r that is free has residual zero:
 //   s_r + J_r tau + S_r y_r = 0,   A^-1 tau = w0 + sum_r d_r y_r
 //   =>  (A^-1 + sum_r d_r J_r' / S_r) tau = w0 - sum_r d_r s_r / S_r
-// with S_r the softness, y_r the change of its impulse, d_r the wrench of a unit of it (a normal row carries its sliding
-// tangents along), and w0 the wrench of setting the other rows to their bounds.
+// with S_r the softness, y_r the change of its impulse, d_r the wrench of a unit of it (a normal
+// row carries its sliding tangents along), and w0 the wrench of setting the other rows to their
+// bounds.
 #pragma once
 
 #include "shared/model/kernel/contact.h"
@@ -16,7 +18,8 @@ namespace sanso::model::SANSO_ISA {
 
 inline constexpr int kTwists = 6 * kNumFeet;
 
-/// M <- -M^-1 for a symmetric positive definite M: the sweep operator over all diagonal entries, lower triangle only.
+/// M <- -M^-1 for a symmetric positive definite M: the sweep operator over all diagonal entries,
+/// lower triangle only.
 template <class T>
 inline void negative_inverse(T (&M)[kTwists][kTwists]) {
   for (int k = 0; k < kTwists; ++k) {
@@ -34,8 +37,8 @@ inline void negative_inverse(T (&M)[kTwists][kTwists]) {
   }
 }
 
-/// L U of M in place by elimination without exchanges (M is positive definite but for the part of sliding friction): U above
-/// the diagonal, inverse pivots on it, multipliers below.
+/// L U of M in place by elimination without exchanges (M is positive definite but for the part of
+/// sliding friction): U above the diagonal, inverse pivots on it, multipliers below.
 template <class T>
 inline void factorize12(T (&M)[kTwists][kTwists]) {
   for (int k = 0; k < kTwists; ++k) {
@@ -67,8 +70,8 @@ struct CornerSet {
 };
 
 template <class T>
-inline void corner_set(double mu_forward, double mu_sideways, double softness, const FootContact<T>& foot, int k,
-                       const T* lambda, CornerSet<T>& set) {
+inline void corner_set(double mu_forward, double mu_sideways, double softness,
+                       const FootContact<T>& foot, int k, const T* lambda, CornerSet<T>& set) {
   const double mu[2] = {mu_forward, mu_sideways};
   const int n = 3 * k + 2;
   const T wanted = lambda[n] - foot.residual[n] * foot.inverse_diagonal[n];
@@ -88,30 +91,40 @@ inline void corner_set(double mu_forward, double mu_sideways, double softness, c
   }
 }
 
-/// How far the impulses are from being their own projection, over all rows of a foot: zero at the solution.
+/// How far the impulses are from being their own projection, over all rows of a foot: zero at the
+/// solution.
 template <class T>
-inline T contact_defect(double mu_forward, double mu_sideways, const FootContact<T>& foot, const T* lambda) {
+inline T contact_defect(double mu_forward, double mu_sideways, const FootContact<T>& foot,
+                        const T* lambda) {
   T sum = 0.0;
   for (int k = 0; k < kCornersPerFoot; ++k) {
     const int x = 3 * k, y = x + 1, n = x + 2;
-    const T normal = max_of(lambda[n] - foot.residual[n] * foot.inverse_diagonal[n], T(0.0)) - lambda[n];
+    const T normal =
+        max_of(lambda[n] - foot.residual[n] * foot.inverse_diagonal[n], T(0.0)) - lambda[n];
     const T limit_x = mu_forward * lambda[n], limit_y = mu_sideways * lambda[n];
-    const T forward = min_of(max_of(lambda[x] - foot.residual[x] * foot.inverse_diagonal[x], -limit_x), limit_x) - lambda[x];
-    const T across = min_of(max_of(lambda[y] - foot.residual[y] * foot.inverse_diagonal[y], -limit_y), limit_y) - lambda[y];
+    const T forward =
+        min_of(max_of(lambda[x] - foot.residual[x] * foot.inverse_diagonal[x], -limit_x), limit_x) -
+        lambda[x];
+    const T across =
+        min_of(max_of(lambda[y] - foot.residual[y] * foot.inverse_diagonal[y], -limit_y), limit_y) -
+        lambda[y];
     sum += normal * normal + forward * forward + across * across;
   }
   return sum;
 }
 
-/// Adds the free rows of a corner to the matrix block and the right-hand side of its foot (rows `at` .. at + 5).
+/// Adds the free rows of a corner to the matrix block and the right-hand side of its foot (rows
+/// `at` .. at + 5).
 template <class T>
-inline void add_corner(const FootContact<T>& foot, int k, const CornerSet<T>& set, int at, T (&M)[kTwists][kTwists],
-                       T (&rhs)[kTwists]) {
+inline void add_corner(const FootContact<T>& foot, int k, const CornerSet<T>& set, int at,
+                       T (&M)[kTwists][kTwists], T (&rhs)[kTwists]) {
   const T* r = foot.corner[k];
   const T* s = foot.residual + 3 * k;
   // rows of J: velocity of the corner per twist; wrench of a unit impulse is its transpose
   const T zero = 0.0, one = 1.0;
-  const T J[3][6] = {{one, zero, zero, zero, r[2], -r[1]}, {zero, one, zero, -r[2], zero, r[0]}, {zero, zero, one, r[1], -r[0], zero}};
+  const T J[3][6] = {{one, zero, zero, zero, r[2], -r[1]},
+                     {zero, one, zero, -r[2], zero, r[0]},
+                     {zero, zero, one, r[1], -r[0], zero}};
   constexpr int entries[3][3] = {{0, 4, 5}, {1, 3, 5}, {2, 3, 4}};
   T force[3] = {set.slide[0], set.slide[1], one}, d[6] = {}, jump[6] = {};
   add_wrench(r, force, d);
@@ -127,15 +140,17 @@ inline void add_corner(const FootContact<T>& foot, int k, const CornerSet<T>& se
     }
 }
 
-/// New impulses of a corner after the twist of its foot changed by tau, clamped into the pyramid. `change` receives the
-/// difference to the old ones.
+/// New impulses of a corner after the twist of its foot changed by tau, clamped into the pyramid.
+/// `change` receives the difference to the old ones.
 template <class T>
-inline void corner_impulses(double mu_forward, double mu_sideways, const FootContact<T>& foot, int k,
-                            const CornerSet<T>& set, const T* tau, const T* lambda, T* change) {
+inline void corner_impulses(double mu_forward, double mu_sideways, const FootContact<T>& foot,
+                            int k, const CornerSet<T>& set, const T* tau, const T* lambda,
+                            T* change) {
   T u[3], next[3];
   corner_velocity(tau, foot.corner[k], u);
   const T* old = lambda + 3 * k;
-  for (int a = 0; a < 3; ++a) next[a] = old[a] + set.jump[a] - set.weight[a] * (foot.residual[3 * k + a] + u[a]);
+  for (int a = 0; a < 3; ++a)
+    next[a] = old[a] + set.jump[a] - set.weight[a] * (foot.residual[3 * k + a] + u[a]);
   next[2] = max_of(next[2], T(0.0));
   const double mu[2] = {mu_forward, mu_sideways};
   for (int a = 0; a < 2; ++a) {
@@ -148,7 +163,8 @@ inline void corner_impulses(double mu_forward, double mu_sideways, const FootCon
 
 /// The inverse inertia of both soles together, negated: once per step, for all Newton steps.
 template <class T>
-inline void sole_inertia(const T (&A)[kNumFeet][6][6], const T (&A_cross)[6][6], T (&negative_inertia)[kTwists][kTwists]) {
+inline void sole_inertia(const T (&A)[kNumFeet][6][6], const T (&A_cross)[6][6],
+                         T (&negative_inertia)[kTwists][kTwists]) {
   for (int i = 0; i < 6; ++i)
     for (int j = 0; j < 6; ++j) {
       negative_inertia[i][j] = A[0][i][j];
@@ -157,20 +173,24 @@ inline void sole_inertia(const T (&A)[kNumFeet][6][6], const T (&A_cross)[6][6],
       negative_inertia[i][6 + j] = A_cross[i][j];
     }
   // a straight leg makes a direction of the sole nearly immovable: keeps the inverse finite there
-  for (int i = 0; i < kTwists; ++i) negative_inertia[i][i] = (1.0 + 1e-9) * negative_inertia[i][i] + 1e-12;
+  for (int i = 0; i < kTwists; ++i)
+    negative_inertia[i][i] = (1.0 + 1e-9) * negative_inertia[i][i] + 1e-12;
   negative_inverse(negative_inertia);
 }
 
-/// One Newton step over all rows of both feet. A lane keeps its old impulses where the step did not come closer.
+/// One Newton step over all rows of both feet. A lane keeps its old impulses where the step did not
+/// come closer.
 /// Returns the contact defect of what each lane ends with [(N s)^2].
 template <class T>
-inline T newton_step(double mu_forward, double mu_sideways, double regularization, const T (&A)[kNumFeet][6][6],
-                        const T (&A_cross)[6][6], const T (&negative_inertia)[kTwists][kTwists],
-                        FootContact<T> (&foot)[kNumFeet], T (*lambda)[kCornersPerFoot][3]) {
+inline T newton_step(double mu_forward, double mu_sideways, double regularization,
+                     const T (&A)[kNumFeet][6][6], const T (&A_cross)[6][6],
+                     const T (&negative_inertia)[kTwists][kTwists],
+                     FootContact<T> (&foot)[kNumFeet], T (*lambda)[kCornersPerFoot][3]) {
   const double softness = regularization / (1.0 + regularization);
   T M[kTwists][kTwists], tau[kTwists] = {};
   for (int i = 0; i < kTwists; ++i)
-    for (int j = 0; j < kTwists; ++j) M[i][j] = i >= j ? -negative_inertia[i][j] : -negative_inertia[j][i];
+    for (int j = 0; j < kTwists; ++j)
+      M[i][j] = i >= j ? -negative_inertia[i][j] : -negative_inertia[j][i];
   CornerSet<T> set[kNumFeet][kCornersPerFoot];
   T* impulse[kNumFeet] = {lambda[0][0], lambda[1][0]};  // rows of a foot, flat
   T before = 0.0;
@@ -187,7 +207,8 @@ inline T newton_step(double mu_forward, double mu_sideways, double regularizatio
   T change[kNumFeet][kFootRows], wrench[kNumFeet][6] = {}, twist[kNumFeet][6] = {};
   for (int l = 0; l < kNumFeet; ++l)
     for (int k = 0; k < kCornersPerFoot; ++k) {
-      corner_impulses(mu_forward, mu_sideways, foot[l], k, set[l][k], tau + 6 * l, impulse[l], change[l] + 3 * k);
+      corner_impulses(mu_forward, mu_sideways, foot[l], k, set[l][k], tau + 6 * l, impulse[l],
+                      change[l] + 3 * k);
       add_wrench(foot[l].corner[k], change[l] + 3 * k, wrench[l]);
     }
   for (int i = 0; i < 6; ++i)
@@ -210,7 +231,8 @@ inline T newton_step(double mu_forward, double mu_sideways, double regularizatio
       foot[l].residual[i] = select_less(after, before, foot[l].residual[i], old_residual[l][i]);
       impulse[l][i] -= select_less(after, before, T(0.0), change[l][i]);
     }
-    for (int i = 0; i < 6; ++i) foot[l].impulse[i] += select_less(after, before, wrench[l][i], T(0.0));
+    for (int i = 0; i < 6; ++i)
+      foot[l].impulse[i] += select_less(after, before, wrench[l][i], T(0.0));
   }
   return select_less(after, before, after, before);
 }

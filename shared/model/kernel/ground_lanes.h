@@ -16,7 +16,8 @@ struct GroundPoint {
 template <class T>
 inline GroundPoint<T> ground_at(const Ground& ground, T x) {
   const GroundSegment& first = ground.segment[0];
-  if (ground.num_segments == 1 && first.sin_slope == 0.0 && first.curvature == 0.0) return {T(first.z), T(0.0), T(1.0)};
+  if (ground.num_segments == 1 && first.sin_slope == 0.0 && first.curvature == 0.0)
+    return {T(first.z), T(0.0), T(1.0)};
   T x0 = first.x_start, z0 = first.z, sin0 = first.sin_slope, curvature = first.curvature;
   for (int i = 1; i < ground.num_segments; ++i) {
     const GroundSegment& s = ground.segment[i];

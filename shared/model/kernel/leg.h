@@ -1,7 +1,9 @@
-// One leg of the OP3 in link axes: inverse dynamics at zero acceleration (bias) and the mass matrix of the chain.
-// All axes are coordinate axes and no joint has a fixed rotation, so every turn costs four products. Both legs have the
-// same axes and mirrored origins. Angles here turn about the positive coordinate axis; the sign of the joint is applied
-// where the state is read and where the result is written.
+// One leg of the OP3 in link axes: inverse dynamics at zero acceleration (bias) and the mass matrix
+// of the chain.
+// All axes are coordinate axes and no joint has a fixed rotation, so every turn costs four
+// products. Both legs have the same axes and mirrored origins. Angles here turn about the positive
+// coordinate axis; the sign of the joint is applied where the state is read and where the result is
+// written.
 #pragma once
 
 #include "shared/model/kernel/trig.h"
@@ -17,7 +19,8 @@ constexpr int axis_of(int j) { return leg_joint(j).axis; }
 constexpr bool legs_mirror() {
   for (int j = 0; j < kLegJoints; ++j) {
     const JointGeometry &r = kOp3Joints[j], &l = kOp3Joints[kLegJoints + j];
-    if (r.axis != l.axis || r.origin[0] != l.origin[0] || r.origin[1] != -l.origin[1] || r.origin[2] != l.origin[2])
+    if (r.axis != l.axis || r.origin[0] != l.origin[0] || r.origin[1] != -l.origin[1] ||
+        r.origin[2] != l.origin[2])
       return false;
   }
   return true;
@@ -45,7 +48,8 @@ inline void to_parent(T c, T s, const T* v, T* out) {
 /// out += r x v with r the origin of leg joint J in parent axes; zero components of r cost nothing.
 template <int J, class T>
 inline void add_origin_cross(double side, const T* v, T* out) {
-  constexpr double rx = leg_joint(J).origin[0], ry = leg_joint(J).origin[1], rz = leg_joint(J).origin[2];
+  constexpr double rx = leg_joint(J).origin[0], ry = leg_joint(J).origin[1],
+                   rz = leg_joint(J).origin[2];
   if constexpr (rx != 0.0) {
     out[1] -= rx * v[2];
     out[2] += rx * v[1];
@@ -67,7 +71,9 @@ inline void cross(const T* a, const T* b, T* out) {
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 template <class T>
-inline T dot(const T* a, const T* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline T dot(const T* a, const T* b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /// out = I v for a symmetric I (xx xy xz yy yz zz), entries of type S (double or T).
 template <class S, class T>
@@ -76,7 +82,8 @@ inline void inertia_times(const S* I, const T* v, T* out) {
   out[1] = I[1] * v[0] + I[3] * v[1] + I[4] * v[2];
   out[2] = I[2] * v[0] + I[4] * v[1] + I[5] * v[2];
 }
-constexpr int sym(int i, int j) { return i <= j ? (i * (5 - i)) / 2 + j : sym(j, i); }  // index into xx xy xz yy yz zz
+// index into xx xy xz yy yz zz
+constexpr int sym(int i, int j) { return i <= j ? (i * (5 - i)) / 2 + j : sym(j, i); }
 
 template <class T>
 struct Wrench {
@@ -84,10 +91,13 @@ struct Wrench {
   T moment[3];  // N m, about the origin of the frame it is written in
 };
 
-/// Net force and moment (about the link origin) that move a body with angular velocity w, angular acceleration alpha and
-/// acceleration a of its origin (gravity already subtracted).   [Newton-Euler about a body-fixed point]
+/// Net force and moment (about the link origin) that move a body with angular velocity w, angular
+/// acceleration alpha and
+/// acceleration a of its origin (gravity already subtracted).   [Newton-Euler about a body-fixed
+/// point]
 template <class T>
-inline void newton_euler(const StepModel::Body& b, const T* w, const T* alpha, const T* a, Wrench<T>& f) {
+inline void newton_euler(const StepModel::Body& b, const T* w, const T* alpha, const T* a,
+                         Wrench<T>& f) {
   T h[3], wh[3], wwh[3], ah[3], Iw[3], wIw[3], Ialpha[3], ha[3];
   for (int i = 0; i < 3; ++i) h[i] = b.first_moment[i];
   cross(w, h, wh);
@@ -101,7 +111,8 @@ inline void newton_euler(const StepModel::Body& b, const T* w, const T* alpha, c
   for (int i = 0; i < 3; ++i) f.moment[i] = Ialpha[i] + wIw[i] + ha[i];
 }
 
-/// Composite body: first moment and inertia about the origin of the frame it is written in; its mass is a constant.
+/// Composite body: first moment and inertia about the origin of the frame it is written in; its
+/// mass is a constant.
 template <class T>
 struct Composite {
   T h[3];
@@ -111,13 +122,13 @@ struct Composite {
 /// Work space and results of one leg.
 template <class T>
 struct Leg {
-  T c[kLegJoints], s[kLegJoints];       // cosine and sine of the turn about the positive axis
-  T rate[kLegJoints];                   // rad/s about the positive axis
-  T bias[kLegJoints];                   // N m, joint torques at zero acceleration
-  Wrench<T> bias_on_base;               // the leg's share, base axes
-  T M[kLegJoints][kLegJoints];          // joint block of the mass matrix (lower triangle)
-  T F[kLegJoints][6];                   // coupling with the base: force, moment in base axes
-  Composite<T> composite;               // of the whole leg, base axes and origin
+  T c[kLegJoints], s[kLegJoints];  // cosine and sine of the turn about the positive axis
+  T rate[kLegJoints];              // rad/s about the positive axis
+  T bias[kLegJoints];              // N m, joint torques at zero acceleration
+  Wrench<T> bias_on_base;          // the leg's share, base axes
+  T M[kLegJoints][kLegJoints];     // joint block of the mass matrix (lower triangle)
+  T F[kLegJoints][6];              // coupling with the base: force, moment in base axes
+  Composite<T> composite;          // of the whole leg, base axes and origin
 };
 
 template <class T>
@@ -126,7 +137,8 @@ struct LinkMotion {
 };
 
 template <int J, class T>
-inline void link_motion(const Leg<T>& leg, double side, const LinkMotion<T>& parent, LinkMotion<T>& child) {
+inline void link_motion(const Leg<T>& leg, double side, const LinkMotion<T>& parent,
+                        LinkMotion<T>& child) {
   constexpr int K = axis_of(J), I1 = (K + 1) % 3, I2 = (K + 2) % 3;
   // origin of the joint: a + alpha x r + w x (w x r), in parent axes; x cross r = -(r cross x)
   T minus_wr[3] = {0.0, 0.0, 0.0}, minus_alpha_r[3] = {0.0, 0.0, 0.0}, wwr[3], a[3];
@@ -137,24 +149,27 @@ inline void link_motion(const Leg<T>& leg, double side, const LinkMotion<T>& par
   to_child<K>(leg.c[J], leg.s[J], a, child.a);
   to_child<K>(leg.c[J], leg.s[J], parent.w, child.w);
   to_child<K>(leg.c[J], leg.s[J], parent.alpha, child.alpha);
-  // w x (axis rate), with w still that of the parent in child axes; its own part along the axis adds nothing
+  // w x (axis rate), with w still that of the parent in child axes; its own part along the axis
+  // adds nothing
   child.alpha[I1] += child.w[I2] * leg.rate[J];
   child.alpha[I2] -= child.w[I1] * leg.rate[J];
   child.w[K] += leg.rate[J];
 }
 
 template <int J, class T>
-inline void wrench_to_parent(const Leg<T>& leg, double side, const Wrench<T>& child, Wrench<T>& out) {
+inline void wrench_to_parent(const Leg<T>& leg, double side, const Wrench<T>& child,
+                             Wrench<T>& out) {
   constexpr int K = axis_of(J);
   to_parent<K>(leg.c[J], leg.s[J], child.force, out.force);
   to_parent<K>(leg.c[J], leg.s[J], child.moment, out.moment);
   add_origin_cross<J>(side, out.force, out.moment);
 }
 
-/// Forward pass to the foot, backward pass to the base (recursive Newton-Euler, [Featherstone 2008] table 5.1).
+/// Forward pass to the foot, backward pass to the base (recursive Newton-Euler, [Featherstone 2008]
+/// table 5.1).
 template <int J, class T>
-inline void leg_bias(const StepModel::Body* bodies, double side, const LinkMotion<T>& parent, Leg<T>& leg,
-                     Wrench<T>& on_parent) {
+inline void leg_bias(const StepModel::Body* bodies, double side, const LinkMotion<T>& parent,
+                     Leg<T>& leg, Wrench<T>& on_parent) {
   LinkMotion<T> m;
   link_motion<J>(leg, side, parent, m);
   Wrench<T> f;
@@ -173,7 +188,8 @@ inline void leg_bias(const StepModel::Body* bodies, double side, const LinkMotio
 
 /// Rewrites a composite body from child axes and origin to those of the parent of joint J.
 template <int J, class T>
-inline void composite_to_parent(const Leg<T>& leg, double side, double mass, const Composite<T>& in, Composite<T>& out) {
+inline void composite_to_parent(const Leg<T>& leg, double side, double mass, const Composite<T>& in,
+                                Composite<T>& out) {
   constexpr int K = axis_of(J), A = (K + 1) % 3, B = (K + 2) % 3;
   const T c = leg.c[J], s = leg.s[J];
   to_parent<K>(c, s, in.h, out.h);
@@ -187,7 +203,8 @@ inline void composite_to_parent(const Leg<T>& leg, double side, double mass, con
   out.I[sym(K, A)] = c * in.I[sym(K, A)] - s * in.I[sym(K, B)];
   out.I[sym(K, B)] = s * in.I[sym(K, A)] + c * in.I[sym(K, B)];
   // parallel axes: with d = h + m r / 2,  I += 2 r.d E - r d' - d r',  h += m r
-  constexpr double rx = leg_joint(J).origin[0], ry_left = leg_joint(J).origin[1], rz = leg_joint(J).origin[2];
+  constexpr double rx = leg_joint(J).origin[0], ry_left = leg_joint(J).origin[1],
+                   rz = leg_joint(J).origin[2];
   const double ry = side * ry_left;
   T d[3];
   d[0] = out.h[0] + 0.5 * mass * rx;
@@ -219,7 +236,8 @@ inline void composite_to_parent(const Leg<T>& leg, double side, double mass, con
   }
 }
 
-/// Carries the wrench of a unit acceleration of joint J from link I down to the base, reading off column entries.
+/// Carries the wrench of a unit acceleration of joint J from link I down to the base, reading off
+/// column entries.
 template <int J, int I, class T>
 inline void mass_column(Leg<T>& leg, double side, const Wrench<T>& f) {
   leg.M[J][I] = f.moment[axis_of(I)];
@@ -235,10 +253,11 @@ inline void mass_column(Leg<T>& leg, double side, const Wrench<T>& f) {
   }
 }
 
-/// Composite rigid bodies from the foot upwards ([Featherstone 2008] table 6.2). Result `out`: links J..5 as seen by the
-/// parent of joint J.
+/// Composite rigid bodies from the foot upwards ([Featherstone 2008] table 6.2). Result `out`:
+/// links J..5 as seen by the parent of joint J.
 template <int J, class T>
-inline void leg_mass_matrix(const StepModel::Body* bodies, double side, Leg<T>& leg, Composite<T>& out) {
+inline void leg_mass_matrix(const StepModel::Body* bodies, double side, Leg<T>& leg,
+                            Composite<T>& out) {
   constexpr int K = axis_of(J), A = (K + 1) % 3, B = (K + 2) % 3;
   Composite<T> here;
   if constexpr (J + 1 < kLegJoints) {
@@ -270,7 +289,8 @@ struct LegFrames {
 template <int J, class T>
 inline void leg_frames(const Leg<T>& leg, double side, T (&R)[3][3], LegFrames<T>& out) {
   constexpr int K = axis_of(J), A = (K + 1) % 3, B = (K + 2) % 3;
-  constexpr double rx = leg_joint(J).origin[0], ry_left = leg_joint(J).origin[1], rz = leg_joint(J).origin[2];
+  constexpr double rx = leg_joint(J).origin[0], ry_left = leg_joint(J).origin[1],
+                   rz = leg_joint(J).origin[2];
   for (int i = 0; i < 3; ++i) {
     T p = J > 0 ? out.origin[J > 0 ? J - 1 : 0][i] : T(0.0);
     if constexpr (rx != 0.0) p += rx * R[0][i];

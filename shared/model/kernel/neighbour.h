@@ -1,8 +1,11 @@
-// Steps near a nominal one, for derivatives: its set of touching, sticking and sliding rows is held, which to first order
-// is exact. Two kinds:
-//   neighbour_step  differs in height, velocities and inputs only. Mass matrix, Jacobians and contact geometry are the
-//                   nominal step's; what changes, bias forces and servo torques, is evaluated in full. A tenth of the cost.
-//   held_step       differs in anything. Only the contact solver is replaced, by one step with the nominal step's factor.
+// Steps near a nominal one, for derivatives: its set of touching, sticking and sliding rows is
+// held, which to first order is exact. Two kinds:
+//   neighbour_step  differs in height, velocities and inputs only. Mass matrix, Jacobians and
+//   contact geometry are the
+//                   nominal step's; what changes, bias forces and servo torques, is evaluated in
+//                   full. A tenth of the cost.
+//   held_step       differs in anything. Only the contact solver is replaced, by one step with the
+//   nominal step's factor.
 #pragma once
 
 #include "shared/model/kernel/step.h"
@@ -28,11 +31,11 @@ struct ContactSlope {
   T factor[kTwists][kTwists], contact[kTwists][kTwists], contact_by_height[kTwists];
 };
 
-/// With N as in contact_newton.h:  t = N^-1 A^-1 dt_free,  impulse = A^-1 (t - dt_free). Height moves the targets of the
-/// normal rows instead of the free twists.
+/// With N as in contact_newton.h:  t = N^-1 A^-1 dt_free,  impulse = A^-1 (t - dt_free). Height
+/// moves the targets of the normal rows instead of the free twists.
 template <class T>
-inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w, const StepScratch<T>& scratch,
-                          ContactSlope<T>& out) {
+inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w,
+                          const StepScratch<T>& scratch, ContactSlope<T>& out) {
   const double softness = model.contact.regularization / (1.0 + model.contact.regularization);
   T inertia[kTwists][kTwists], unused[kTwists] = {}, pushed[kTwists];
   sole_inertia(w.A, w.A_cross, inertia);
@@ -44,11 +47,14 @@ inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w
     for (int k = 0; k < kCornersPerFoot; ++k) {
       const FootContact<T>& foot = w.foot[l];
       CornerSet<T> set;
-      corner_set(model.friction_forward, model.friction_sideways, softness, foot, k, scratch.lambda[l][0], set);
+      corner_set(model.friction_forward, model.friction_sideways, softness, foot, k,
+                 scratch.lambda[l][0], set);
       add_corner(foot, k, set, 6 * l, out.factor, unused);
       for (int a = 0; a < 3; ++a) out.weight[l][k][a] = set.weight[a];
       for (int a = 0; a < 2; ++a) out.slide[l][k][a] = set.slide[a];
-      const T target = foot.cos_slope * select_less(T(0.0), foot.gap[k], T(1.0), T(model.contact.recovery)) * (1.0 / h);
+      const T target = foot.cos_slope *
+                       select_less(T(0.0), foot.gap[k], T(1.0), T(model.contact.recovery)) *
+                       (1.0 / h);
       const T normal = -set.weight[2] * target;
       const T force[3] = {set.slide[0] * normal, set.slide[1] * normal, normal};
       add_wrench(foot.corner[k], force, pushed + 6 * l);
@@ -74,8 +80,9 @@ inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w
 
 /// Keeps what the neighbours of one lane need.
 template <class T>
-inline void keep_nominal(const StepModel& model, const StepWork<T>& w, const StepScratch<T>& scratch,
-                         const ContactSlope<T>& contact, const T* x, const T* u, double h, int lane, NominalStep& n) {
+inline void keep_nominal(const StepModel& model, const StepWork<T>& w,
+                         const StepScratch<T>& scratch, const ContactSlope<T>& contact, const T* x,
+                         const T* u, double h, int lane, NominalStep& n) {
   copy_lane(w.R_world_base, lane, n.R_world_base);
   copy_lane(w.w_base, lane, n.w_base);
   copy_lane(w.bias_base, lane, n.bias_on_base);
@@ -107,19 +114,21 @@ inline void keep_nominal(const StepModel& model, const StepWork<T>& w, const Ste
     copy_lane(w.foot[l].G, lane, n.G[l]);
     for (int j = 0; j < kLegJoints; ++j) {
       const int joint = l * kLegJoints + j;
-      const ServoTerms<double> terms =
-          servo_terms<double>(model.servo[joint], kOp3Joints[joint].sign, u[joint].v[lane] - x[kXJoint + joint].v[lane],
-                              n.rate[l][j], leg.bias[j].v[lane], h);
+      const ServoTerms<double> terms = servo_terms<double>(
+          model.servo[joint], kOp3Joints[joint].sign, u[joint].v[lane] - x[kXJoint + joint].v[lane],
+          n.rate[l][j], leg.bias[j].v[lane], h);
       n.rhs_leg[l][j] = terms.rhs;
       n.implicit[l][j] = terms.implicit;
     }
   }
 }
 
-/// What changes against the nominal step: joint rates, and the right-hand sides by servos and bias forces.
+/// What changes against the nominal step: joint rates, and the right-hand sides by servos and bias
+/// forces.
 template <class T>
-inline void changed_forces(const StepModel& model, const NominalStep& n, const T* x, const T* u, double h,
-                           T (&rate)[kNumFeet][6], T (&rhs_leg)[kNumFeet][6], T (&rhs_base)[6]) {
+inline void changed_forces(const StepModel& model, const NominalStep& n, const T* x, const T* u,
+                           double h, T (&rate)[kNumFeet][6], T (&rhs_leg)[kNumFeet][6],
+                           T (&rhs_base)[6]) {
   LinkMotion<T> base;
   for (int i = 0; i < 3; ++i) {
     base.w[i] = x[kXOmega + i];
@@ -148,10 +157,13 @@ inline void changed_forces(const StepModel& model, const NominalStep& n, const T
     }
     for (int j = 0; j < kLegJoints; ++j) {
       const int joint = l * kLegJoints + j;
-      const ServoTerms<T> terms = servo_terms<T>(model.servo[joint], kOp3Joints[joint].sign,
-                                                 u[joint] - x[kXJoint + joint], leg.rate[j], leg.bias[j], h);
-      // a servo at its limit changes the diagonal: to first order that is a torque against the velocity change
-      rhs_leg[l][j] = terms.rhs - n.rhs_leg[l][j] - (terms.implicit - n.implicit[l][j]) * n.d_rate[l][j];
+      const ServoTerms<T> terms =
+          servo_terms<T>(model.servo[joint], kOp3Joints[joint].sign, u[joint] - x[kXJoint + joint],
+                         leg.rate[j], leg.bias[j], h);
+      // a servo at its limit changes the diagonal: to first order that is a torque against the
+      // velocity change
+      rhs_leg[l][j] =
+          terms.rhs - n.rhs_leg[l][j] - (terms.implicit - n.implicit[l][j]) * n.d_rate[l][j];
       rate[l][j] = leg.rate[j] - n.rate[l][j];
     }
   }
@@ -163,14 +175,17 @@ inline void changed_base_velocity(const NominalStep& n, const T* x, T (&v)[6]) {
   T world[3];
   for (int i = 0; i < 3; ++i) world[i] = x[kXVel + i] - n.v_world[i];
   for (int i = 0; i < 3; ++i) {
-    v[i] = n.R_world_base[0][i] * world[0] + n.R_world_base[1][i] * world[1] + n.R_world_base[2][i] * world[2];
+    v[i] = n.R_world_base[0][i] * world[0] + n.R_world_base[1][i] * world[1] +
+           n.R_world_base[2][i] * world[2];
     v[3 + i] = x[kXOmega + i] - n.w_base[i];
   }
 }
 
-/// x_next of states that share base orientation and joint angles (and the ground below) with the nominal one.
+/// x_next of states that share base orientation and joint angles (and the ground below) with the
+/// nominal one.
 template <class T>
-inline void neighbour_step(const StepModel& model, const NominalStep& n, const T* x, const T* u, double h, T* x_next) {
+inline void neighbour_step(const StepModel& model, const NominalStep& n, const T* x, const T* u,
+                           double h, T* x_next) {
   T d_leg[kNumFeet][6], d_base[6], moved[kNumFeet][6], moved_base[6];
   changed_forces(model, n, x, u, h, moved, d_leg, d_base);
   changed_base_velocity(n, x, moved_base);
@@ -179,8 +194,8 @@ inline void neighbour_step(const StepModel& model, const NominalStep& n, const T
     for (int k = 0; k < 6; ++k) {
       const T scaled = n.leg_inverse_d[l][k] * d_leg[l][k];
       for (int i = 0; i < 6; ++i) d_base[i] -= n.F[l][k][i] * scaled;
-      // twist of a sole = X' (L' rate + D^-1 F v) + G' (L' v) with v of the base; row k of L' rate needs the rows below,
-      // which are still unchanged
+      // twist of a sole = X' (L' rate + D^-1 F v) + G' (L' v) with v of the base; row k of L' rate
+      // needs the rows below, which are still unchanged
       for (int i = k + 1; i < 6; ++i) moved[l][k] += n.leg_factor[l][i][k] * moved[l][i];
       T by_base = n.F[l][k][0] * moved_base[0];
       for (int i = 1; i < 6; ++i) by_base += n.F[l][k][i] * moved_base[i];
@@ -196,7 +211,8 @@ inline void neighbour_step(const StepModel& model, const NominalStep& n, const T
     for (int k = 0; k < 6; ++k) {
       const T leg_part = moved[l][k] + n.leg_inverse_d[l][k] * d_leg[l][k];
       const T base_part = moved_base[k] + n.base_inverse_d[k] * d_base[k];
-      for (int i = 0; i < 6; ++i) free_twist[6 * l + i] += n.X[l][k][i] * leg_part + n.G[l][k][i] * base_part;
+      for (int i = 0; i < 6; ++i)
+        free_twist[6 * l + i] += n.X[l][k][i] * leg_part + n.G[l][k][i] * base_part;
     }
   const T raised = x[kXPos + 2] - n.height;
   for (int i = 0; i < kTwists; ++i) {
@@ -229,8 +245,9 @@ inline void neighbour_step(const StepModel& model, const NominalStep& n, const T
 
 /// Residuals of a foot's rows for the nominal impulses; the twist contains their effect already.
 template <class T>
-inline void held_residuals(const StepModel& model, double h, const T (&A)[6][6], const double (&lambda)[kCornersPerFoot][3],
-                           const T* twist, FootContact<T>& foot) {
+inline void held_residuals(const StepModel& model, double h, const T (&A)[6][6],
+                           const double (&lambda)[kCornersPerFoot][3], const T* twist,
+                           FootContact<T>& foot) {
   const double softness = model.contact.regularization;
   for (int k = 0; k < kCornersPerFoot; ++k) {
     T* s = foot.residual + 3 * k;
@@ -256,11 +273,14 @@ inline void held_contact(const StepModel& model, const NominalStep& n, double h,
   }
   for (int i = 0; i < 6; ++i)
     for (int k = 0; k < 6; ++k) {
-      w.foot[0].twist[i] += w.A[0][i][k] * w.foot[0].impulse[k] + w.A_cross[i][k] * w.foot[1].impulse[k];
-      w.foot[1].twist[i] += w.A[1][i][k] * w.foot[1].impulse[k] + w.A_cross[k][i] * w.foot[0].impulse[k];
+      w.foot[0].twist[i] +=
+          w.A[0][i][k] * w.foot[0].impulse[k] + w.A_cross[i][k] * w.foot[1].impulse[k];
+      w.foot[1].twist[i] +=
+          w.A[1][i][k] * w.foot[1].impulse[k] + w.A_cross[k][i] * w.foot[0].impulse[k];
     }
   const auto push = [&](int l, int k, T normal, T forward, T across, T* wrench) {
-    const T force[3] = {forward + n.slide[l][k][0] * normal, across + n.slide[l][k][1] * normal, normal};
+    const T force[3] = {forward + n.slide[l][k][0] * normal, across + n.slide[l][k][1] * normal,
+                        normal};
     add_wrench(w.foot[l].corner[k], force, wrench);
   };
   for (int l = 0; l < kNumFeet; ++l) {
@@ -286,8 +306,8 @@ inline void held_contact(const StepModel& model, const NominalStep& n, double h,
 
 /// x_next of any state nearby.
 template <class T>
-inline void held_step(const StepModel& model, const Ground& ground, const NominalStep& n, const T* x, const T* u, double h,
-                      T* x_next) {
+inline void held_step(const StepModel& model, const Ground& ground, const NominalStep& n,
+                      const T* x, const T* u, double h, T* x_next) {
   StepWork<T> w;
   free_step(model, ground, x, u, h, w);
   held_contact(model, n, h, w);

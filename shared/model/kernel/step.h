@@ -1,7 +1,9 @@
-// One implicit step of the whole body: x' = f_A(x, u, theta). Written for one double and for lanes alike.
+// One implicit step of the whole body: x' = f_A(x, u, theta). Written for one double and for lanes
+// alike.
 //   (M + armature + h D + h^2 K) v' = (M + armature) v + h (K (u - q) - bias) + J' lambda
-// Servo spring and damping act with the velocity at the end of the step, or 60 ms would explode; contact works on the
-// same effective inertia. Base velocities are in base axes inside (orientation frozen at the start of the step).
+// Servo spring and damping act with the velocity at the end of the step, or 60 ms would explode;
+// contact works on the same effective inertia. Base velocities are in base axes inside (orientation
+// frozen at the start of the step).
 #pragma once
 
 #include "shared/model/kernel/contact_newton.h"
@@ -11,10 +13,12 @@ namespace sanso::model::SANSO_ISA {
 /// What a step leaves behind, and what the next may start from.
 template <class T>
 struct StepScratch {
-  T lambda[kNumFeet][kCornersPerFoot][3] = {};  // N s: impulses of the last substep; contact axes (forward, across, normal)
-  T gap[kNumFeet][kCornersPerFoot] = {};        // m, at the beginning of the last substep
+  // N s: impulses of the last substep; contact axes (forward, across, normal)
+  T lambda[kNumFeet][kCornersPerFoot][3] = {};
+  T gap[kNumFeet][kCornersPerFoot] = {};                 // m, at the beginning of the last substep
   T corner_velocity[kNumFeet][kCornersPerFoot][3] = {};  // m/s at its end, contact axes
-  bool warm_start = false;                      // begin the contact solver from `lambda` instead of from zero
+  // begin the contact solver from `lambda` instead of from zero
+  bool warm_start = false;
 };
 
 template <class T>
@@ -25,11 +29,12 @@ struct StepWork {
   LegFrames<T> frames;
   FootContact<T> foot[kNumFeet];
   T inverse_d[kNumFeet][6], base_inverse_d[6];
-  T base[6][6];          // effective inertia of the base, then its factor
-  T bias_base[6];        // N, N m: force and moment of the whole robot at zero acceleration
+  T base[6][6];    // effective inertia of the base, then its factor
+  T bias_base[6];  // N, N m: force and moment of the whole robot at zero acceleration
   T rhs_leg[kNumFeet][6], rhs_base[6];
-  T A[kNumFeet][6][6], A_cross[6][6];  // inverse inertias of the soles; A_cross: right rows, left columns
-  T dv_base[6], d_rate[kNumFeet][6];   // velocity changes of the step: base (base axes), joints
+  // inverse inertias of the soles; A_cross: right rows, left columns
+  T A[kNumFeet][6][6], A_cross[6][6];
+  T dv_base[6], d_rate[kNumFeet][6];  // velocity changes of the step: base (base axes), joints
 };
 
 constexpr double side_of(int leg) { return leg == 0 ? -1.0 : 1.0; }
@@ -53,7 +58,8 @@ template <class T>
 inline void read_state(const T* x, StepWork<T>& w) {
   rotation_from_quat(x + kXQuat, w.R_world_base);
   for (int i = 0; i < 3; ++i) {
-    w.v_base[i] = w.R_world_base[0][i] * x[kXVel] + w.R_world_base[1][i] * x[kXVel + 1] + w.R_world_base[2][i] * x[kXVel + 2];
+    w.v_base[i] = w.R_world_base[0][i] * x[kXVel] + w.R_world_base[1][i] * x[kXVel + 1] +
+                  w.R_world_base[2][i] * x[kXVel + 2];
     w.w_base[i] = x[kXOmega + i];
   }
   for (int leg = 0; leg < kNumFeet; ++leg)
@@ -67,12 +73,14 @@ inline void read_state(const T* x, StepWork<T>& w) {
 /// Mass matrix and bias forces of both legs and the base.
 template <class T>
 inline void rigid_body(const StepModel& model, StepWork<T>& w) {
-  // Galilean invariance: the base's own velocity does not enter. Gravity as an acceleration of the base upwards.
+  // Galilean invariance: the base's own velocity does not enter. Gravity as an acceleration of the
+  // base upwards.
   LinkMotion<T> base;
   for (int i = 0; i < 3; ++i) {
     base.w[i] = w.w_base[i];
     base.alpha[i] = T(0.0);
-    base.a[i] = -(w.R_world_base[0][i] * model.gravity_world[0] + w.R_world_base[1][i] * model.gravity_world[1] +
+    base.a[i] = -(w.R_world_base[0][i] * model.gravity_world[0] +
+                  w.R_world_base[1][i] * model.gravity_world[1] +
                   w.R_world_base[2][i] * model.gravity_world[2]);
   }
   Wrench<T> f;
@@ -111,15 +119,17 @@ inline void rigid_body(const StepModel& model, StepWork<T>& w) {
 }
 
 /// Adds the implicit servo to the diagonal and writes the right-hand sides of the velocity change.
-/// Full duty is a secant stiffness, K min(1, limit / |K e|): continuous in the error, and with the back-EMF in the damping
-/// it is the motor's torque-speed line. Dry friction likewise is a secant damping, coulomb / max(|rate|, 0.05 rad/s).
+/// Full duty is a secant stiffness, K min(1, limit / |K e|): continuous in the error, and with the
+/// back-EMF in the damping it is the motor's torque-speed line. Dry friction likewise is a secant
+/// damping, coulomb / max(|rate|, 0.05 rad/s).
 template <class T>
 struct ServoTerms {
   T implicit;  // kg m^2, h D + h^2 K: adds to the diagonal
   T rhs;       // N m s
 };
 template <class T>
-inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error, T rate, T bias, double h) {
+inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error, T rate, T bias,
+                                 double h) {
   constexpr double kFrictionRate = 0.05;  // rad/s, about two steps of the servo's velocity register
   const T limited = p.torque_limit / max_of(abs_of(p.stiffness * error), T(p.torque_limit));
   const T stiffness = p.stiffness * limited;
@@ -135,7 +145,8 @@ inline void servo(const StepModel& model, const T* x, const T* u, double h, Step
       const int joint = l * kLegJoints + j;
       const ServoParameters& p = model.servo[joint];
       const T error = u[joint] - x[kXJoint + joint];
-      const ServoTerms<T> terms = servo_terms<T>(p, kOp3Joints[joint].sign, error, w.leg[l].rate[j], w.leg[l].bias[j], h);
+      const ServoTerms<T> terms =
+          servo_terms<T>(p, kOp3Joints[joint].sign, error, w.leg[l].rate[j], w.leg[l].bias[j], h);
       w.rhs_leg[l][j] = terms.rhs;
       w.leg[l].M[j][j] += terms.implicit + p.armature;
     }
@@ -164,9 +175,11 @@ inline void factorize(StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l) forward6<6>(w.base, w.foot[l].G);
 }
 
-/// A += Y' D^-1 Z and, for a symmetric product, the lower triangle mirrored afterwards by the caller.
+/// A += Y' D^-1 Z and, for a symmetric product, the lower triangle mirrored afterwards by the
+/// caller.
 template <class T>
-inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6], T (&A)[6][6]) {
+inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6],
+                                 T (&A)[6][6]) {
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k)
 #pragma GCC unroll 6
@@ -177,7 +190,8 @@ inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], co
     }
 }
 
-/// Inverse inertia of each sole and of the pair, and the soles' twists after the step without contact.
+/// Inverse inertia of each sole and of the pair, and the soles' twists after the step without
+/// contact.
 template <class T>
 inline void sole_response(StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l) {
@@ -187,8 +201,10 @@ inline void sole_response(StepWork<T>& w) {
     add_weighted_product(foot.X, w.inverse_d[l], foot.X, w.A[l]);
     add_weighted_product(foot.G, w.base_inverse_d, foot.G, w.A[l]);
     for (int k = 0; k < 6; ++k) {
-      const T leg_part = w.inverse_d[l][k] * w.rhs_leg[l][k], base_part = w.base_inverse_d[k] * w.rhs_base[k];
-      for (int i = 0; i < 6; ++i) foot.twist[i] += foot.X[k][i] * leg_part + foot.G[k][i] * base_part;
+      const T leg_part = w.inverse_d[l][k] * w.rhs_leg[l][k],
+              base_part = w.base_inverse_d[k] * w.rhs_base[k];
+      for (int i = 0; i < 6; ++i)
+        foot.twist[i] += foot.X[k][i] * leg_part + foot.G[k][i] * base_part;
     }
   }
   for (auto& row : w.A_cross)
@@ -205,7 +221,8 @@ inline void couple(const T (&A_cross)[6][6], const T* impulse, T* twist) {
 
 /// Residuals of all rows for the twists without contact and the impulses in `lambda`.
 template <class T>
-inline void start_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
+inline void start_contact(const StepModel& model, double h, StepWork<T>& w,
+                          StepScratch<T>& scratch) {
   const ContactSettings& settings = model.contact;
   for (int l = 0; l < kNumFeet; ++l) {
     FootContact<T>& foot = w.foot[l];
@@ -238,16 +255,18 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w, Step
   for (int l = 0; l < kNumFeet; ++l) add_twist(w.foot[l].twist, w.foot[l]);
 }
 
-/// One Gauss-Seidel sweep over both feet. The other foot must know at once: telling both at the end of the sweep (Jacobi)
-/// diverges when the base is light.
+/// One Gauss-Seidel sweep over both feet. The other foot must know at once: telling both at the end
+/// of the sweep (Jacobi) diverges when the base is light.
 template <class T>
 inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& scratch) {
   FootContact<T>&right = w.foot[0], &left = w.foot[1];
   T from_right[6] = {}, from_left[6] = {}, to_left[6] = {}, to_right[6] = {};
-  sweep_foot(model.friction_forward, model.friction_sideways, right, scratch.lambda[0][0], from_right);
+  sweep_foot(model.friction_forward, model.friction_sideways, right, scratch.lambda[0][0],
+             from_right);
   couple<false>(w.A_cross, from_right, to_left);
   add_twist(to_left, left);
-  sweep_foot(model.friction_forward, model.friction_sideways, left, scratch.lambda[1][0], from_left);
+  sweep_foot(model.friction_forward, model.friction_sideways, left, scratch.lambda[1][0],
+             from_left);
   couple<true>(w.A_cross, from_left, to_right);
   add_twist(to_right, right);
   for (int i = 0; i < 6; ++i) {
@@ -256,18 +275,21 @@ inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& s
   }
 }
 
-/// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, a Newton step solves for them; again
-/// until every lane is solved. A lane that was solved before the others stays where it is but for rounding. From a
-/// solution nearby the rows are known: a Newton step comes first, and often it is all.
+/// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, a Newton step
+/// solves for them; again until every lane is solved. A lane that was solved before the others
+/// stays where it is but for rounding. From a solution nearby the rows are known: a Newton step
+/// comes first, and often it is all.
 template <class T>
-inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, StepScratch<T>& scratch) {
+inline void solve_contact(const StepModel& model, double h, StepWork<T>& w,
+                          StepScratch<T>& scratch) {
   start_contact(model, h, w, scratch);
   T negative_inertia[kTwists][kTwists];
   sole_inertia(w.A, w.A_cross, negative_inertia);
   const double solved = model.contact.tolerance * model.contact.tolerance;
   const auto newton = [&] {
-    return largest(newton_step(model.friction_forward, model.friction_sideways, model.contact.regularization, w.A,
-                               w.A_cross, negative_inertia, w.foot, scratch.lambda)) <= solved;
+    return largest(newton_step(model.friction_forward, model.friction_sideways,
+                               model.contact.regularization, w.A, w.A_cross, negative_inertia,
+                               w.foot, scratch.lambda)) <= solved;
   };
   if (scratch.warm_start && newton()) return;
   for (int l = 0; l < kNumFeet; ++l) row_responses(w.A[l], w.foot[l]);
@@ -281,7 +303,8 @@ inline void solve_contact(const StepModel& model, double h, StepWork<T>& w, Step
 
 /// Velocities of the corners at the end of the step, from the residuals of their rows.
 template <class T>
-inline void report_contact(const StepModel& model, double h, const StepWork<T>& w, StepScratch<T>& scratch) {
+inline void report_contact(const StepModel& model, double h, const StepWork<T>& w,
+                           StepScratch<T>& scratch) {
   const double softness = model.contact.regularization / (1.0 + model.contact.regularization);
   for (int l = 0; l < kNumFeet; ++l)
     for (int i = 0; i < kFootRows; ++i) {
@@ -333,15 +356,18 @@ inline void integrate(const T* x, double h, const T (&R_world_base)[3][3], const
   for (int l = 0; l < kNumFeet; ++l)
     for (int j = 0; j < kLegJoints; ++j) {
       const int joint = l * kLegJoints + j;
-      const T rate = x[kXJointRate + joint] + static_cast<double>(kOp3Joints[joint].sign) * d_rate[l][j];
+      const T rate =
+          x[kXJointRate + joint] + static_cast<double>(kOp3Joints[joint].sign) * d_rate[l][j];
       x_next[kXJointRate + joint] = rate;
       x_next[kXJoint + joint] = x[kXJoint + joint] + h * rate;
     }
 }
 
-/// Everything of a step but contact: factors, soles' inverse inertias and their twists without contact.
+/// Everything of a step but contact: factors, soles' inverse inertias and their twists without
+/// contact.
 template <class T>
-inline void free_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, StepWork<T>& w) {
+inline void free_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
+                      double h, StepWork<T>& w) {
   read_state(x, w);
   rigid_body(model, w);
 #pragma GCC unroll 1
@@ -358,8 +384,8 @@ inline void free_step(const StepModel& model, const Ground& ground, const T* x, 
 
 /// One implicit step of length h [s]; x and x_next may be the same array.
 template <class T>
-inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, T* x_next,
-                        StepScratch<T>& scratch, StepWork<T>& w) {
+inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
+                        double h, T* x_next, StepScratch<T>& scratch, StepWork<T>& w) {
   free_step(model, ground, x, u, h, w);
   solve_contact(model, h, w, scratch);
   report_contact(model, h, w, scratch);
@@ -367,16 +393,18 @@ inline void single_step(const StepModel& model, const Ground& ground, const T* x
   integrate(x, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
 }
 
-/// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps. Shapes: x (37), u (12).
-/// Needs a unit quaternion in x. Bounded work, no allocation. Fails never; far outside its domain it stays finite or not,
-/// the caller checks.
+/// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps.
+/// Shapes: x (37), u (12).
+/// Needs a unit quaternion in x. Bounded work, no allocation. Fails never; far outside its domain
+/// it stays finite or not, the caller checks.
 template <class T>
-inline void analytical_step(const StepModel& model, const Ground& ground, const T* x, const T* u, double h, int substeps,
-                            T* x_next, StepScratch<T>& scratch) {
+inline void analytical_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
+                            double h, int substeps, T* x_next, StepScratch<T>& scratch) {
   const double part = h / substeps;
   StepWork<T> w;
   single_step(model, ground, x, u, part, x_next, scratch, w);
-  for (int i = 1; i < substeps; ++i) single_step(model, ground, x_next, u, part, x_next, scratch, w);
+  for (int i = 1; i < substeps; ++i)
+    single_step(model, ground, x_next, u, part, x_next, scratch, w);
 }
 
 }  // namespace sanso::model::SANSO_ISA

@@ -6,7 +6,8 @@
 namespace sanso::model::SANSO_ISA {
 
 /// Taylor sums in x^2 by Horner's rule: term k divides by the next factorial step.
-/// sine_series(t) = sin(x)/x and cosine_series(t) = cos(x) with t = x^2; `Terms` terms after the leading one.
+/// sine_series(t) = sin(x)/x and cosine_series(t) = cos(x) with t = x^2; `Terms` terms after the
+/// leading one.
 template <int Terms, class T>
 inline T sine_series(T t) {
   T sum = 1.0;
@@ -35,7 +36,8 @@ inline void sincos(T a, T& sine, T& cosine) {
   cosine = negate_if_bit1(n + 1.0, swap_if_odd(n, c, s));
 }
 
-/// quat <- quat * Exp(d), d [rad] in body axes; result of unit length. The series holds for |d| up to about 3 rad.
+/// quat <- quat * Exp(d), d [rad] in body axes; result of unit length. The series holds for |d| up
+/// to about 3 rad.
 template <class T>
 inline void quat_plus(const T* quat, const T* d, T* out) {
   const T t = 0.25 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);

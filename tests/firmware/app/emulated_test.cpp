@@ -1,5 +1,5 @@
-// The whole controller on the emulated robot: standing up, a trial, lowering; a host that falls silent; every fault
-// switch with the fault or limit that it must raise.
+// The whole controller on the emulated robot: standing up, a trial, lowering; a host that falls
+// silent; every fault switch with the fault or limit that it must raise.
 #include <gtest/gtest.h>
 
 #include "tests/firmware/support/emulated_controller.h"
@@ -12,7 +12,9 @@ using testing::EmulatedController;
 using wire::CommandKind;
 using wire::SupervisorState;
 
-double tilt_of(const model::State& x) { return std::acos(math::rotation_matrix(model::base_quat(x))(2, 2)); }
+double tilt_of(const model::State& x) {
+  return std::acos(math::rotation_matrix(model::base_quat(x))(2, 2));
+}
 
 TEST(EmulatedController, StandsUpRunsATrialStopsAndLowers) {
   for (const char* world : {"nominal", "lab"}) {
@@ -26,7 +28,9 @@ TEST(EmulatedController, StandsUpRunsATrialStopsAndLowers) {
     EXPECT_NEAR(c.truth()[model::kXJoint + 3], c.seen().x[model::kXJoint + 3], 0.02);
     EXPECT_LT(tilt_of(c.truth()), 0.25);
 
-    EXPECT_EQ(c.command(CommandKind::start_trial, 1, 150, wire::kLayerLower | wire::kLayerReflex).accepted, 1);
+    EXPECT_EQ(c.command(CommandKind::start_trial, 1, 150, wire::kLayerLower | wire::kLayerReflex)
+                  .accepted,
+              1);
     EXPECT_EQ(c.seen().trial_tick, 0);
     c.ticks(149);
     EXPECT_EQ(c.seen().trial_tick, 149);
@@ -66,7 +70,7 @@ TEST(EmulatedController, ASilentHostEndsTheTrialInHoldOnItsFeet) {
   EXPECT_LT(tilt_of(c.truth()), 0.3);
 }
 
-// --- fault switches ----------------------------------------------------------------------------------------------------
+// --- fault switches ------------------------------------------------------------------------------
 
 struct FaultCase {
   const char* name;
@@ -101,15 +105,17 @@ TEST_P(FaultSwitch, RaisesItsFault) {
   EXPECT_EQ(c.controller->fault(), latched) << "a fault latches";
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, FaultSwitch,
-                         ::testing::Values(FaultCase{"bus_drop", FaultKind::bus_drop, 0, 0, Fault::bus_silent, 0.2},
-                                           FaultCase{"servo_silent", FaultKind::servo_silent, 14, 0, Fault::servo_silent, 0.5},
-                                           FaultCase{"servo_overload", FaultKind::servo_overload, 13, 0, Fault::overload, 1.5},
-                                           FaultCase{"servo_hot", FaultKind::servo_hot, 13, 0, Fault::over_temperature, 1.5},
-                                           FaultCase{"imu_silent", FaultKind::imu_silent, 0, 0, Fault::imu_silent, 0.1},
-                                           FaultCase{"imu_frozen", FaultKind::imu_frozen, 0, 0, Fault::imu_frozen, 0.2},
-                                           FaultCase{"sagging_supply", FaultKind::brown_out, 0, 9.0, Fault::under_voltage, 1.5}),
-                         [](const auto& p) { return std::string(p.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Each, FaultSwitch,
+    ::testing::Values(
+        FaultCase{"bus_drop", FaultKind::bus_drop, 0, 0, Fault::bus_silent, 0.2},
+        FaultCase{"servo_silent", FaultKind::servo_silent, 14, 0, Fault::servo_silent, 0.5},
+        FaultCase{"servo_overload", FaultKind::servo_overload, 13, 0, Fault::overload, 1.5},
+        FaultCase{"servo_hot", FaultKind::servo_hot, 13, 0, Fault::over_temperature, 1.5},
+        FaultCase{"imu_silent", FaultKind::imu_silent, 0, 0, Fault::imu_silent, 0.1},
+        FaultCase{"imu_frozen", FaultKind::imu_frozen, 0, 0, Fault::imu_frozen, 0.2},
+        FaultCase{"sagging_supply", FaultKind::brown_out, 0, 9.0, Fault::under_voltage, 1.5}),
+    [](const auto& p) { return std::string(p.param.name); });
 
 TEST(FaultSwitch, ABrownOutIsFoundWhateverShowsFirst) {
   EmulatedController c("nominal");
@@ -121,12 +127,15 @@ TEST(FaultSwitch, ABrownOutIsFoundWhateverShowsFirst) {
   c.robot.faults().add(brown_out);
   ASSERT_TRUE(c.run_until(SupervisorState::fault, 4));
   const Fault f = c.controller->fault();
-  EXPECT_TRUE(f == Fault::bus_silent || f == Fault::torque_lost || f == Fault::under_voltage || f == Fault::fallen) << name_of(f);
+  EXPECT_TRUE(f == Fault::bus_silent || f == Fault::torque_lost || f == Fault::under_voltage ||
+              f == Fault::fallen)
+      << name_of(f);
 }
 
 TEST(FaultSwitch, DisturbedRepliesInformAndTheRobotCarriesOn) {
-  for (const FaultKind kind : {FaultKind::bus_drop, FaultKind::bus_corrupt, FaultKind::bus_truncate, FaultKind::bus_delay,
-                               FaultKind::bus_duplicate, FaultKind::bus_garbage}) {
+  for (const FaultKind kind :
+       {FaultKind::bus_drop, FaultKind::bus_corrupt, FaultKind::bus_truncate, FaultKind::bus_delay,
+        FaultKind::bus_duplicate, FaultKind::bus_garbage}) {
     SCOPED_TRACE(emulator::to_string(kind));
     EmulatedController c("nominal");
     ASSERT_TRUE(c.stand());
@@ -138,10 +147,12 @@ TEST(FaultSwitch, DisturbedRepliesInformAndTheRobotCarriesOn) {
     bool informed = false;
     for (int k = 0; k < 300; ++k) {
       c.tick();
-      informed = informed || (c.seen().limits & (1u << static_cast<unsigned>(Limit::bus_loss))) != 0;
+      informed =
+          informed || (c.seen().limits & (1u << static_cast<unsigned>(Limit::bus_loss))) != 0;
     }
     EXPECT_EQ(c.controller->state(), SupervisorState::hold) << name_of(c.controller->fault());
-    if (kind == FaultKind::bus_drop || kind == FaultKind::bus_corrupt || kind == FaultKind::bus_truncate) {
+    if (kind == FaultKind::bus_drop || kind == FaultKind::bus_corrupt ||
+        kind == FaultKind::bus_truncate) {
       EXPECT_TRUE(informed);
       EXPECT_GT(c.seen().bus_lost, 0u);
     }

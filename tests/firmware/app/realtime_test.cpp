@@ -1,4 +1,5 @@
-// After arming nothing allocates and no page is missed: 10 000 ticks of a trial with all three layers.
+// After arming nothing allocates and no page is missed: 10 000 ticks of a trial with all three
+// layers.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -80,8 +81,9 @@ Counted count_in_a_fresh_process() {
 }
 
 TEST(ControllerTick, TenThousandTicksAllocateNothingAndMissNoPage) {
-  // A page that the program touches for the first time is missed in every process. One that the kernel took away
-  // meanwhile (it moves pages between memory banks and reclaims them) is not: three processes may try.
+  // A page that the program touches for the first time is missed in every process. One that the
+  // kernel took away meanwhile (it moves pages between memory banks and reclaims them) is not:
+  // three processes may try.
   Counted counted;
   for (int attempt = 0; attempt < 3; ++attempt) {
     counted = count_in_a_fresh_process();

@@ -10,11 +10,13 @@
 namespace sanso::firmware {
 namespace {
 
-constexpr std::array kAllStates{SupervisorState::boot, SupervisorState::self_test, SupervisorState::idle,
-                                SupervisorState::stand_up, SupervisorState::hold, SupervisorState::run,
+constexpr std::array kAllStates{SupervisorState::boot,      SupervisorState::self_test,
+                                SupervisorState::idle,      SupervisorState::stand_up,
+                                SupervisorState::hold,      SupervisorState::run,
                                 SupervisorState::soft_stop, SupervisorState::fault};
-constexpr std::array kAllEvents{Event::arm,     Event::start_trial, Event::stop,    Event::disarm,  Event::clear_fault,
-                                Event::powered, Event::setup_done,  Event::arrived, Event::lowered, Event::trial_over};
+constexpr std::array kAllEvents{
+    Event::arm,     Event::start_trial, Event::stop,    Event::disarm,  Event::clear_fault,
+    Event::powered, Event::setup_done,  Event::arrived, Event::lowered, Event::trial_over};
 
 /// A supervisor brought into a state by the table alone.
 Supervisor in_state(SupervisorState wanted) {
@@ -89,13 +91,18 @@ TEST(FaultsPage, HasAHeadingForEveryNumberAndNoOther) {
   const std::string page = faults_page();
   ASSERT_FALSE(page.empty());
   std::set<std::string> expected;
-  for (const FaultInfo& f : kFaults) expected.insert("## F" + std::to_string(static_cast<int>(f.fault)) + " " + f.name);
-  for (const LimitInfo& l : kLimits) expected.insert("## L" + std::to_string(static_cast<int>(l.limit)) + " " + l.name);
-  for (const RefusalInfo& r : kRefusals) expected.insert("## R" + std::to_string(static_cast<int>(r.refusal)) + " " + r.name);
+  for (const FaultInfo& f : kFaults)
+    expected.insert("## F" + std::to_string(static_cast<int>(f.fault)) + " " + f.name);
+  for (const LimitInfo& l : kLimits)
+    expected.insert("## L" + std::to_string(static_cast<int>(l.limit)) + " " + l.name);
+  for (const RefusalInfo& r : kRefusals)
+    expected.insert("## R" + std::to_string(static_cast<int>(r.refusal)) + " " + r.name);
   std::set<std::string> found;
   std::istringstream lines(page);
   for (std::string line; std::getline(lines, line);)
-    if (line.rfind("## ", 0) == 0 && line.size() > 4 && std::isdigit(static_cast<unsigned char>(line[4])) != 0) found.insert(line);
+    if (line.rfind("## ", 0) == 0 && line.size() > 4 &&
+        std::isdigit(static_cast<unsigned char>(line[4])) != 0)
+      found.insert(line);
   EXPECT_EQ(found, expected);
 }
 

@@ -10,7 +10,8 @@
 namespace sanso::firmware {
 namespace {
 
-policy::UpperPolicy policy_of(std::uint32_t sequence, std::int32_t first_tick, double u, std::uint32_t trial = 1) {
+policy::UpperPolicy policy_of(std::uint32_t sequence, std::int32_t first_tick, double u,
+                              std::uint32_t trial = 1) {
   policy::UpperPolicy p;
   p.sequence = sequence;
   p.trial_id = trial;
@@ -55,7 +56,8 @@ TEST_F(TrialTest, APolicyBeginsAtItsFirstTickAndFadesOverOnePeriodAfterItsLastKn
   start();
   send(policy_of(1, 2, 0.6));
   for (int k = 0; k <= 30; ++k) {
-    const double expected = k < 2 ? 0.0 : (k <= 14 ? 0.6 : std::max(0.0, 0.6 * (1.0 - (k - 14) / 6.0)));
+    const double expected =
+        k < 2 ? 0.0 : (k <= 14 ? 0.6 : std::max(0.0, 0.6 * (1.0 - (k - 14) / 6.0)));
     EXPECT_NEAR(upper(), expected, 1e-12) << "tick " << k;
   }
 }
@@ -99,9 +101,12 @@ TEST_F(TrialTest, ATableOfAnotherTrialIsRefused) {
   table.knots.try_push({});
   handover_->middle.publish();
   trial_.take_uploads(*handover_, false);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerAll, 0}), Refusal::stale_table);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 9, wire::kLayerAll, 0}), Refusal::none);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerLower, 0}), Refusal::none);
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerAll, 0}),
+            Refusal::stale_table);
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 9, wire::kLayerAll, 0}),
+            Refusal::none);
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerLower, 0}),
+            Refusal::none);
 }
 
 TEST_F(TrialTest, EndsAfterItsDuration) {

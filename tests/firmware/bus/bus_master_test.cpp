@@ -92,7 +92,8 @@ TEST_P(BusMasterTest, ThoseBeforeASilentServoAreUsedAndTheSilentOneIsAskedLast) 
 }
 
 TEST_P(BusMasterTest, ADamagedByteCostsOnlyItsServoOrThoseBehind) {
-  port.spoil = [](std::vector<std::uint8_t>& bytes) { bytes[bytes.size() / 2 + 12] ^= 0x40; };  // a data byte
+  // a data byte
+  port.spoil = [](std::vector<std::uint8_t>& bytes) { bytes[bytes.size() / 2 + 12] ^= 0x40; };
   master.read_feedback(model::kNumJoints, readings);
   EXPECT_GE(readings.answered, model::kNumJoints / 2 - 1);
   EXPECT_LT(readings.answered, model::kNumJoints);
@@ -123,7 +124,8 @@ TEST_P(BusMasterTest, RandomNoiseNeverBringsAWrongReading) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   port.spoil = [&](std::vector<std::uint8_t>& bytes) {
-    for (int k = 0; k < 5; ++k) bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1u << (random() % 8));
+    for (int k = 0; k < 5; ++k)
+      bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1u << (random() % 8));
   };
   for (int n = 0; n < 2000; ++n) {
     master.read_feedback(model::kNumJoints, readings);
@@ -165,7 +167,7 @@ TEST_P(BusMasterTest, SlowReadsVisitEveryServoAndAnAlertFirst) {
 INSTANTIATE_TEST_SUITE_P(OrdinaryAndFast, BusMasterTest, ::testing::Bool(),
                          [](const auto& p) { return p.param ? "fast" : "ordinary"; });
 
-// --- start-up --------------------------------------------------------------------------------------------------------
+// --- start-up ------------------------------------------------------------------------------------
 
 class BusSetupTest : public ::testing::Test {
  protected:

@@ -1,5 +1,5 @@
-// The configuration file: every setting by name, every mistake named with file, line, value and what was expected; and
-// the settings page is the one that the structs make.
+// The configuration file: every setting by name, every mistake named with file, line, value and
+// what was expected; and the settings page is the one that the structs make.
 #include "firmware/config/program_config.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,9 @@ TEST(ProgramConfig, EverySettingCanBeSet) {
   Settings defaults;
   defaults.visit([&](const char* section, auto& group) {
     text << "[" << section << "]\n";
-    group.visit([&](const char* key, auto& value, auto, auto, const char*) { text << key << " = " << std::boolalpha << value << "\n"; });
+    group.visit([&](const char* key, auto& value, auto, auto, const char*) {
+      text << key << " = " << std::boolalpha << value << "\n";
+    });
   });
   ProgramConfig config;
   std::string error;
@@ -42,8 +44,9 @@ TEST(ProgramConfig, EverySettingCanBeSet) {
 TEST(ProgramConfig, ReadsDevicesAndSettings) {
   ProgramConfig config;
   std::string error;
-  ASSERT_TRUE(parse_program_config("[device]\nbus = \"/dev/pts/3\"\nport = 9000\n[guard]\nmax_temperature_C = 60\n", "robot.toml",
-                                   config, error))
+  ASSERT_TRUE(parse_program_config(
+      "[device]\nbus = \"/dev/pts/3\"\nport = 9000\n[guard]\nmax_temperature_C = 60\n",
+      "robot.toml", config, error))
       << error;
   EXPECT_EQ(config.device.bus, "/dev/pts/3");
   EXPECT_EQ(config.device.port, 9000);
@@ -53,9 +56,12 @@ TEST(ProgramConfig, ReadsDevicesAndSettings) {
 TEST(ProgramConfig, MistakesAreNamed) {
   EXPECT_EQ(error_of("[guard]\n\nmax_temperature_C = 99\n"),
             "robot.toml:3: guard.max_temperature_C = 99: expected a number from 50 to 85");
-  EXPECT_EQ(error_of("[bus]\nsilent_ticks = 2.5\n"), "robot.toml:2: bus.silent_ticks = 2.5: expected a whole number from 2 to 100");
-  EXPECT_EQ(error_of("[bus]\nfast_sync_read = 1\n"), "robot.toml:2: bus.fast_sync_read = 1: expected true or false");
-  EXPECT_EQ(error_of("[bus]\nspeed = 1\n"), "robot.toml:2: bus.speed = 1: expected no such setting; docs/settings.md lists them");
+  EXPECT_EQ(error_of("[bus]\nsilent_ticks = 2.5\n"),
+            "robot.toml:2: bus.silent_ticks = 2.5: expected a whole number from 2 to 100");
+  EXPECT_EQ(error_of("[bus]\nfast_sync_read = 1\n"),
+            "robot.toml:2: bus.fast_sync_read = 1: expected true or false");
+  EXPECT_EQ(error_of("[bus]\nspeed = 1\n"),
+            "robot.toml:2: bus.speed = 1: expected no such setting; docs/settings.md lists them");
   EXPECT_NE(error_of("[motor]\nx = 1\n").find("[motor]: no such section"), std::string::npos);
   EXPECT_NE(error_of("[guard\n").find("robot.toml:1"), std::string::npos);
 }
@@ -74,7 +80,8 @@ TEST(SettingsPage, IsCurrent) {
   std::ifstream file("docs/settings.md");
   std::stringstream page;
   page << file.rdbuf();
-  EXPECT_EQ(page.str(), settings_page()) << "run build/dev/firmware/sanso-settings-page > docs/settings.md";
+  EXPECT_EQ(page.str(), settings_page())
+      << "run build/dev/firmware/sanso-settings-page > docs/settings.md";
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The estimator against what really is in the emulated robot: noise, quantised encoders, delays, pushes.
+// The estimator against what really is in the emulated robot: noise, quantised encoders, delays,
+// pushes.
 #include "firmware/estimate/estimator.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,8 @@ struct Errors {
   double position = 0, velocity = 0, tilt = 0;  // root mean square: m, m/s, rad
 };
 
-/// Runs a trial of two seconds with a push in it and compares the estimate with the truth, both from the trial's origin.
+/// Runs a trial of two seconds with a push in it and compares the estimate with the truth, both
+/// from the trial's origin.
 Errors run_trial(EmulatedController& c) {
   EXPECT_TRUE(c.stand());
   c.command(wire::CommandKind::start_trial, 1, 200, wire::kLayerLower);
@@ -30,7 +32,8 @@ Errors run_trial(EmulatedController& c) {
     const math::Vec3 moved = truth.segment<3>(model::kXPos) - math::Vec3(origin[0], origin[1], 0.0);
     e.position += (x.segment<3>(model::kXPos) - moved).squaredNorm();
     e.velocity += (x.segment<3>(model::kXVel) - truth.segment<3>(model::kXVel)).squaredNorm();
-    e.tilt += math::quat_minus(model::base_quat(x), model::base_quat(truth)).head<2>().squaredNorm();
+    e.tilt +=
+        math::quat_minus(model::base_quat(x), model::base_quat(truth)).head<2>().squaredNorm();
   }
   EXPECT_EQ(c.controller->state(), wire::SupervisorState::run);
   e.position = std::sqrt(e.position / ticks);
@@ -41,7 +44,8 @@ Errors run_trial(EmulatedController& c) {
   return e;
 }
 
-// Bounds: three times what was measured (docs/results/estimator.md); the motions' weights ask for 5 mm and 0.05 m/s.
+// Bounds: three times what was measured (docs/results/estimator.md); the motions' weights ask for 5
+// mm and 0.05 m/s.
 TEST(Estimator, FollowsAPushedRobotWithThePoseSource) {
   EmulatedController c("lab");
   const Errors e = run_trial(c);
@@ -88,7 +92,9 @@ TEST(AxisFilter, CovarianceStaysPositiveAndMeasurementsShrinkIt) {
   double before = filter.P()(0, 0);
   for (int k = 0; k < 5000; ++k) {
     filter.predict(0.0, 0.01, 0.5, 0.02, 10.0);
-    filter.measure(AxisFilter::Vec4::Unit(AxisFilter::kRightSole) - AxisFilter::Vec4::Unit(AxisFilter::kPosition), 0.1, 0.002);
+    filter.measure(AxisFilter::Vec4::Unit(AxisFilter::kRightSole) -
+                       AxisFilter::Vec4::Unit(AxisFilter::kPosition),
+                   0.1, 0.002);
     filter.measure(AxisFilter::Vec4::Unit(AxisFilter::kVelocity), 0.0, 0.05);
     for (int i = 0; i < 4; ++i) ASSERT_GT(filter.P()(i, i), 0.0);
   }

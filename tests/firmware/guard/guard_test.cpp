@@ -29,8 +29,8 @@ ServoReadings good_readings() {
 }
 
 /// Runs `ticks` ticks with a living IMU; the last verdict.
-GuardVerdict watch(Guard& guard, const ServoReadings& readings, int ticks = 1, GuardSituation s = {}, bool imu_alive = true,
-                   bool imu_moves = true) {
+GuardVerdict watch(Guard& guard, const ServoReadings& readings, int ticks = 1,
+                   GuardSituation s = {}, bool imu_alive = true, bool imu_moves = true) {
   ImuSample imu;
   imu.time = imu_alive ? s.now : 0;
   GuardVerdict verdict;
@@ -70,7 +70,9 @@ TEST(Guard, WhateverGoesInWhatComesOutIsInsideEveryLimit) {
       ASSERT_TRUE(std::isfinite(out[j]));
       ASSERT_GE(out[j], joint.lower_rad + kSettings.guard.joint_margin_rad - 1e-12) << joint.name;
       ASSERT_LE(out[j], joint.upper_rad - kSettings.guard.joint_margin_rad + 1e-12) << joint.name;
-      ASSERT_LE(std::abs(out[j] - previous[j]), kSettings.guard.max_target_rate_rad_s * 0.01 + 1e-12) << joint.name;
+      ASSERT_LE(std::abs(out[j] - previous[j]),
+                kSettings.guard.max_target_rate_rad_s * 0.01 + 1e-12)
+          << joint.name;
     }
   }
 }

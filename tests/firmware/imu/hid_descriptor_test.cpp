@@ -23,7 +23,8 @@ const HidField* field_of(const HidLayout& layout, HidQuantity quantity, int comp
   return nullptr;
 }
 
-double value_of(const HidLayout& layout, HidQuantity quantity, int component, int index, std::span<const std::uint8_t> report) {
+double value_of(const HidLayout& layout, HidQuantity quantity, int component, int index,
+                std::span<const std::uint8_t> report) {
   double v = 0;
   const HidField* f = field_of(layout, quantity, component);
   EXPECT_NE(f, nullptr);
@@ -47,11 +48,15 @@ TEST(HidDescriptor, ScalesTheExampleReports) {
   EXPECT_NEAR(value_of(layout, HidQuantity::acceleration, 1, 0, accel), -0.035 * 9.80665, 1e-9);
   EXPECT_NEAR(value_of(layout, HidQuantity::acceleration, 2, 0, accel), 0.998 * 9.80665, 1e-9);
   // 1.5, -0.25, 30.125 deg/s
-  const std::vector<std::uint8_t> gyro = {0x02, 0x01, 0x03, 0x98, 0x3A, 0, 0, 0x3C, 0xF6, 0xFF, 0xFF, 0xC2, 0x98, 0x04, 0};
-  EXPECT_NEAR(value_of(layout, HidQuantity::angular_velocity, 1, 0, gyro), -0.25 * 0.0174532925199433, 1e-9);
-  EXPECT_NEAR(value_of(layout, HidQuantity::angular_velocity, 2, 0, gyro), 30.125 * 0.0174532925199433, 1e-9);
+  const std::vector<std::uint8_t> gyro = {0x02, 0x01, 0x03, 0x98, 0x3A, 0,    0, 0x3C,
+                                          0xF6, 0xFF, 0xFF, 0xC2, 0x98, 0x04, 0};
+  EXPECT_NEAR(value_of(layout, HidQuantity::angular_velocity, 1, 0, gyro),
+              -0.25 * 0.0174532925199433, 1e-9);
+  EXPECT_NEAR(value_of(layout, HidQuantity::angular_velocity, 2, 0, gyro),
+              30.125 * 0.0174532925199433, 1e-9);
   // 10 deg about y, order x y z w
-  const std::vector<std::uint8_t> quat = {0x03, 0x01, 0x03, 0, 0, 0, 0, 0x85, 0x4C, 0x0D, 0, 0, 0, 0, 0, 0xDB, 0x01, 0x98, 0};
+  const std::vector<std::uint8_t> quat = {0x03, 0x01, 0x03, 0, 0, 0,    0,    0x85, 0x4C, 0x0D,
+                                          0,    0,    0,    0, 0, 0xDB, 0x01, 0x98, 0};
   EXPECT_NEAR(value_of(layout, HidQuantity::quaternion, 0, 1, quat), 0.0871557, 1e-7);
   EXPECT_NEAR(value_of(layout, HidQuantity::quaternion, 0, 3, quat), 0.9961947, 1e-7);
 }

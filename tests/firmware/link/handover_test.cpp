@@ -1,4 +1,5 @@
-// Queues and mailboxes between two real threads: order kept, nothing torn, nothing lost that was accepted.
+// Queues and mailboxes between two real threads: order kept, nothing torn, nothing lost that was
+// accepted.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,8 +30,10 @@ TEST(SpscRing, KeepsTheOrderAcrossThreads) {
   constexpr int kCount = 200'000;
   std::thread producer([&] {
     for (int i = 0; i < kCount;)
-      if (ring.push(i)) ++i;
-      else std::this_thread::yield();
+      if (ring.push(i))
+        ++i;
+      else
+        std::this_thread::yield();
   });
   for (int expected = 0; expected < kCount;) {
     int out = 0;

@@ -1,4 +1,5 @@
-// The flight record: the ticks before and after a fault, whole or not there, readable as a recording.
+// The flight record: the ticks before and after a fault, whole or not there, readable as a
+// recording.
 #include "firmware/log/flight_recorder.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ struct Recorder : testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   /// Ticks `first`..`last`, a fault from `fault_tick` on; how many files were written.
-  int fly(FlightRecorder& recorder, int first, int last, int fault_tick, int cleared_tick = 1'000'000) {
+  int fly(FlightRecorder& recorder, int first, int last, int fault_tick,
+          int cleared_tick = 1'000'000) {
     int written = 0;
     for (int k = first; k <= last; ++k) {
       LogRecord record;
@@ -35,7 +37,8 @@ struct Recorder : testing::Test {
       record.observation.x[model::kXJoint + 3] = 0.001 * k;
       record.observation.u_out[3] = 0.5;
       record.observation.voltage_V = 12.1F;
-      record.observation.fault = k >= fault_tick && k < cleared_tick ? static_cast<std::uint16_t>(Fault::imu_silent) : 0;
+      record.observation.fault =
+          k >= fault_tick && k < cleared_tick ? static_cast<std::uint16_t>(Fault::imu_silent) : 0;
       EXPECT_TRUE(handover->log.push(record));
       written += recorder.poll() ? 1 : 0;
     }
@@ -51,8 +54,8 @@ TEST_F(Recorder, AFaultLeavesOneFileWithTheMinuteBeforeAndHalfASecondAfter) {
   EXPECT_NEAR(read.t.back(), 79.0 + 0.01 * FlightRecorder::kTicksAfterFault, 1e-9);
   EXPECT_NEAR(read.find("q:r_knee").back(), 7.95, 1e-6);
   EXPECT_NEAR(read.find("u:r_knee").back(), 0.5, 1e-6);
-  for (const char* channel :
-       {"dq:l_ank_roll", "i:l_knee", "volt", "base_p:z", "base_q:w", "base_v:x", "base_w:z", "imu_acc:z"})
+  for (const char* channel : {"dq:l_ank_roll", "i:l_knee", "volt", "base_p:z", "base_q:w",
+                              "base_v:x", "base_w:z", "imu_acc:z"})
     EXPECT_TRUE(read.has(channel)) << channel;
 }
 

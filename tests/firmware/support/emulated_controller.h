@@ -1,5 +1,6 @@
-// The real-time controller on the emulated robot in virtual time, without a host: tests put commands and layers into the
-// hand-over themselves. The bytes of bus, IMU and pose source are the real ones.
+// The real-time controller on the emulated robot in virtual time, without a host: tests put
+// commands and layers into the hand-over themselves. The bytes of bus, IMU and pose source are the
+// real ones.
 #pragma once
 
 #include <algorithm>
@@ -48,8 +49,12 @@ class RobotImu : public board::HidSource {
  public:
   explicit RobotImu(emulator::EmulatedRobot& robot) : robot_(robot) {}
   board::Bytes descriptor() override { return emulator::EmulatedRobot::imu_descriptor(); }
-  Status set_feature(board::Bytes report) override { return robot_.imu_set_feature(report) ? Status::ok : Status::io_error; }
-  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override { return robot_.imu_read(buffer); }
+  Status set_feature(board::Bytes report) override {
+    return robot_.imu_set_feature(report) ? Status::ok : Status::io_error;
+  }
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override {
+    return robot_.imu_read(buffer);
+  }
 
  private:
   emulator::EmulatedRobot& robot_;
@@ -58,13 +63,16 @@ class RobotImu : public board::HidSource {
 class RobotPose : public board::PoseSource {
  public:
   explicit RobotPose(emulator::EmulatedRobot& robot) : robot_(robot) {}
-  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override { return robot_.pose_read(buffer); }
+  Result<std::size_t> read(board::Buffer buffer, Nanoseconds) override {
+    return robot_.pose_read(buffer);
+  }
 
  private:
   emulator::EmulatedRobot& robot_;
 };
 
-/// Upright symmetric stand with knees bent (base height about 0.245 m), joint order of model/joints.h [rad].
+/// Upright symmetric stand with knees bent (base height about 0.245 m), joint order of
+/// model/joints.h [rad].
 inline model::Input standing_pose() {
   model::Input q = model::Input::Zero();
   q[2] = 32.32 * kRadPerDeg;
@@ -80,14 +88,16 @@ inline policy::PrimitiveSet still_primitives(const model::Input& q, double durat
   set.duration_s = duration_s;
   for (int i = 0; i < policy::kNumScalarPrimitives; ++i) {
     const double y = i < 3 ? (i == 2 ? 0.245 : 0.0) : q[i - 3];
-    set.scalar[static_cast<std::size_t>(i)].start = set.scalar[static_cast<std::size_t>(i)].goal = y;
+    set.scalar[static_cast<std::size_t>(i)].start = set.scalar[static_cast<std::size_t>(i)].goal =
+        y;
   }
   return set;
 }
 
 class EmulatedController {
  public:
-  explicit EmulatedController(const char* world = "nominal", const Settings& settings = {}, bool with_pose = true)
+  explicit EmulatedController(const char* world = "nominal", const Settings& settings = {},
+                              bool with_pose = true)
       : robot(plant::load_world(world), 1),
         handover(std::make_unique<Handover>()),
         imu_(settings.imu, robot_imu_, clock_, handover->imu),
@@ -113,8 +123,8 @@ class EmulatedController {
     return controller->state() == state;
   }
   /// Sends a command and ticks once; its acknowledgement.
-  wire::CommandAck command(wire::CommandKind kind, std::uint32_t trial = 1, std::int32_t duration = 0,
-                           std::uint8_t layers = wire::kLayerAll) {
+  wire::CommandAck command(wire::CommandKind kind, std::uint32_t trial = 1,
+                           std::int32_t duration = 0, std::uint8_t layers = wire::kLayerAll) {
     handover->commands.push({++sequence_, kind, trial, layers, duration});
     tick();
     return last_ack;
@@ -123,9 +133,11 @@ class EmulatedController {
     handover->primitives.back() = set;
     handover->primitives.publish();
   }
-  /// A person puts the robot into `pose` and holds it until it stands by itself: boot, self-test, arm, hold.
+  /// A person puts the robot into `pose` and holds it until it stands by itself: boot, self-test,
+  /// arm, hold.
   /// True when holding, let go and settled.
-  bool stand(const model::Input& pose = standing_pose(), double motion_s = 3.0, emulator::Placement where = {}) {
+  bool stand(const model::Input& pose = standing_pose(), double motion_s = 3.0,
+             emulator::Placement where = {}) {
     std::array<double, model::kNumJoints> legs{};
     std::copy_n(pose.data(), model::kNumJoints, legs.begin());
     where.q = emulator::with_legs(legs).q;
@@ -157,10 +169,13 @@ class EmulatedController {
  private:
   void drain() {
     wire::Observation observation;
-    while (handover->observations.pop(observation)) {}
-    while (handover->acks.pop(last_ack)) {}
+    while (handover->observations.pop(observation)) {
+    }
+    while (handover->acks.pop(last_ack)) {
+    }
     LogRecord record;
-    while (handover->log.pop(record)) {}
+    while (handover->log.pop(record)) {
+    }
   }
   RobotClock clock_{robot};
   RobotImu robot_imu_{robot};

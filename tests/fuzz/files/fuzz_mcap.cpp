@@ -9,7 +9,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   using namespace sanso::recording;
   static const std::string path = "/tmp/sanso_fuzz_" + std::to_string(::getpid()) + ".mcap";
-  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     read_mcap(path, 100'000);
   } catch (const InputError&) {

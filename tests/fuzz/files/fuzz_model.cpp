@@ -1,4 +1,5 @@
-// Any bytes are either a model.toml or an InputError; what is accepted is written and read back unchanged.
+// Any bytes are either a model.toml or an InputError; what is accepted is written and read back
+// unchanged.
 #include <cstdlib>
 
 #include "tools/diagnose/model_folder/model_folder.h"
@@ -7,12 +8,15 @@
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   using namespace sanso;
   constexpr const char* urdf =
-      "<robot name='p'><link name='base'/><joint name='a' type='continuous'><parent link='base'/><child link='arm'/>"
+      "<robot name='p'><link name='base'/><joint name='a' type='continuous'><parent "
+      "link='base'/><child link='arm'/>"
       "</joint><link name='arm'/></robot>";
   try {
-    const auto model = diagnose::parse_model({reinterpret_cast<const char*>(data), size}, urdf, "fuzz.toml");
+    const auto model =
+        diagnose::parse_model({reinterpret_cast<const char*>(data), size}, urdf, "fuzz.toml");
     const std::string written = diagnose::model_toml(model);
-    if (diagnose::model_toml(diagnose::parse_model(written, urdf, "again.toml")) != written) std::abort();
+    if (diagnose::model_toml(diagnose::parse_model(written, urdf, "again.toml")) != written)
+      std::abort();
   } catch (const recording::InputError&) {
   }
   return 0;

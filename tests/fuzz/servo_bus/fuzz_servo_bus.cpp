@@ -1,5 +1,5 @@
-// Any bytes, in any pieces: the parser never reads outside, always makes progress, and what it accepts encodes again to
-// the same frame.
+// Any bytes, in any pieces: the parser never reads outside, always makes progress, and what it
+// accepts encodes again to the same frame.
 #include <cstdlib>
 
 #include "shared/servo_bus/encode.h"
@@ -18,13 +18,17 @@ void check(const PacketParser& parser, const Packet& packet) {
     return;
   }
   PacketBuffer again;
-  const auto status = packet.is_status() ? encode_status(again, packet.id, packet.error, packet.parameters.view())
-                                         : encode(again, packet.id, packet.instruction, packet.parameters.view());
-  if (status != sanso::Status::ok) return;  // unstuffed senders may fill the buffer to the last byte
+  const auto status = packet.is_status()
+                          ? encode_status(again, packet.id, packet.error, packet.parameters.view())
+                          : encode(again, packet.id, packet.instruction, packet.parameters.view());
+  // unstuffed senders may fill the buffer to the last byte
+  if (status != sanso::Status::ok) return;
   PacketParser second;
   second.feed(again.view());
   Packet repeated;
-  if (second.next(repeated) != ParseEvent::packet || repeated.parameters.size() != packet.parameters.size()) abort();
+  if (second.next(repeated) != ParseEvent::packet ||
+      repeated.parameters.size() != packet.parameters.size())
+    abort();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// A controller with an open session: nothing that a stranger sends may open, and the session survives it.
+// A controller with an open session: nothing that a stranger sends may open, and the session
+// survives it.
 #include <array>
 #include <cstdlib>
 
@@ -20,6 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   if (host.open({bytes, size}, b, c).status == Status::ok) std::abort();
   const auto plain = wire::encode(wire::Command{}, b);
   const auto sealed = host.seal(std::span(b).first(*plain), a);
-  if (!sealed.ok() || controller.open(std::span(a).first(*sealed), b, c).status != Status::ok) std::abort();
+  if (!sealed.ok() || controller.open(std::span(a).first(*sealed), b, c).status != Status::ok)
+    std::abort();
   return 0;
 }

@@ -17,7 +17,8 @@ bool round_trip(wire::Bytes data) {
   if (wire::decode(data, message) != Status::ok) return false;
   std::array<std::uint8_t, wire::kMaxDatagram> again;
   const Result<std::size_t> n = wire::encode(message, again);
-  if (!n.ok() || *n != data.size() || !std::equal(data.begin(), data.end(), again.begin())) std::abort();
+  if (!n.ok() || *n != data.size() || !std::equal(data.begin(), data.end(), again.begin()))
+    std::abort();
   return true;
 }
 

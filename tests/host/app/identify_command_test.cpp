@@ -60,7 +60,8 @@ TEST_F(IdentifyEpisodes, FindsSofterServosAndSaysSo) {
   options.out.clear();
   const auto found = search_parameters(options, load_identification_data(options), never);
   EXPECT_LT(found.loss, 0.3 * found.loss_initial);
-  EXPECT_LT(found.parameters.servo[3].stiffness, 0.9 * model::nominal_parameters().servo[3].stiffness);
+  EXPECT_LT(found.parameters.servo[3].stiffness,
+            0.9 * model::nominal_parameters().servo[3].stiffness);
 }
 
 TEST_F(IdentifyEpisodes, StoppedAndResumedIsTheSameSearch) {

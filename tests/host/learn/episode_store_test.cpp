@@ -44,7 +44,8 @@ Episode example() {
   PlanRecord plan;
   plan.update_ms = 2.25;
   plan.policy.first_tick = 18;
-  plan.policy.knots.try_push({model::Input::Constant(0.1), model::neutral_state(), model::Gain::Random()});
+  plan.policy.knots.try_push(
+      {model::Input::Constant(0.1), model::neutral_state(), model::Gain::Random()});
   e.plans = {plan};
   return e;
 }
@@ -86,7 +87,8 @@ TEST_F(EpisodeStore, EveryTruncationAndEveryFlippedByteIsRefused) {
 TEST_F(EpisodeStore, AFullDiskSaysSoAndLeavesNothingHalf) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   fs::create_symlink("/dev/full",
-                     folder / "t.episode.new");  // the temporary file's name: every write to it finds no space
+                     // the temporary file's name: every write to it finds no space
+                     folder / "t.episode.new");
   try {
     save_episode(folder / "t.episode", example());
     FAIL() << "expected an error";

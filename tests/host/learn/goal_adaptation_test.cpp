@@ -16,7 +16,8 @@ struct GoalAdaptation : testing::Test {
     episode.ticks.assign(static_cast<std::size_t>(n), {});
     for (int i = 0; i < n; ++i) {
       episode.ticks[static_cast<std::size_t>(i)].trial_tick = i;
-      episode.ticks[static_cast<std::size_t>(i)].x = model::plus(reference[static_cast<std::size_t>(i)], d);
+      episode.ticks[static_cast<std::size_t>(i)].x =
+          model::plus(reference[static_cast<std::size_t>(i)], d);
     }
   }
 };
@@ -37,7 +38,8 @@ TEST_F(GoalAdaptation, LooksAtTheLastMomentsOnly) {
   model::Tangent d = model::Tangent::Zero();
   d[model::kDPos] = 0.1;
   deviate_by(d, 60);
-  for (int i = 0; i < 30; ++i) episode.ticks[static_cast<std::size_t>(i)].x[model::kXPos] = 5.0;  // before the window
+  // before the window
+  for (int i = 0; i < 30; ++i) episode.ticks[static_cast<std::size_t>(i)].x[model::kXPos] = 5.0;
   adapt_goals(episode, reference, original, settings, set);
   EXPECT_NEAR(set.scalar[0].goal, 0.003, 1e-12);
 }
@@ -46,7 +48,8 @@ TEST_F(GoalAdaptation, TheWholeChangeIsBounded) {
   model::Tangent d = model::Tangent::Constant(2.0);
   d[model::kDPos + 2] = -2.0;
   deviate_by(d, 60);
-  for (int failure = 0; failure < 50; ++failure) adapt_goals(episode, reference, original, settings, set);
+  for (int failure = 0; failure < 50; ++failure)
+    adapt_goals(episode, reference, original, settings, set);
   EXPECT_DOUBLE_EQ(set.scalar[0].goal, settings.max_position_m);
   EXPECT_DOUBLE_EQ(set.scalar[2].goal, -settings.max_lowering_m);
   EXPECT_DOUBLE_EQ(set.scalar[3].goal, settings.max_angle_rad);

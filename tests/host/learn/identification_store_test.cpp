@@ -13,7 +13,8 @@ constexpr std::uint64_t kFingerprint = 42;
 struct SearchFile : testing::Test {
   test::TempFolder folder;
   std::filesystem::path path = folder.path() / "search.state";
-  CrossEntropyState state{7, Eigen::Vector3d(0.1, -0.2, 0.3), Eigen::Vector3d(1.0, 0.5, 0.02), Eigen::Vector3d(0.4, 0.0, -1.0), 0.125};
+  CrossEntropyState state{7, Eigen::Vector3d(0.1, -0.2, 0.3), Eigen::Vector3d(1.0, 0.5, 0.02),
+                          Eigen::Vector3d(0.4, 0.0, -1.0), 0.125};
 
   SearchFile() { save_search(path, state, kFingerprint); }
 };
@@ -27,13 +28,16 @@ TEST_F(SearchFile, RoundTripIsExact) {
   EXPECT_EQ(back.best_loss, state.best_loss);
 }
 
-TEST_F(SearchFile, OfAnotherSearchIsRefused) { EXPECT_THROW(load_search(path, kFingerprint + 1), std::runtime_error); }
+TEST_F(SearchFile, OfAnotherSearchIsRefused) {
+  EXPECT_THROW(load_search(path, kFingerprint + 1), std::runtime_error);
+}
 
 TEST_F(SearchFile, CutAnywhereIsRefused) {
   const std::vector<std::uint8_t> whole = read_file(path);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_atomically(path, std::span(whole).first(size));
-    EXPECT_THROW(load_search(path, kFingerprint), std::runtime_error) << size << " of " << whole.size() << " bytes";
+    EXPECT_THROW(load_search(path, kFingerprint), std::runtime_error)
+        << size << " of " << whole.size() << " bytes";
   }
 }
 

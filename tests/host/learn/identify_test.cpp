@@ -21,7 +21,8 @@ TEST(PseudoInertia, RoundTripOfEveryLink) {
     const model::BodyInertia back = body_of(log_cholesky_of(body));
     EXPECT_NEAR(back.mass, body.mass, 1e-12);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(back.com[i], body.com[i], 1e-12);
-    for (int i = 0; i < 6; ++i) EXPECT_NEAR(back.inertia[i], body.inertia[i], 1e-12) << "body " << b << " entry " << i;
+    for (int i = 0; i < 6; ++i)
+      EXPECT_NEAR(back.inertia[i], body.inertia[i], 1e-12) << "body " << b << " entry " << i;
   }
 }
 
@@ -33,17 +34,19 @@ TEST(PseudoInertia, EveryParameterVectorIsABodyThatCouldExist) {
     for (double& v : p) v = 2.0 * normal(rng);
     const model::BodyInertia b = body_of(p);
     Eigen::Matrix3d I;
-    I << b.inertia[0], b.inertia[1], b.inertia[2], b.inertia[1], b.inertia[3], b.inertia[4], b.inertia[2], b.inertia[4],
-        b.inertia[5];
+    I << b.inertia[0], b.inertia[1], b.inertia[2], b.inertia[1], b.inertia[3], b.inertia[4],
+        b.inertia[2], b.inertia[4], b.inertia[5];
     EXPECT_GT(b.mass, 0.0);
     // positive density: the second moments about the centre of mass are positive semi-definite
     const Eigen::Matrix3d second_moments = 0.5 * I.trace() * Eigen::Matrix3d::Identity() - I;
-    EXPECT_GE(second_moments.eigenvalues().real().minCoeff(), -1e-9 * I.trace()) << "seed " << kSeed << " draw " << k;
+    EXPECT_GE(second_moments.eigenvalues().real().minCoeff(), -1e-9 * I.trace())
+        << "seed " << kSeed << " draw " << k;
   }
 }
 
 TEST(PseudoInertia, ImpossibleBodyIsRefused) {
-  EXPECT_THROW(log_cholesky_of({1.0, {0, 0, 0}, {1.0, 0, 0, 0.1, 0, 0.1}}), std::invalid_argument) << "1 > 0.1 + 0.1";
+  EXPECT_THROW(log_cholesky_of({1.0, {0, 0, 0}, {1.0, 0, 0, 0.1, 0, 0.1}}), std::invalid_argument)
+      << "1 > 0.1 + 0.1";
 }
 
 std::vector<double> bowl(const Eigen::MatrixXd& z) {
@@ -87,12 +90,14 @@ TEST(CrossEntropy, NotANumberIsWorst) {
   EXPECT_LT(state.best_loss, 1.0);
 }
 
-// Windows of a robot that is the model with other parameters: standing with bent knees, targets moving about that pose.
+// Windows of a robot that is the model with other parameters: standing with bent knees, targets
+// moving about that pose.
 std::vector<PredictionWindow> windows_of_world(const model::ModelParameters& truth, int count) {
   const model::StepModel step_model = model::make_step_model(truth);
   const model::Ground ground = model::make_plane();
   model::Input pose;
-  pose << 0, 0, 0.56, -1.13, -0.57, 0, 0, 0, -0.56, 1.13, 0.57, 0;  // upright, base 0.245 m (ROBOTIS kinematics)
+  // upright, base 0.245 m (ROBOTIS kinematics)
+  pose << 0, 0, 0.56, -1.13, -0.57, 0, 0, 0, -0.56, 1.13, 0.57, 0;
   std::mt19937_64 rng(kSeed);
   std::normal_distribution<double> normal;
   std::vector<PredictionWindow> windows;
@@ -107,7 +112,8 @@ std::vector<PredictionWindow> windows_of_world(const model::ModelParameters& tru
     window.x[0] = x;
     for (int k = 0; k < kPredictionSteps; ++k) {
       for (int j = 0; j < model::kNumJoints; ++j) window.u[k][j] = pose[j] + 0.08 * normal(rng);
-      model::analytical_step(step_model, ground, x.data(), window.u[k].data(), 0.06, 1, x.data(), scratch);
+      model::analytical_step(step_model, ground, x.data(), window.u[k].data(), 0.06, 1, x.data(),
+                             scratch);
       window.x[k + 1] = x;
     }
     windows.push_back(window);
@@ -124,7 +130,8 @@ model::Tangent state_weights() {
 }
 
 TEST(NStepLoss, IsZeroForTheModelThatMadeTheData) {
-  const auto windows = windows_of_world(model::nominal_parameters(), 11);  // not a multiple of the lanes
+  // not a multiple of the lanes
+  const auto windows = windows_of_world(model::nominal_parameters(), 11);
   const auto model = model::make_step_model(model::nominal_parameters());
   EXPECT_LT(n_step_loss(windows, model, model::make_plane(), state_weights()), 1e-12);
 }
@@ -144,13 +151,16 @@ TEST(Identify, RecoversStiffnessPerMassAndCentreOfMass) {
   IdentifySettings settings;
   settings.search.generations = 30;
   settings.prior_weight = 0.005;
-  const Identification found = identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
+  const Identification found =
+      identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
   EXPECT_LT(found.loss, 0.05 * found.loss_initial);
-  // Positions alone do not tell the scale of all forces together: stiffness is known relative to the robot's mass.
+  // Positions alone do not tell the scale of all forces together: stiffness is known relative to
+  // the robot's mass.
   const double mass_ratio = total_mass(found.parameters) / total_mass(truth);
   double stiffness_ratio = 0;
   for (int j = 0; j < model::kNumJoints; ++j) {
-    stiffness_ratio += found.parameters.servo[j].stiffness / truth.servo[j].stiffness / model::kNumJoints;
+    stiffness_ratio +=
+        found.parameters.servo[j].stiffness / truth.servo[j].stiffness / model::kNumJoints;
   }
   EXPECT_NEAR(stiffness_ratio / mass_ratio, 1.0, 0.05);
   EXPECT_NEAR(found.parameters.body[0].com[0], truth.body[0].com[0], 0.004);
@@ -172,7 +182,8 @@ TEST(Identify, ThreadsDoNotChangeTheResult) {
 
 TEST(Identify, NoDataIsAnError) {
   const ParameterMap map(model::nominal_parameters());
-  EXPECT_THROW(identify({}, map, model::make_plane(), state_weights(), {}, kSeed), std::invalid_argument);
+  EXPECT_THROW(identify({}, map, model::make_plane(), state_weights(), {}, kSeed),
+               std::invalid_argument);
 }
 
 }  // namespace

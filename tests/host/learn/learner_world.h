@@ -12,9 +12,12 @@ namespace sanso::learn {
 inline constexpr std::uint64_t kSeed = 5;
 inline constexpr int kTicks = 300;
 
-// A robot that is the model with softer servos, sampled every 10 ms (its own steps are 10 ms, the learner's 60 ms).
-// `knee_offset_rad`: its knees stand off from what the controller believes, which no parameter of the model can say.
-inline Episode episode_of_world(std::uint32_t trial, double stiffness = 0.7, double knee_offset_rad = 0.0) {
+// A robot that is the model with softer servos, sampled every 10 ms (its own steps are 10 ms, the
+// learner's 60 ms).
+// `knee_offset_rad`: its knees stand off from what the controller believes, which no parameter of
+// the model can say.
+inline Episode episode_of_world(std::uint32_t trial, double stiffness = 0.7,
+                                double knee_offset_rad = 0.0) {
   model::ModelParameters truth = model::nominal_parameters();
   for (auto& servo : truth.servo) servo.stiffness *= stiffness;
   const model::StepModel world = model::make_step_model(truth);
@@ -41,7 +44,8 @@ inline Episode episode_of_world(std::uint32_t trial, double stiffness = 0.7, dou
     model::Input applied = u;
     applied[3] += knee_offset_rad;
     applied[9] -= knee_offset_rad;
-    model::analytical_step(world, model::make_plane(), x.data(), applied.data(), 0.01, 1, x.data(), scratch);
+    model::analytical_step(world, model::make_plane(), x.data(), applied.data(), 0.01, 1, x.data(),
+                           scratch);
   }
   return episode;
 }
@@ -56,7 +60,8 @@ inline model::Tangent weights() {
 
 inline std::vector<Episode> episodes(std::uint32_t count, double knee_offset_rad = 0.0) {
   std::vector<Episode> out;
-  for (std::uint32_t t = 0; t < count; ++t) out.push_back(episode_of_world(t, 0.7, knee_offset_rad));
+  for (std::uint32_t t = 0; t < count; ++t)
+    out.push_back(episode_of_world(t, 0.7, knee_offset_rad));
   return out;
 }
 

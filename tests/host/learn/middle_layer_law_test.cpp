@@ -45,21 +45,22 @@ TEST_F(MiddleLayer, StartsAtTheReferenceOrAtTheFirstState) {
 }
 
 TEST_F(MiddleLayer, FixedPointIsAlphaOverMuTimesTheUpperLayer) {
-  for (int trial = 0; trial < 3000; ++trial) update_middle_layer(upper, reference, false, settings, *table);
+  for (int trial = 0; trial < 3000; ++trial)
+    update_middle_layer(upper, reference, false, settings, *table);
   const double a = settings.learning_rate, mu = settings.forgetting_rate;
   for (int i = 0; i < kKnots; ++i) {
     EXPECT_NEAR((table->knots[i].u - a / mu * upper[i].knot.u).norm(), 0.0, 1e-9);
     EXPECT_NEAR((table->knots[i].K - 0.3 * a / mu * upper[i].knot.K).norm(), 0.0, 1e-9);
     // balance of the two pulls: alpha (x_up ⊖ x) = mu (x ⊖ x_init), in the tangent at x
-    const model::Tangent pull =
-        a * model::minus(upper[i].knot.x, table->knots[i].x) + mu * model::minus(reference[i], table->knots[i].x);
+    const model::Tangent pull = a * model::minus(upper[i].knot.x, table->knots[i].x) +
+                                mu * model::minus(reference[i], table->knots[i].x);
     EXPECT_NEAR(pull.norm(), 0.0, 1e-9);
   }
 }
 
 TEST_F(MiddleLayer, SumOfBothLayersIsKeptWhenTheUpperLayerFollows) {
-  // An upper layer that needs a fixed total input hands it over: u_up = total - u_mid  =>  u_mid -> alpha/(alpha+mu)
-  // total.
+  // An upper layer that needs a fixed total input hands it over: u_up = total - u_mid  =>  u_mid ->
+  // alpha/(alpha+mu) total.
   const model::Input total = model::Input::Constant(0.1);
   for (int trial = 0; trial < 400; ++trial) {
     for (int i = 0; i < kKnots; ++i) upper[i].knot.u = total - table->knots[i].u;

@@ -51,7 +51,8 @@ TEST(ModelLearner, StretchesOfAFallAreLeftOut) {
   for (const PredictionWindow& w : learner.usable_windows(falling)) {
     for (const model::State& x : w.x) EXPECT_NEAR(x[model::kXQuat], 1.0, 0.1);
   }
-  EXPECT_LT(learner.usable_windows(falling).size(), learner.usable_windows(episode_of_world(1)).size());
+  EXPECT_LT(learner.usable_windows(falling).size(),
+            learner.usable_windows(episode_of_world(1)).size());
 }
 
 }  // namespace

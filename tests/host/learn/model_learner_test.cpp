@@ -9,7 +9,8 @@ namespace {
 TEST(SigmaLaw, FallsFromStartToFloorWithTheLoss) {
   EXPECT_NEAR(sigma_of_loss(0.0), kSigmaFloor, 1e-12);
   EXPECT_NEAR(sigma_of_loss(1e9), kSigmaStart, 1e-6);
-  for (double loss = 0.01; loss < 100; loss *= 2) EXPECT_LT(sigma_of_loss(loss), sigma_of_loss(2 * loss));
+  for (double loss = 0.01; loss < 100; loss *= 2)
+    EXPECT_LT(sigma_of_loss(loss), sigma_of_loss(2 * loss));
   EXPECT_EQ(sigma_of_loss(std::numeric_limits<double>::infinity()), kSigmaStart);
 }
 
@@ -27,7 +28,8 @@ TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
   ModelLearner learner({}, weights(), {}, kSeed);
   ASSERT_TRUE(learner.learn(episodes(8, kOffset)).residual_kept);
   EXPECT_FALSE(learner.current().residual.has_value());
-  EXPECT_TRUE(learner.judge_residual(episode_of_world(11, 0.7, kOffset)));  // 11 and 12 stay on their feet
+  // 11 and 12 stay on their feet
+  EXPECT_TRUE(learner.judge_residual(episode_of_world(11, 0.7, kOffset)));
   EXPECT_EQ(learner.residual_trust().share, kShareStep);
   const ModelLosses next = learner.losses(episode_of_world(12, 0.7, kOffset));
   EXPECT_LT(next.augmented, next.analytical);
@@ -37,7 +39,8 @@ TEST(ModelLearner, ANetworkThatNoLongerHoldsIsPutAside) {
   ModelLearner learner({}, weights(), {}, kSeed);
   ASSERT_TRUE(learner.learn(episodes(8)).residual_kept);
   learner.set_residual_trust({.share = 1.0});
-  const Episode moved_on = episode_of_world(10, 1.3);  // another robot stands for data that the network has not seen
+  // another robot stands for data that the network has not seen
+  const Episode moved_on = episode_of_world(10, 1.3);
   const ModelLosses with = learner.losses(moved_on);
   ASSERT_GT(with.augmented, with.analytical) << "the premise: here the network is worse than none";
   learner.judge_residual(moved_on);

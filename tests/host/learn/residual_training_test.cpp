@@ -9,10 +9,12 @@ namespace {
 
 constexpr std::uint64_t kSeed = 7;
 
-// A friction-like term on the joint rates and a quadratic one on the gravity direction: nothing a constant could learn.
+// A friction-like term on the joint rates and a quadratic one on the gravity direction: nothing a
+// constant could learn.
 model::Tangent missing_physics(const host::Features& f) {
   model::Tangent t = model::Tangent::Zero();
-  for (int j = 0; j < model::kNumJoints; ++j) t[model::kDJointRate + j] = -0.1 * std::tanh(3.0 * f[22 + j]);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    t[model::kDJointRate + j] = -0.1 * std::tanh(3.0 * f[22 + j]);
   t[model::kDVel] = 0.05 * f[1] * f[1];
   return t;
 }
@@ -41,32 +43,39 @@ ResidualSettings quick() {
 }
 
 TEST(ResidualTraining, ExplainsHeldOutTransitionsOfAnUnseenTrial) {
-  const auto result = train_residual(recorded(5, 1500, true, 1e-3), model::Tangent::Ones(), quick(), kSeed);
+  const auto result =
+      train_residual(recorded(5, 1500, true, 1e-3), model::Tangent::Ones(), quick(), kSeed);
   ASSERT_TRUE(result.network.has_value());
-  EXPECT_LT(result.heldout_loss, 0.2 * result.heldout_loss_without) << "at least 80 % of the missing part explained";
+  EXPECT_LT(result.heldout_loss, 0.2 * result.heldout_loss_without)
+      << "at least 80 % of the missing part explained";
 }
 
 TEST(ResidualTraining, GateRefusesWhatNoiseTaught) {
-  // Pure noise: whatever the network learned is wrong on the held-out trial, so there is no network.
+  // Pure noise: whatever the network learned is wrong on the held-out trial, so there is no
+  // network.
   ResidualSettings s = quick();
   s.learning_rate = 1e-2;
   s.l2 = 0;
-  const auto result = train_residual(recorded(3, 150, false, 1.0), model::Tangent::Ones(), s, kSeed);
+  const auto result =
+      train_residual(recorded(3, 150, false, 1.0), model::Tangent::Ones(), s, kSeed);
   EXPECT_EQ(result.network.has_value(), result.heldout_loss < result.heldout_loss_without);
   EXPECT_NEAR(result.heldout_loss, result.heldout_loss_without, 0.1 * result.heldout_loss_without)
       << "early stop keeps the best network, which is close to none";
 }
 
 TEST(ResidualTraining, TheNewestTrialsDecide) {
-  // Four trials show an effect, the newest shows its opposite: what the old ones taught does not hold any more.
+  // Four trials show an effect, the newest shows its opposite: what the old ones taught does not
+  // hold any more.
   TransitionSet data = recorded(5, 300, true, 1e-3);
   for (std::size_t row = 0; row < data.size(); ++row) {
     if (data.trial[row] != 4) continue;
-    for (int i = 0; i < model::kNdx; ++i) data.targets[row * model::kNdx + static_cast<std::size_t>(i)] *= -1.0F;
+    for (int i = 0; i < model::kNdx; ++i)
+      data.targets[row * model::kNdx + static_cast<std::size_t>(i)] *= -1.0F;
   }
   const auto result = train_residual(data, model::Tangent::Ones(), quick(), kSeed);
   EXPECT_LT(result.epochs, quick().max_epochs) << "stopped early";
-  EXPECT_GE(result.heldout_loss, 0.9 * result.heldout_loss_without) << "hardly any correction is left";
+  EXPECT_GE(result.heldout_loss, 0.9 * result.heldout_loss_without)
+      << "hardly any correction is left";
 }
 
 TEST(ResidualTraining, HoldsOutAtLeastOneTrialAndNeverAll) {
@@ -101,7 +110,8 @@ TEST(ResidualTraining, ConstantCoordinatesDoNotBlowUp) {
 TEST(ResidualTraining, SaysWhatIsMissing) {
   EXPECT_THROW(train_residual(recorded(1, 500, true, 0), model::Tangent::Ones(), quick(), kSeed),
                std::invalid_argument);
-  EXPECT_THROW(train_residual(recorded(2, 10, true, 0), model::Tangent::Ones(), quick(), kSeed), std::invalid_argument);
+  EXPECT_THROW(train_residual(recorded(2, 10, true, 0), model::Tangent::Ones(), quick(), kSeed),
+               std::invalid_argument);
 }
 
 }  // namespace

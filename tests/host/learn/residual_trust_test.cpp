@@ -50,14 +50,16 @@ TEST(ResidualTrust, RisesByAQuarterATrialWhileTheNetworkIsRight) {
 
 TEST(ResidualTrust, ANetworkThatIsWrongOnlyWatches) {
   ResidualTrust trust;
-  for (int trial = 0; trial < 5; ++trial) trust = after(trust, constant_network(-0.004), recorded(0.004));
+  for (int trial = 0; trial < 5; ++trial)
+    trust = after(trust, constant_network(-0.004), recorded(0.004));
   EXPECT_EQ(trust.share, 0.0);
   EXPECT_EQ(trust.ceiling, 1.0) << "it was never followed, so it may still turn out right";
 }
 
 TEST(ResidualTrust, StopsWhereMoreWouldBeWorse) {
   ResidualTrust trust;
-  for (int trial = 0; trial < 5; ++trial) trust = after(trust, constant_network(0.008), recorded(0.004));
+  for (int trial = 0; trial < 5; ++trial)
+    trust = after(trust, constant_network(0.008), recorded(0.004));
   EXPECT_EQ(trust.share, 0.5) << "twice too large a correction: half of it is right";
 }
 
@@ -72,7 +74,8 @@ TEST(ResidualTrust, WhatWasTooMuchOnceIsNotTriedAgain) {
 
 TEST(ResidualTrust, ATrialThatFellJudgesNothing) {
   const ResidualTrust before{.share = 0.5, .ceiling = 0.75};
-  const ResidualTrust trust = after(before, constant_network(0.004), recorded(-0.004, kFewestJudgedWindows - 1));
+  const ResidualTrust trust =
+      after(before, constant_network(0.004), recorded(-0.004, kFewestJudgedWindows - 1));
   EXPECT_EQ(trust.share, 0.5);
   EXPECT_EQ(trust.ceiling, 0.75);
 }
@@ -82,8 +85,10 @@ TEST(ResidualTrust, AShareScalesTheCorrection) {
   n.W3.setConstant(0.1F);
   n.output_scale.setConstant(0.3F);
   const host::Features f = host::Features::Constant(0.2);
-  EXPECT_TRUE(host::residual_output(with_share(n, 0.25), f).isApprox(0.25 * host::residual_output(n, f), 1e-6));
-  EXPECT_TRUE(host::residual_jacobian(with_share(n, 0.25), f).isApprox(0.25 * host::residual_jacobian(n, f), 1e-6));
+  EXPECT_TRUE(host::residual_output(with_share(n, 0.25), f)
+                  .isApprox(0.25 * host::residual_output(n, f), 1e-6));
+  EXPECT_TRUE(host::residual_jacobian(with_share(n, 0.25), f)
+                  .isApprox(0.25 * host::residual_jacobian(n, f), 1e-6));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// What the middle layer is shown of the upper layer's work: also the knots that pass before the first plan arrives.
+// What the middle layer is shown of the upper layer's work: also the knots that pass before the
+// first plan arrives.
 #include <gtest/gtest.h>
 
 #include "host/learn/session.h"
@@ -36,7 +37,8 @@ Episode episode_with_plan_from(int first_plan, int ticks) {
 }
 
 TEST(UpperSamples, KnotsBeforeTheFirstPlanSeeItsFirstKnot) {
-  const std::vector<UpperSample> samples = upper_samples(episode_with_plan_from(kFirstPlanTick, 13));
+  const std::vector<UpperSample> samples =
+      upper_samples(episode_with_plan_from(kFirstPlanTick, 13));
   ASSERT_EQ(samples.size(), 5u);
   for (const std::size_t before : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
     EXPECT_EQ(samples[before].weight, 1.0) << before;
@@ -55,7 +57,8 @@ TEST(UpperSamples, AGapAfterTheFirstPlanTeachesNothing) {
 }
 
 TEST(UpperSamples, WithoutAnyPlanNothingIsLearned) {
-  for (const UpperSample& s : upper_samples(episode_with_plan_from(100, 13))) EXPECT_EQ(s.weight, 0.0);
+  for (const UpperSample& s : upper_samples(episode_with_plan_from(100, 13)))
+    EXPECT_EQ(s.weight, 0.0);
 }
 
 }  // namespace

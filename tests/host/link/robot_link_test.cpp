@@ -1,4 +1,5 @@
-// RobotLink against a controller made of the shared wire code, over a path that loses, repeats and swaps datagrams.
+// RobotLink against a controller made of the shared wire code, over a path that loses, repeats and
+// swaps datagrams.
 #include <gtest/gtest.h>
 
 #include <deque>
@@ -68,7 +69,8 @@ struct FakeController {
       ack.accepted = !refuse;
       ack.reason = refuse ? 7 : 0;
       send(ack);
-    } else if (*type == wire::MessageType::upload_chunk && wire::decode(message, chunk) == Status::ok) {
+    } else if (*type == wire::MessageType::upload_chunk &&
+               wire::decode(message, chunk) == Status::ok) {
       (void)(*assembler)->accept(chunk);
       wire::UploadAck ack;
       ack.kind = chunk.kind;
@@ -101,7 +103,9 @@ struct TestPath : DatagramChannel, HostClock {
     controller.to_controller.push(data, size);
     return true;
   }
-  std::size_t receive(std::uint8_t* buffer, std::size_t) override { return controller.to_host.pop(buffer); }
+  std::size_t receive(std::uint8_t* buffer, std::size_t) override {
+    return controller.to_host.pop(buffer);
+  }
   Nanoseconds now() override { return time; }
   void wait_until(Nanoseconds) override {
     time += kTickPeriod;
@@ -137,7 +141,8 @@ TEST_F(Link, ACommandIsCarriedOutOnceOverABadPath) {
   controller.to_host.trouble = controller.to_controller.trouble = 0.3;
   ASSERT_EQ(link.open(), Status::ok);
   const std::uint32_t before = controller.executed;
-  for (int i = 0; i < 20; ++i) ASSERT_EQ(link.command({.kind = wire::CommandKind::arm}), Status::ok);
+  for (int i = 0; i < 20; ++i)
+    ASSERT_EQ(link.command({.kind = wire::CommandKind::arm}), Status::ok);
   EXPECT_EQ(controller.executed - before, 20u);
 }
 

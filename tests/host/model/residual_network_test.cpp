@@ -1,4 +1,5 @@
-// The residual network: exact derivatives, invariance to place and heading, consistency of target and tangent.
+// The residual network: exact derivatives, invariance to place and heading, consistency of target
+// and tangent.
 #include "host/model/residual_network.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,9 @@ namespace {
 ResidualNetwork random_network(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal(0.0f, 1.0f);
-  const auto fill = [&](auto& m, float scale) { m = m.NullaryExpr([&] { return scale * normal(random); }); };
+  const auto fill = [&](auto& m, float scale) {
+    m = m.NullaryExpr([&] { return scale * normal(random); });
+  };
   ResidualNetwork n;
   fill(n.feature_mean, 0.3f);
   n.feature_scale.setConstant(1.7f);
@@ -40,7 +43,8 @@ TEST(ResidualNetwork, JacobianEqualsCentralDifferences) {
     constexpr double h = 1e-5;  // truncation h^2, rounding 1e-16 / h: both near 1e-10
     for (int j = 0; j < kFeatures; ++j) {
       const Features e = Features::Unit(j) * h;
-      const model::Tangent difference = (residual_output(n, f + e) - residual_output(n, f - e)) / (2 * h);
+      const model::Tangent difference =
+          (residual_output(n, f + e) - residual_output(n, f - e)) / (2 * h);
       EXPECT_LT((difference - J.col(j)).norm(), 1e-8) << "feature " << j;
     }
   }
@@ -65,10 +69,12 @@ TEST(ResidualNetwork, TurningAndMovingTheRobotTurnsTheCorrection) {
 TEST(ResidualNetwork, TargetIsWhatTheTangentUndoes) {
   const model::State x = random_state(1), analytical = random_state(2), measured = random_state(3);
   const model::Tangent target = residual_target(x, analytical, measured);
-  // a network that is only its output bias returns the target, and the step then lands on the measured state
+  // a network that is only its output bias returns the target, and the step then lands on the
+  // measured state
   ResidualNetwork n;
   n.output_mean = target.cast<float>();
-  const model::State reached = model::plus(analytical, residual_tangent(n, x, model::Input::Zero()));
+  const model::State reached =
+      model::plus(analytical, residual_tangent(n, x, model::Input::Zero()));
   EXPECT_LT(model::minus(reached, measured).norm(), 1e-6);  // single-precision weights
 }
 

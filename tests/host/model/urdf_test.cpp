@@ -1,4 +1,5 @@
-// The two descriptions of the robot, the URDF on the host and the table on the controller, must be one robot.
+// The two descriptions of the robot, the URDF on the host and the table on the controller, must be
+// one robot.
 #include "host/model/urdf.h"
 
 #include <gtest/gtest.h>
@@ -19,11 +20,13 @@ const std::string kData = SANSO_MODEL_DATA_DIR;
 
 /// Place of a joint in the controller's table, -1 = not there.
 int table_index(const std::string& name) {
-  const auto found = std::find_if(kJoints.begin(), kJoints.end(), [&](const JointInfo& j) { return name == j.name; });
+  const auto found = std::find_if(kJoints.begin(), kJoints.end(),
+                                  [&](const JointInfo& j) { return name == j.name; });
   return found == kJoints.end() ? -1 : static_cast<int>(found - kJoints.begin());
 }
 
-/// Reorders the joint part of a vector of the URDF's tree to the table's order; `head` numbers come first.
+/// Reorders the joint part of a vector of the URDF's tree to the table's order; `head` numbers come
+/// first.
 TreeVector in_table_order(const UrdfRobot& robot, const TreeVector& x, int head) {
   TreeVector y = x;
   for (int i = 0; i < robot.tree.num_joints(); ++i) {
@@ -39,7 +42,8 @@ TEST(Urdf, Op3IsTheRobotOfTheControllersTable) {
   for (int i = 0; i < kNumJoints; ++i) {
     const int j = table_index(robot.joint_names[static_cast<std::size_t>(i)]);
     ASSERT_GE(j, 0) << robot.joint_names[static_cast<std::size_t>(i)];
-    robot.tree.joints[static_cast<std::size_t>(i)].armature = table.joints[static_cast<std::size_t>(j)].armature;
+    robot.tree.joints[static_cast<std::size_t>(i)].armature =
+        table.joints[static_cast<std::size_t>(j)].armature;
   }
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -56,8 +60,8 @@ TEST(Urdf, Op3IsTheRobotOfTheControllersTable) {
     const TreeVector dv = sample(robot.tree.nv());
     TreeVector tau_urdf, tau_table;
     rnea(robot.tree, q, v, dv, *scratch, tau_urdf);
-    rnea(table, in_table_order(robot, q, 7), in_table_order(robot, v, 6), in_table_order(robot, dv, 6), *scratch,
-         tau_table);
+    rnea(table, in_table_order(robot, q, 7), in_table_order(robot, v, 6),
+         in_table_order(robot, dv, 6), *scratch, tau_table);
     EXPECT_LT((in_table_order(robot, tau_urdf, 6) - tau_table).norm(), 1e-9 * tau_table.norm());
   }
 }
@@ -74,9 +78,11 @@ TEST(Urdf, TheWholeRobotHasItsTwentyJointsAndItsWeight) {
   EXPECT_NEAR(mass(whole.tree), mass(legs), 1e-9);
 }
 
-/// Two links and a joint of type `type` about `axis`; a tool of 0.5 kg hangs on a fixed joint 0.2 m behind.
+/// Two links and a joint of type `type` about `axis`; a tool of 0.5 kg hangs on a fixed joint 0.2 m
+/// behind.
 std::string two_links(const std::string& type, const std::string& axis) {
-  return "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><origin xyz='0.1 0 0'/>"
+  return "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/><origin "
+         "xyz='0.1 0 0'/>"
          "<inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/></inertial></link>"
          "<link name='tool'><inertial><mass value='0.5'/>"
          "<inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>"
@@ -84,7 +90,8 @@ std::string two_links(const std::string& type, const std::string& axis) {
          type + "'><parent link='a'/><child link='b'/><axis xyz='" + axis +
          "'/>"
          "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
-         "<joint name='w' type='fixed'><parent link='b'/><child link='tool'/><origin xyz='0.2 0 0' rpy='0 0 "
+         "<joint name='w' type='fixed'><parent link='b'/><child link='tool'/><origin xyz='0.2 0 "
+         "0' rpy='0 0 "
          "1.5'/></joint></robot>";
 }
 

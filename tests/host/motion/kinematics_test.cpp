@@ -21,23 +21,29 @@ TEST(LegIk, ForwardKinematicsGivesTheFootBack) {
   for (int trial = 0; trial < 1000; ++trial) {
     model::State x = model::neutral_state();
     x.head<3>() = math::Vec3(unit(random), unit(random), 0.25 + 0.01 * unit(random));
-    x.segment<4>(model::kXQuat) = math::quat_exp({0.15 * unit(random), 0.15 * unit(random), 3 * unit(random)});
+    x.segment<4>(model::kXQuat) =
+        math::quat_exp({0.15 * unit(random), 0.15 * unit(random), 3 * unit(random)});
     const math::Mat3 R_world_base = math::rotation_matrix(model::base_quat(x));
     for (int side : {kRight, kLeft}) {
-      const math::Vec3 p_base_foot(0.04 * unit(random), side_sign(side) * 0.035 + 0.03 * unit(random),
+      const math::Vec3 p_base_foot(0.04 * unit(random),
+                                   side_sign(side) * 0.035 + 0.03 * unit(random),
                                    -0.215 + 0.025 * unit(random));
       const math::Vec3 p_world_foot = model::base_position(x) + R_world_base * p_base_foot;
-      const math::Mat3 R_base_foot =
-          math::rotation_matrix(math::quat_exp({0.2 * unit(random), 0.2 * unit(random), 0.3 * unit(random)}));
+      const math::Mat3 R_base_foot = math::rotation_matrix(
+          math::quat_exp({0.2 * unit(random), 0.2 * unit(random), 0.3 * unit(random)}));
       const math::Mat3 R_world_foot = R_world_base * R_base_foot;
-      const LegSolution leg = solve_leg(side, model::base_position(x), R_world_base, p_world_foot, R_world_foot);
+      const LegSolution leg =
+          solve_leg(side, model::base_position(x), R_world_base, p_world_foot, R_world_foot);
       if (leg.reach > 0.998) continue;
       ++reached;
       x.segment<6>(model::kXJoint + 6 * side) = leg.q;
       const BodyPoints points = body_points(x);
-      // the roll axes miss the hip's centre by 0.1 mm (ROBOTIS' figures), which the analytic solution leaves out
-      EXPECT_LT((points.p_world_foot[side] - p_world_foot).norm(), 0.04e-3) << "trial " << trial << ", seed " << kSeed;
-      EXPECT_LT((points.R_world_foot[side] - R_world_foot).norm(), 1e-9) << "trial " << trial << ", seed " << kSeed;
+      // the roll axes miss the hip's centre by 0.1 mm (ROBOTIS' figures), which the analytic
+      // solution leaves out
+      EXPECT_LT((points.p_world_foot[side] - p_world_foot).norm(), 0.04e-3)
+          << "trial " << trial << ", seed " << kSeed;
+      EXPECT_LT((points.R_world_foot[side] - R_world_foot).norm(), 1e-9)
+          << "trial " << trial << ", seed " << kSeed;
     }
   }
   EXPECT_GT(reached, 1500);

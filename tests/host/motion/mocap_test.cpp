@@ -15,8 +15,10 @@ namespace {
 using ::testing::HasSubstr;
 
 const char* const kTwoBones =
-    "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-    " JOINT Knee\n {\n  OFFSET 0 -40 0\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  {\n   OFFSET 0 -40 0\n"
+    "HIERARCHY\nROOT Hips\n{\n OFFSET 0 0 0\n CHANNELS 6 Xposition Yposition Zposition Zrotation "
+    "Xrotation Yrotation\n"
+    " JOINT Knee\n {\n  OFFSET 0 -40 0\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  "
+    "{\n   OFFSET 0 -40 0\n"
     "  }\n }\n}\nMOTION\nFrames: 2\nFrame Time: 0.0333\n1 90 2 0 0 0 0 0 0\n1 90 2 90 0 0 0 0 0\n";
 
 std::string message_of(const std::string& text) {
@@ -45,11 +47,15 @@ TEST(Bvh, PositionsFollowTheChannels) {
 TEST(Bvh, MessagesNameLineAndExpectation) {
   EXPECT_THAT(message_of(replaced(kTwoBones, "OFFSET 0 -40 0", "OFFSET 0 minus 0")),
               HasSubstr("clip.bvh:8: found 'minus', expected a number"));
-  EXPECT_THAT(message_of(replaced(kTwoBones, "Xposition", "Wposition")), HasSubstr("one of Xposition .. Zrotation"));
+  EXPECT_THAT(message_of(replaced(kTwoBones, "Xposition", "Wposition")),
+              HasSubstr("one of Xposition .. Zrotation"));
   EXPECT_THAT(message_of(replaced(kTwoBones, "Frames: 2", "Frames: 3")), HasSubstr("end of file"));
-  EXPECT_THAT(message_of(replaced(kTwoBones, "Frames: 2", "Frames: 1")), HasSubstr("end of the file after 1 frames"));
-  EXPECT_THAT(message_of(replaced(kTwoBones, "Frame Time: 0.0333", "Frame Time: 0")), HasSubstr("above 0 s"));
-  EXPECT_THAT(message_of("nonsense"), HasSubstr("clip.bvh:1: found 'nonsense', expected 'HIERARCHY'"));
+  EXPECT_THAT(message_of(replaced(kTwoBones, "Frames: 2", "Frames: 1")),
+              HasSubstr("end of the file after 1 frames"));
+  EXPECT_THAT(message_of(replaced(kTwoBones, "Frame Time: 0.0333", "Frame Time: 0")),
+              HasSubstr("above 0 s"));
+  EXPECT_THAT(message_of("nonsense"),
+              HasSubstr("clip.bvh:1: found 'nonsense', expected 'HIERARCHY'"));
   EXPECT_THROW(read_bvh("/nonexistent/clip.bvh"), ClipError);
 }
 
@@ -69,8 +75,10 @@ std::string deepmimic_row(double root_x, double knee_angle) {
 }
 
 TEST(DeepMimic, LegsHangStraightDownAndKneesBendBackwards) {
-  const HumanMotion motion = parse_deepmimic(
-      "{\"Loop\":\"wrap\",\"Frames\":[" + deepmimic_row(0.0, 0.0) + "," + deepmimic_row(0.2, -1.0) + "]}", "jog.txt");
+  const HumanMotion motion =
+      parse_deepmimic("{\"Loop\":\"wrap\",\"Frames\":[" + deepmimic_row(0.0, 0.0) + "," +
+                          deepmimic_row(0.2, -1.0) + "]}",
+                      "jog.txt");
   ASSERT_EQ(motion.frames.size(), 2u);
   EXPECT_TRUE(motion.loops);
   const HumanLeg& left = motion.frames[0].leg[kLeft];
@@ -96,15 +104,18 @@ TEST(LowPass, KeepsConstantsLinesAndSlowWaves) {
     slow.push_back(std::sin(2 * M_PI * 0.5 * k * 0.01));
     fast.push_back(std::sin(2 * M_PI * 30 * k * 0.01));
   }
-  const auto line_out = low_pass(line, 0.01, 6), slow_out = low_pass(slow, 0.01, 6), fast_out = low_pass(fast, 0.01, 6);
-  for (std::size_t k = 0; k < line.size(); ++k) EXPECT_NEAR(line_out[k], line[k], 2e-3) << "sample " << k;
+  const auto line_out = low_pass(line, 0.01, 6), slow_out = low_pass(slow, 0.01, 6),
+             fast_out = low_pass(fast, 0.01, 6);
+  for (std::size_t k = 0; k < line.size(); ++k)
+    EXPECT_NEAR(line_out[k], line[k], 2e-3) << "sample " << k;
   for (std::size_t k = 50; k < 350; ++k) {
     EXPECT_NEAR(slow_out[k], slow[k], 1e-3);  // no delay
     EXPECT_LT(std::abs(fast_out[k]), 0.01);
   }
 }
 
-/// A man made of points who walks along a heading at 1 m/s: each foot stands 0.6 s and swings 0.4 s.
+/// A man made of points who walks along a heading at 1 m/s: each foot stands 0.6 s and swings 0.4
+/// s.
 HumanMotion synthetic_walk(double heading_rad, double floor_slope) {
   HumanMotion motion;
   motion.dt_s = 0.01;
@@ -114,14 +125,18 @@ HumanMotion synthetic_walk(double heading_rad, double floor_slope) {
     const double t = 0.01 * k;
     HumanFrame frame;
     for (int side : {kRight, kLeft}) {
-      const double phase = t + (side == kLeft ? 0.5 : 0.0), cycle = std::floor(phase), u = phase - cycle;
+      const double phase = t + (side == kLeft ? 0.5 : 0.0), cycle = std::floor(phase),
+                   u = phase - cycle;
       const double swing = std::max(0.0, (u - 0.6) / 0.4);
-      const double foot_x = cycle + swing - (side == kLeft ? 0.5 : 0.0), lift = 0.15 * std::sin(M_PI * swing);
+      const double foot_x = cycle + swing - (side == kLeft ? 0.5 : 0.0),
+                   lift = 0.15 * std::sin(M_PI * swing);
       const double y = side_sign(side) * 0.1;
-      frame.leg[side] = {{t, y, 0.9}, {t, y, 0.5}, {foot_x, y, 0.1 + lift}, {foot_x + 0.15, y, 0.03 + lift}};
+      frame.leg[side] = {
+          {t, y, 0.9}, {t, y, 0.5}, {foot_x, y, 0.1 + lift}, {foot_x + 0.15, y, 0.03 + lift}};
     }
     for_each_point(frame, [&](Eigen::Vector3d& p) {
-      p = Eigen::Vector3d(c * p.x() - s * p.y(), s * p.x() + c * p.y(), p.z() + floor_slope * p.x());
+      p = Eigen::Vector3d(c * p.x() - s * p.y(), s * p.x() + c * p.y(),
+                          p.z() + floor_slope * p.x());
     });
     motion.frames.push_back(frame);
   }

@@ -90,7 +90,8 @@ TEST_P(ShippedMotion, KeepsTheZmpInsideTheSolesThatAreDown) {
       if (lowest_corner(points, side) > 0.001) continue;
       for (const auto& corner : points.sole_corners(side)) corners.push_back(corner.head<2>());
     }
-    if (!corners.empty()) worst = std::min(worst, distance_inside_hull({zmp[k].x, zmp[k].y}, corners));
+    if (!corners.empty())
+      worst = std::min(worst, distance_inside_hull({zmp[k].x, zmp[k].y}, corners));
   }
   // the jog changes feet through a flight, where the ZMP has to cross from sole to sole
   EXPECT_GT(worst, GetParam() == "jog" ? 0.0 : 0.010);
@@ -136,54 +137,69 @@ TEST(MotionLibrary, HoldsTheCatalogueAndNamesItWhenAskedForSomethingElse) {
 TEST(MotionFile, MessagesNameLineKeyAndExpectation) {
   const std::string good = file_text(MotionLibrary().folder() / "squat.toml");
   EXPECT_EQ(message_of(good), "no error");
-  EXPECT_THAT(message_of(replaced(good, "base_x = 300.0", "base_xx = 300.0")), HasSubstr("cost.base_x: missing"));
-  EXPECT_THAT(message_of(replaced(good, "[cost]", "[cost]\nbase_w = 1.0")), HasSubstr("cost.base_w: unknown key"));
+  EXPECT_THAT(message_of(replaced(good, "base_x = 300.0", "base_xx = 300.0")),
+              HasSubstr("cost.base_x: missing"));
+  EXPECT_THAT(message_of(replaced(good, "[cost]", "[cost]\nbase_w = 1.0")),
+              HasSubstr("cost.base_w: unknown key"));
   EXPECT_THAT(message_of(replaced(good, "[cost]", "[cost]\nbase_w = 1.0")), HasSubstr("m.toml:"));
-  EXPECT_THAT(message_of(replaced(good, "depth_share", "depth")), HasSubstr("'depth' is none of cost, completed"));
+  EXPECT_THAT(message_of(replaced(good, "depth_share", "depth")),
+              HasSubstr("'depth' is none of cost, completed"));
   EXPECT_THAT(message_of(replaced(good, "format = 1", "format = 2")), HasSubstr("reads format 1"));
-  EXPECT_THAT(message_of(replaced(good, "cost_limit = 350.0", "cost_limit = -1.0")), HasSubstr("expected a number from"));
-  EXPECT_THAT(message_of(replaced(good, "kind = \"in_place\"", "kind = \"dance\"")), HasSubstr("'dance' is none of"));
+  EXPECT_THAT(message_of(replaced(good, "cost_limit = 350.0", "cost_limit = -1.0")),
+              HasSubstr("expected a number from"));
+  EXPECT_THAT(message_of(replaced(good, "kind = \"in_place\"", "kind = \"dance\"")),
+              HasSubstr("'dance' is none of"));
   EXPECT_THAT(message_of(replaced(good, "num_basis = ", "num_basis = 9")), HasSubstr("num_basis"));
   EXPECT_THAT(message_of(good.substr(0, good.size() / 2)), HasSubstr("m.toml:"));
-  EXPECT_THAT(message_of(replaced(good, "[primitives.l_knee]\nstart = ", "[primitives.l_knee]\nstart = 9")),
-              HasSubstr("outside what the robot can follow"));
+  EXPECT_THAT(
+      message_of(replaced(good, "[primitives.l_knee]\nstart = ", "[primitives.l_knee]\nstart = 9")),
+      HasSubstr("outside what the robot can follow"));
 }
 
-/// The mocap clips are external data: $SANSO_DATA/mocap, else ../shared/data/mocap beside the repository.
+/// The mocap clips are external data: $SANSO_DATA/mocap, else ../shared/data/mocap beside the
+/// repository.
 std::filesystem::path mocap_folder() {
   const char* data = std::getenv("SANSO_DATA");
-  return (data && *data ? std::filesystem::path(data) : std::filesystem::path("../shared/data")) / "mocap";
+  return (data && *data ? std::filesystem::path(data) : std::filesystem::path("../shared/data")) /
+         "mocap";
 }
 
 TEST(Import, MakesTheShippedFilesAgain) {
   if (!std::filesystem::exists(mocap_folder())) {
-    GTEST_SKIP() << "SKIPPED: no clips in " << mocap_folder() << "; set SANSO_DATA to the folder that holds mocap/";
+    GTEST_SKIP() << "SKIPPED: no clips in " << mocap_folder()
+                 << "; set SANSO_DATA to the folder that holds mocap/";
   }
   for (const auto& name : catalogue_names()) {
-    const ImportedMotion made = import_motion({mocap_folder() / catalogue_entry(name).recipe.clip, name, ""});
+    const ImportedMotion made =
+        import_motion({mocap_folder() / catalogue_entry(name).recipe.clip, name, ""});
     const Motion shipped = MotionLibrary().load(name);
     const Trajectory a = made.motion.reference(), b = shipped.reference();
     ASSERT_EQ(a.x.size(), b.x.size()) << name;
-    // sine and exponential differ in the last bit between processors and libraries: equal poses, not equal bytes
+    // sine and exponential differ in the last bit between processors and libraries: equal poses,
+    // not equal bytes
     for (std::size_t k = 0; k < a.x.size(); ++k) {
-      ASSERT_LT(model::minus(a.x[k], b.x[k]).head<model::kNv>().norm(), 1e-5) << name << " tick " << k;
+      ASSERT_LT(model::minus(a.x[k], b.x[k]).head<model::kNv>().norm(), 1e-5)
+          << name << " tick " << k;
     }
     Motion without_primitives = made.motion;
     without_primitives.primitives = shipped.primitives;
-    EXPECT_EQ(to_toml(without_primitives), to_toml(shipped)) << "catalogue and file differ: import it again";
+    EXPECT_EQ(to_toml(without_primitives), to_toml(shipped))
+        << "catalogue and file differ: import it again";
   }
 }
 
 TEST(Import, RefusesWhatTheRobotCannotDoAndSaysWhatToChange) {
   if (!std::filesystem::exists(mocap_folder())) GTEST_SKIP() << "SKIPPED: no clips; set SANSO_DATA";
   try {
-    import_motion({mocap_folder() / "accad/Male1_A7_Crouch.bvh", "deep", "stand"});  // kz 1: the whole depth
+    // kz 1: the whole depth
+    import_motion({mocap_folder() / "accad/Male1_A7_Crouch.bvh", "deep", "stand"});
     FAIL() << "a squat to the heels became a robot motion";
   } catch (const ClipError& error) {
     EXPECT_THAT(error.what(), HasSubstr("the robot cannot do it"));
     EXPECT_THAT(error.what(), HasSubstr("beyond its limit"));
   }
-  EXPECT_THROW(import_motion({mocap_folder() / "accad/Male1_A7_Crouch.bvh", "deep", "nothing"}), MotionError);
+  EXPECT_THROW(import_motion({mocap_folder() / "accad/Male1_A7_Crouch.bvh", "deep", "nothing"}),
+               MotionError);
 }
 
 TEST(Import, TakesFiguresOfTheRecipeByName) {
@@ -205,7 +221,8 @@ TEST(Import, TakesFiguresOfTheRecipeByName) {
 
 TEST(Import, AnEvenRhythmGivesBothFeetTheSameSwings) {
   if (!std::filesystem::exists(mocap_folder())) GTEST_SKIP() << "SKIPPED: no clips; set SANSO_DATA";
-  const ImportedMotion jog = import_motion({mocap_folder() / catalogue_entry("jog").recipe.clip, "jog", ""});
+  const ImportedMotion jog =
+      import_motion({mocap_folder() / catalogue_entry("jog").recipe.clip, "jog", ""});
   int down[2] = {0, 0}, swings[2] = {0, 0};
   const auto& carries = jog.retargeted.target.carries;
   for (std::size_t k = 1; k < carries.size(); ++k) {
@@ -215,7 +232,8 @@ TEST(Import, AnEvenRhythmGivesBothFeetTheSameSwings) {
     }
   }
   EXPECT_EQ(swings[0], swings[1]);
-  EXPECT_NEAR(down[0], down[1], 6);  // ticks; the closing step is a median swing, the others a mean one
+  // ticks; the closing step is a median swing, the others a mean one
+  EXPECT_NEAR(down[0], down[1], 6);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Success clauses: an episode that does it holds them all; each way to fail is named by its own clause.
+// Success clauses: an episode that does it holds them all; each way to fail is named by its own
+// clause.
 #include "host/motion/success.h"
 
 #include <gmock/gmock.h>
@@ -154,7 +155,8 @@ TEST(Success, AnEmptyEpisodeFailsEveryClause) {
 
 TEST(Success, AWaivedClauseIsShownAndDoesNotCount) {
   const Motion jog = MotionLibrary().load("jog");
-  const Verdict verdict = evaluate(jog, following(jog));  // stands all the time: neither steps nor flight
+  // stands all the time: neither steps nor flight
+  const Verdict verdict = evaluate(jog, following(jog));
   bool flight_shown = false;
   for (const auto& c : verdict.clauses) {
     if (c.clause.measure != "flight_share") continue;

@@ -1,4 +1,5 @@
-// The backward pass: equals Riccati on a linear problem, on every instruction set; noise shrinks gains; limits hold.
+// The backward pass: equals Riccati on a linear problem, on every instruction set; noise shrinks
+// gains; limits hold.
 #include "host/mpc/backward_pass.h"
 
 #include <gtest/gtest.h>
@@ -58,7 +59,8 @@ struct LinearProblem {
       for (int i = 0; i < kNu; ++i) costs[k].lu[i] = lu[k][i], costs[k].luu_diagonal[i] = R(i, i);
       for (int i = 0; i < kNdx; ++i) {
         derivatives[k].F[i] = F[k][i];
-        for (int j = 0; j < kColumns; ++j) derivatives[k].AB[i][j] = j < kNdx ? A[k](i, j) : B[k](i, j - kNdx);
+        for (int j = 0; j < kColumns; ++j)
+          derivatives[k].AB[i][j] = j < kNdx ? A[k](i, j) : B[k](i, j - kNdx);
       }
     }
   }
@@ -75,7 +77,9 @@ struct Pass {
   double weight[kMaxStages][kNdx];
   std::unique_ptr<Value> value{new Value};
   BackwardSummary summary;
-  Pass(BackwardPassFn run, const BackwardInput& in) { summary = run(in, {gains.get(), weight}, *value); }
+  Pass(BackwardPassFn run, const BackwardInput& in) {
+    summary = run(in, {gains.get(), weight}, *value);
+  }
   double gain_norm(int k) const {
     double sum = 0;
     for (const auto& row : gains[k].K)
@@ -91,7 +95,8 @@ struct NamedPass {
 std::vector<NamedPass> passes() {
   const LaneKernels* all[3];
   std::vector<NamedPass> out;
-  for (int i = 0; i < available_lane_kernels(all, 3); ++i) out.push_back({all[i]->name, all[i]->backward_pass});
+  for (int i = 0; i < available_lane_kernels(all, 3); ++i)
+    out.push_back({all[i]->name, all[i]->backward_pass});
   return out;
 }
 
@@ -99,7 +104,8 @@ TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
   for (unsigned seed = 1; seed <= 3; ++seed)
     for (const double sigma : {0.0, 0.7})
       for (const auto& pass : passes()) {
-        SCOPED_TRACE(std::string(pass.name) + " seed " + std::to_string(seed) + " sigma " + std::to_string(sigma));
+        SCOPED_TRACE(std::string(pass.name) + " seed " + std::to_string(seed) + " sigma " +
+                     std::to_string(sigma));
         const LinearProblem p(seed);
         const Pass result(pass.run, p.input(sigma));
         ASSERT_TRUE(result.summary.ok);
@@ -115,15 +121,18 @@ TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
           const VectorXd ff = -Quu.partialPivLu().solve(Qu);
           for (int i = 0; i < kNu; ++i) {
             EXPECT_NEAR(result.gains[k].k[i], ff[i], 1e-9 * ff.norm());
-            for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
+            for (int j = 0; j < kNdx; ++j)
+              ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
           }
-          v = p.lx[k] + p.A[k].transpose() * v + K.transpose() * Quu * ff + K.transpose() * Qu + Qux.transpose() * ff;
-          V = p.W + p.A[k].transpose() * V * p.A[k] + K.transpose() * Quu * K + K.transpose() * Qux +
-              Qux.transpose() * K;
+          v = p.lx[k] + p.A[k].transpose() * v + K.transpose() * Quu * ff + K.transpose() * Qu +
+              Qux.transpose() * ff;
+          V = p.W + p.A[k].transpose() * V * p.A[k] + K.transpose() * Quu * K +
+              K.transpose() * Qux + Qux.transpose() * K;
         }
         for (int i = 0; i < kNdx; ++i) {
           EXPECT_NEAR(result.value->Vx[i], v[i], 1e-9 * v.norm());
-          for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
+          for (int j = 0; j < kNdx; ++j)
+            ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
         }
       }
 }
@@ -142,7 +151,8 @@ TEST(BackwardPass, RegularizationKeepsTheValueOfTheRegularizedPolicy) {
         for (int j = 0; j < kNdx; ++j) K(i, j) = result.gains[k].K[i][j];
       const MatrixXd D = V.diagonal().asDiagonal();
       const MatrixXd closed = p.A[k] + p.B[k] * K;
-      V = p.W + closed.transpose() * V * closed + K.transpose() * (p.R + 0.09 * p.B[k].transpose() * D * p.B[k]) * K;
+      V = p.W + closed.transpose() * V * closed +
+          K.transpose() * (p.R + 0.09 * p.B[k].transpose() * D * p.B[k]) * K;
     }
     for (int i = 0; i < kNdx; ++i)
       for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
@@ -181,11 +191,13 @@ TEST(BackwardPass, AnInputPushedAgainstItsLimitIsHeld) {
 TEST(BackwardPass, RefusesWhatIsNotFinite) {
   LinearProblem p(7);
   p.derivatives[3].AB[2][40] = std::nan("");
-  for (const auto& pass : passes()) EXPECT_FALSE(Pass(pass.run, p.input(0.1)).summary.ok) << pass.name;
+  for (const auto& pass : passes())
+    EXPECT_FALSE(Pass(pass.run, p.input(0.1)).summary.ok) << pass.name;
 }
 
 TEST(BackwardPass, SummaryPredictsTheChangeOfCost) {
-  // on a linear problem the cost along alpha is exactly quadratic: checked by rolling the linear system out
+  // on a linear problem the cost along alpha is exactly quadratic: checked by rolling the linear
+  // system out
   const LinearProblem p(8);
   const Pass result(lane_kernels().backward_pass, p.input(0.0));
   const auto cost = [&](double alpha) {
@@ -205,7 +217,8 @@ TEST(BackwardPass, SummaryPredictsTheChangeOfCost) {
     return sum;
   };
   for (const double alpha : {0.25, 1.0})
-    EXPECT_NEAR(cost(alpha), alpha * result.summary.linear + alpha * alpha * result.summary.quadratic, 1e-9);
+    EXPECT_NEAR(cost(alpha),
+                alpha * result.summary.linear + alpha * alpha * result.summary.quadratic, 1e-9);
 }
 
 }  // namespace

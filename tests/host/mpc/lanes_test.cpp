@@ -1,5 +1,5 @@
-// Lanes against the plain scalar model: roll-outs equal, derivatives equal to high-order differences through contact on
-// and off, on every instruction set this machine has.
+// Lanes against the plain scalar model: roll-outs equal, derivatives equal to high-order
+// differences through contact on and off, on every instruction set this machine has.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,18 +17,22 @@ using model::State;
 using model::Tangent;
 
 struct DrawnProblem {
-  explicit DrawnProblem(unsigned seed, bool residual, bool middle, const LaneKernels& kernels, const model::Ground& ground)
+  explicit DrawnProblem(unsigned seed, bool residual, bool middle, const LaneKernels& kernels,
+                        const model::Ground& ground)
       : random(seed), pool(1, false) {
     model.ground = ground;
     if (residual) model.residual = problems::random_network(seed);
     phases = std::make_unique<Op3Phases>(Op3PhasesSettings{}, model, pool, kernels);
     reference = problems::reference_of("walk_forward");
-    tick = static_cast<int>(std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
-    context = problems::make_context(reference, tick, 12, CostWeights{}, middle ? &random : nullptr);
+    tick = static_cast<int>(
+        std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
+    context =
+        problems::make_context(reference, tick, 12, CostWeights{}, middle ? &random : nullptr);
     phases->context() = *context;
     trajectory = std::make_unique<Trajectory>();
     std::normal_distribution<double> normal;
-    const State x0 = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
+    const State x0 = model::plus(reference[static_cast<std::size_t>(tick)],
+                                 problems::random_disturbance(random));
     std::copy_n(x0.data(), kNx, trajectory->x[0]);
     for (auto& u : trajectory->u)
       for (int i = 0; i < kNu; ++i) u[i] = 0.03 * normal(random);
@@ -68,10 +72,12 @@ TEST(Lanes, RollOutEqualsTheScalarModel) {
     for (unsigned seed = 1; seed <= 6; ++seed) {
       const bool residual = seed % 2 == 0, middle = seed % 3 == 0;
       SCOPED_TRACE(std::string(kernels->name) + " seed " + std::to_string(seed));
-      DrawnProblem s(seed, residual, middle, *kernels, seed == 5 ? model::make_ramp() : model::make_plane());
+      DrawnProblem s(seed, residual, middle, *kernels,
+                     seed == 5 ? model::make_ramp() : model::make_plane());
       s.roll_out();
       const reference::Model scalar(s.model, *s.context, 0.06);
-      // eleven steps with contact amplify rounding (single precision in the network) by some thousands
+      // eleven steps with contact amplify rounding (single precision in the network) by some
+      // thousands
       const double tolerance = residual ? 2e-3 : 1e-8;
       double cost = 0;
       State x = s.x(0);
@@ -80,7 +86,8 @@ TEST(Lanes, RollOutEqualsTheScalarModel) {
         cost += scalar.cost(k, x) + (k < 11 ? scalar.cost(s.u(k)) : 0.0);
         if (k < 11) {
           // one step from the lanes' own state: no amplification
-          EXPECT_LT(model::minus(scalar.step(k, s.x(k), s.u(k)), s.x(k + 1)).norm(), residual ? 1e-6 : 1e-9);
+          EXPECT_LT(model::minus(scalar.step(k, s.x(k), s.u(k)), s.x(k + 1)).norm(),
+                    residual ? 1e-6 : 1e-9);
           x = scalar.step(k, x, s.u(k));
         }
       }
@@ -89,9 +96,11 @@ TEST(Lanes, RollOutEqualsTheScalarModel) {
     }
 }
 
-/// The largest difference of one-sided slopes over the step the product uses: how far the function is from a straight
-/// line there. Where contact switches inside the step it is large, and no single number is "the" derivative.
-double kink(const reference::Model& m, int k, const State& x, const Input& u, int column, double h) {
+/// The largest difference of one-sided slopes over the step the product uses: how far the function
+/// is from a straight line there. Where contact switches inside the step it is large, and no single
+/// number is "the" derivative.
+double kink(const reference::Model& m, int k, const State& x, const Input& u, int column,
+            double h) {
   const auto at = [&](double s) {
     if (column < kNdx) return m.step(k, model::plus(x, s * Tangent::Unit(column)), u);
     return m.step(k, x, u + s * Input::Unit(column - kNdx));
@@ -105,8 +114,10 @@ TEST(Lanes, DerivativesEqualCentralDifferencesThroughContactOnAndOff) {
   for (const LaneKernels* kernels : all_kernels())
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(std::string(kernels->name) + " seed " + std::to_string(seed));
-      DrawnProblem s(seed, seed % 2 == 0, seed >= 3, *kernels, seed == 4 ? model::make_ramp() : model::make_plane());
-      if (seed == 1) s.trajectory->x[0][2] += 0.1;  // starts in the air: the first steps have no contact
+      DrawnProblem s(seed, seed % 2 == 0, seed >= 3, *kernels,
+                     seed == 4 ? model::make_ramp() : model::make_plane());
+      // starts in the air: the first steps have no contact
+      if (seed == 1) s.trajectory->x[0][2] += 0.1;
       s.roll_out();
       auto d = std::make_unique<StageDerivatives[]>(kMaxStages);
       auto c = std::make_unique<StageCost[]>(kMaxHorizon);
@@ -122,8 +133,10 @@ TEST(Lanes, DerivativesEqualCentralDifferencesThroughContactOnAndOff) {
           const Tangent truth = tight.column(k, s.x(k), s.u(k), column, 1e-5);
           Tangent lanes;
           for (int i = 0; i < kNdx; ++i) lanes[i] = d[k].AB[i][column];
-          // half the kink the forward step may see (0.01), doubled: the truth's step is ten times as long
-          EXPECT_LT((lanes - truth).norm(), 0.02 + 0.02 * truth.norm()) << "stage " << k << " column " << column;
+          // half the kink the forward step may see (0.01), doubled: the truth's step is ten times
+          // as long
+          EXPECT_LT((lanes - truth).norm(), 0.02 + 0.02 * truth.norm())
+              << "stage " << k << " column " << column;
           ++compared;
         }
       }
@@ -134,7 +147,8 @@ TEST(Lanes, DerivativesEqualCentralDifferencesThroughContactOnAndOff) {
 }
 
 TEST(Lanes, ResidualNetworkAndOtherLayersEnterTheDerivativesExactly) {
-  // in the air the analytical step is smooth, so what is left is the network, the middle layer and the reflex
+  // in the air the analytical step is smooth, so what is left is the network, the middle layer and
+  // the reflex
   for (const LaneKernels* kernels : all_kernels()) {
     SCOPED_TRACE(kernels->name);
     DrawnProblem with(7, true, true, *kernels, model::make_plane());
@@ -148,10 +162,13 @@ TEST(Lanes, ResidualNetworkAndOtherLayersEnterTheDerivativesExactly) {
       const reference::Jacobian truth = scalar.central_differences(k, with.x(k), with.u(k), 1e-5);
       for (int i = 0; i < kNdx; ++i)
         for (int j = 0; j < kColumns; ++j)
-          ASSERT_NEAR(d[k].AB[i][j], truth(i, j), 2e-3) << "stage " << k << " row " << i << " column " << j;
+          ASSERT_NEAR(d[k].AB[i][j], truth(i, j), 2e-3)
+              << "stage " << k << " row " << i << " column " << j;
       // noise direction: the step without the upper layer's input
-      const Tangent F = model::minus(scalar.step(k, with.x(k), with.u(k)), scalar.step(k, with.x(k), Input::Zero()));
-      for (int i = 0; i < kNdx; ++i) ASSERT_NEAR(d[k].F[i], F[i], 1e-6) << "stage " << k << " row " << i;
+      const Tangent F = model::minus(scalar.step(k, with.x(k), with.u(k)),
+                                     scalar.step(k, with.x(k), Input::Zero()));
+      for (int i = 0; i < kNdx; ++i)
+        ASSERT_NEAR(d[k].F[i], F[i], 1e-6) << "stage " << k << " row " << i;
     }
   }
 }
@@ -165,16 +182,23 @@ TEST(Lanes, CostModelEqualsDifferencesOfTheCost) {
   cost_model(*s.context, 0, x.data(), u.data(), cost);
   constexpr double h = 1e-5;
   for (int i = 0; i < kNdx; ++i) {
-    const double slope = (m.cost(0, model::plus(x, h * Tangent::Unit(i))) - m.cost(0, model::plus(x, -h * Tangent::Unit(i)))) / (2 * h);
+    const double slope = (m.cost(0, model::plus(x, h * Tangent::Unit(i))) -
+                          m.cost(0, model::plus(x, -h * Tangent::Unit(i)))) /
+                         (2 * h);
     EXPECT_NEAR(cost.lx[i], slope, 1e-6) << i;
   }
-  for (int i = 0; i < kNu; ++i) EXPECT_NEAR(cost.lu[i], (m.cost(Input(u + h * Input::Unit(i))) - m.cost(Input(u - h * Input::Unit(i)))) / (2 * h), 1e-8);
+  for (int i = 0; i < kNu; ++i)
+    EXPECT_NEAR(
+        cost.lu[i],
+        (m.cost(Input(u + h * Input::Unit(i))) - m.cost(Input(u - h * Input::Unit(i)))) / (2 * h),
+        1e-8);
 }
 
 TEST(Lanes, ThreadsDoNotChangeABit) {
   DrawnProblem one(11, true, true, lane_kernels(), model::make_plane());
   one.roll_out();
-  auto d1 = std::make_unique<StageDerivatives[]>(kMaxStages), d4 = std::make_unique<StageDerivatives[]>(kMaxStages);
+  auto d1 = std::make_unique<StageDerivatives[]>(kMaxStages),
+       d4 = std::make_unique<StageDerivatives[]>(kMaxStages);
   auto c = std::make_unique<StageCost[]>(kMaxHorizon);
   one.phases->linearize(*one.trajectory, d1.get(), c.get());
   SpinPool pool(4, false);
@@ -186,7 +210,8 @@ TEST(Lanes, ThreadsDoNotChangeABit) {
   policy.nominal = one.trajectory.get();
   policy.input_limit_rad = 0.5;
   many.roll_out(policy, kStepLengths, *lanes);
-  for (int lane = 0; lane < kLineSearchLanes; ++lane) ASSERT_EQ(one.lanes->cost(lane), lanes->cost(lane));
+  for (int lane = 0; lane < kLineSearchLanes; ++lane)
+    ASSERT_EQ(one.lanes->cost(lane), lanes->cost(lane));
   for (int i = 0; i < kNx; ++i) ASSERT_EQ(one.lanes->x(11, i, 7), lanes->x(11, i, 7));
   many.lane_taken(3);
   many.linearize(*one.trajectory, d4.get(), c.get());

@@ -1,4 +1,5 @@
-// The noise term against Monte Carlo: the cost that iLQG expects is the mean cost of many noisy roll-outs.
+// The noise term against Monte Carlo: the cost that iLQG expects is the mean cost of many noisy
+// roll-outs.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,9 +21,12 @@ struct Sampled {
   double mean = 0, error = 0;  // error: standard deviation of the mean
 };
 
-/// Cost of the policy under x' = f(x, u) ⊕ sigma F w, w independent per coordinate, F = f(x, u) ⊖ f(x, u without u_up).
-/// Each sample is paired with its mirror image -w, which removes the part of the scatter that is odd in w.
-Sampled monte_carlo(const reference::Model& m, const Solver& solver, double sigma, int pairs, unsigned seed) {
+/// Cost of the policy under x' = f(x, u) ⊕ sigma F w, w independent per coordinate, F = f(x, u) ⊖
+/// f(x, u without u_up).
+/// Each sample is paired with its mirror image -w, which removes the part of the scatter that is
+/// odd in w.
+Sampled monte_carlo(const reference::Model& m, const Solver& solver, double sigma, int pairs,
+                    unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const Trajectory& t = solver.trajectory();
@@ -73,11 +77,12 @@ TEST(Noise, ExpectedCostEqualsTheMeanOfNoisyRollOuts) {
   const reference::Model m(model, *context, 0.06);
   const Sampled sampled = monte_carlo(m, solver, kSigma, 5000, 1);
   const Sampled still = monte_carlo(m, solver, 0.0, 1, 1);
-  std::printf("deterministic %.6f, expected %.6f, sampled %.6f +- %.6f (10000 roll-outs)\n", result.cost_after,
-              result.expected_cost, sampled.mean, sampled.error);
+  std::printf("deterministic %.6f, expected %.6f, sampled %.6f +- %.6f (10000 roll-outs)\n",
+              result.cost_after, result.expected_cost, sampled.mean, sampled.error);
   EXPECT_NEAR(still.mean, result.cost_after, 1e-6 * result.cost_after);
   EXPECT_GT(noise, 0);
-  // three standard errors, and a fifth of the noise part for what the quadratic value function leaves out: dF/dx, kinks
+  // three standard errors, and a fifth of the noise part for what the quadratic value function
+  // leaves out: dF/dx, kinks
   EXPECT_NEAR(sampled.mean - still.mean, noise, 3 * sampled.error + 0.2 * noise);
 }
 

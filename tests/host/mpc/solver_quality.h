@@ -11,10 +11,10 @@
 namespace sanso::mpc {
 
 struct Quality {
-  double start = 0;  // cost of u_up = 0
-  double ours = 0;   // our policy, closed loop under the tight model
-  double own = 0;    // what our solver believes it costs, in its own model
-  double slow = 0;   // the slow reference's optimum, same model
+  double start = 0;         // cost of u_up = 0
+  double ours = 0;          // our policy, closed loop under the tight model
+  double own = 0;           // what our solver believes it costs, in its own model
+  double slow = 0;          // the slow reference's optimum, same model
   double slow_stopped = 0;  // the slow reference, stopped by our convergence test
   int iterations = 0, slow_iterations = 0;
 };
@@ -39,14 +39,16 @@ inline Quality compare_on_problem(unsigned seed, const Effort& effort = {}) {
   static const char* const kMotions[] = {"stand", "squat", "walk_forward"};
   std::mt19937 random(seed);
   const auto reference = problems::reference_of(kMotions[seed % 3]);
-  const int tick = static_cast<int>(std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
+  const int tick =
+      static_cast<int>(std::uniform_int_distribution<std::size_t>(0, reference.size() - 1)(random));
   host::AugmentedModel model;
   model.analytical.contact = effort.contact;
   SpinPool pool(1, false);
   Op3Phases phases(effort.linearization, model, pool, lane_kernels());
   const auto context = problems::make_context(reference, tick, 12, CostWeights{});
   phases.context() = *context;
-  const model::State x0 = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
+  const model::State x0 =
+      model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random));
   SolverSettings settings;
   settings.convergence = effort.convergence;
   settings.max_iterations = effort.max_iterations;

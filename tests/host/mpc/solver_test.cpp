@@ -1,4 +1,5 @@
-// The solver on a problem with a known answer: linear dynamics, quadratic cost. One step is the optimum.
+// The solver on a problem with a known answer: linear dynamics, quadratic cost. One step is the
+// optimum.
 #include "host/mpc/solver.h"
 
 #include <gtest/gtest.h>
@@ -11,14 +12,16 @@
 namespace sanso::mpc {
 namespace {
 
-/// x' = A x + B u on the vector parts of the state (orientation stays put), cost sum of |x|^2 w + |u|^2, as the solver sees it.
+/// x' = A x + B u on the vector parts of the state (orientation stays put), cost sum of |x|^2 w +
+/// |u|^2, as the solver sees it.
 class LinearPhases : public Phases {
  public:
   explicit LinearPhases(unsigned seed, int stages) : stages_(stages) {
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
     for (int i = 0; i < kNdx; ++i)
-      for (int j = 0; j < kColumns; ++j) AB_[i][j] = fixed(i) || fixed(j) ? 0.0 : 0.1 * normal(random) + (i == j);
+      for (int j = 0; j < kColumns; ++j)
+        AB_[i][j] = fixed(i) || fixed(j) ? 0.0 : 0.1 * normal(random) + (i == j);
   }
   int stages() const override { return stages_; }
 
@@ -54,7 +57,8 @@ class LinearPhases : public Phases {
           if (p.gains) {
             u[i] += steps[lane] * p.gains[k].k[i];
             for (int j = 0; j < kNdx; ++j)
-              if (!fixed(j)) u[i] += p.gains[k].K[i][j] * (x[state_row(j)] - p.nominal->x[k][state_row(j)]);
+              if (!fixed(j))
+                u[i] += p.gains[k].K[i][j] * (x[state_row(j)] - p.nominal->x[k][state_row(j)]);
           }
           u[i] = std::clamp(u[i], -p.input_limit_rad, p.input_limit_rad);
           out.u(k, i, lane) = u[i];
@@ -102,7 +106,8 @@ TEST(Solver, TakesOneFullStepOnALinearProblem) {
   solver.solve(0.0, 0, result);
   EXPECT_EQ(result.stop, StopReason::converged);
   EXPECT_LE(result.iterations, 2);  // the optimum, and at most one that proves it
-  // the optimum satisfies the first-order condition: V'(u) = 0 everywhere, so a second solve changes nothing
+  // the optimum satisfies the first-order condition: V'(u) = 0 everywhere, so a second solve
+  // changes nothing
   const double cost = result.cost_after;
   solver.solve(0.0, 0, result);
   EXPECT_NEAR(result.cost_after, cost, 1e-12 * cost);
@@ -153,7 +158,8 @@ TEST(Solver, StopsBeforeAnIterationThatWouldMissTheDeadline) {
   solver.solve(0.0, steady_now() - 1, result);  // already over
   EXPECT_EQ(result.stop, StopReason::deadline);
   EXPECT_EQ(result.iterations, 0);
-  EXPECT_EQ(phases.roll_outs, 1);  // the start itself is always rolled out: it is the policy that is returned
+  // the start itself is always rolled out: it is the policy that is returned
+  EXPECT_EQ(phases.roll_outs, 1);
   EXPECT_EQ(result.cost_after, result.cost_before);
 }
 

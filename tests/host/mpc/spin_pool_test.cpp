@@ -29,10 +29,11 @@ TEST(SpinPool, APhaseSeesWhatTheOneBeforeWrote) {
   const SpinPool::Session open(pool);
   std::array<int, 64> value{};  // plain memory: the phase border is the only synchronisation
   for (int phase = 0; phase < 200; ++phase)
-    pool.run(64, [&](int item, int) {
-      const int other = value[static_cast<std::size_t>((item * 7 + phase) % 64)];
-      (void)other;
-    }),
+    pool.run(64,
+             [&](int item, int) {
+               const int other = value[static_cast<std::size_t>((item * 7 + phase) % 64)];
+               (void)other;
+             }),
         pool.run(64, [&](int item, int) { ++value[static_cast<std::size_t>(item)]; });
   for (const int v : value) EXPECT_EQ(v, 200);
 }

@@ -1,4 +1,5 @@
-// The upper layer as the session uses it: plans along a motion, prediction through the delay, deadline, limits, no allocation.
+// The upper layer as the session uses it: plans along a motion, prediction through the delay,
+// deadline, limits, no allocation.
 #include "host/mpc/upper_layer.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +47,8 @@ struct Squat {
     PlanRequest r;
     r.observed_tick = tick;
     r.plan_tick = tick + 6;
-    r.x_observed = model::plus(reference[static_cast<std::size_t>(tick)], problems::random_disturbance(random, disturbance));
+    r.x_observed = model::plus(reference[static_cast<std::size_t>(tick)],
+                               problems::random_disturbance(random, disturbance));
     r.sequence = static_cast<std::uint32_t>(tick);
     return r;
   }
@@ -72,7 +74,8 @@ TEST(UpperLayer, PlansLowerTheCostAllAlongAMotionAndAllocateNothing) {
     EXPECT_EQ(result->policy.first_tick, tick + 6);
     EXPECT_EQ(result->policy.ticks_per_knot, 6);
     EXPECT_EQ(result->policy.trial_id, 3u);
-    EXPECT_EQ(result->policy.knots[0].x, result->x_plan) << "the plan starts where it was predicted";
+    EXPECT_EQ(result->policy.knots[0].x, result->x_plan)
+        << "the plan starts where it was predicted";
     for (const policy::Knot& knot : result->policy.knots) {
       EXPECT_LE(knot.K.norm(), 13.0 * (1 + 1e-12));
       EXPECT_LE(knot.u.cwiseAbs().maxCoeff(), 0.5);
@@ -126,7 +129,8 @@ TEST(UpperLayer, PredictionThroughTheDelayIsTheControllersSumTickByTick) {
     u.array() += 0.01 * (1 + s) + 0.02 * dx.sum();
     u += policy::reflex(x);
     model::State next;
-    model::analytical_step(model.analytical, model.ground, x.data(), u.data(), 0.01, 1, next.data(), scratch);
+    model::analytical_step(model.analytical, model.ground, x.data(), u.data(), 0.01, 1, next.data(),
+                           scratch);
     x = next;
   }
   EXPECT_LT(model::minus(predicted, x).norm(), 1e-9);

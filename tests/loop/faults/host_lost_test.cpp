@@ -18,9 +18,12 @@ TEST(HostLost, TheRobotFinishesIntoHoldWithoutAFall) {
     loop.robot().lose_host_at(kill_tick);
     (void)learn::run_trial(*loop.link, loop.upper, loop.setup, loop.settings);
     loop.robot().run_for(5.0);
-    EXPECT_EQ(loop.robot().controller().state(), wire::SupervisorState::hold) << "killed at tick " << kill_tick;
-    EXPECT_EQ(loop.robot().controller().fault(), firmware::Fault::none) << "killed at tick " << kill_tick;
-    EXPECT_TRUE(loop.on_its_feet()) << "killed at tick " << kill_tick << ", trunk at " << loop.true_height() << " m";
+    EXPECT_EQ(loop.robot().controller().state(), wire::SupervisorState::hold)
+        << "killed at tick " << kill_tick;
+    EXPECT_EQ(loop.robot().controller().fault(), firmware::Fault::none)
+        << "killed at tick " << kill_tick;
+    EXPECT_TRUE(loop.on_its_feet())
+        << "killed at tick " << kill_tick << ", trunk at " << loop.true_height() << " m";
   }
 }
 

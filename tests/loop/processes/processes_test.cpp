@@ -1,8 +1,10 @@
-// Three processes on the real clock: pty, sockets, UDP. Events are checked, never how long something took.
+// Three processes on the real clock: pty, sockets, UDP. Events are checked, never how long
+// something took.
 //
-// A machine that does not give these processes their time makes the controller see late replies, and it rightly takes
-// them for faults. So a scenario that went wrong runs again when, and only when, witnesses of the clock saw the machine
-// hold programs up; it is skipped with their figures when that happens every time.
+// A machine that does not give these processes their time makes the controller see late replies,
+// and it rightly takes them for faults. So a scenario that went wrong runs again when, and only
+// when, witnesses of the clock saw the machine hold programs up; it is skipped with their figures
+// when that happens every time.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -34,7 +36,8 @@ using wire::SupervisorState;
 class SharedFlag {
  public:
   SharedFlag() {
-    void* memory = mmap(nullptr, sizeof(Flag), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory =
+        mmap(nullptr, sizeof(Flag), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::runtime_error("no shared memory");
     flag_ = new (memory) Flag(false);
   }
@@ -62,9 +65,12 @@ struct Robot {
     reference = learn::reference_of(squat.primitives);
   }
   double true_height() const {
-    return nlohmann::json::parse(processes.tell(R"({"command": "truth"})")).at("p_world_base").at(2);
+    return nlohmann::json::parse(processes.tell(R"({"command": "truth"})"))
+        .at("p_world_base")
+        .at(2);
   }
-  /// The trunk is well below its standing height: the squat is under way. False after a minute, or when `over`.
+  /// The trunk is well below its standing height: the squat is under way. False after a minute, or
+  /// when `over`.
   bool wait_until_on_the_way_down(const std::function<bool()>& over) const {
     for (int i = 0; i < 1200 && !over(); ++i) {
       if (trial_begins.is_set() && true_height() < 0.23) return true;
@@ -79,7 +85,8 @@ struct Host {
   link::UdpChannel channel;
   link::MonotonicClock clock{channel};
   link::RobotLink robot;
-  explicit Host(const cli::EmulatedProcesses& p) : channel(p.address()), robot(channel, clock, p.key()) {}
+  explicit Host(const cli::EmulatedProcesses& p)
+      : channel(p.address()), robot(channel, clock, p.key()) {}
 
   /// The controller may still be starting.
   bool open() {
@@ -91,11 +98,13 @@ struct Host {
   bool wait_for(SupervisorState state, double seconds) {
     const Nanoseconds give_up = clock.now() + from_seconds(seconds);
     const auto seen = [&] { return robot.latest().state; };
-    for (robot.poll(); seen() != state && seen() != SupervisorState::fault && clock.now() < give_up; robot.poll())
+    for (robot.poll(); seen() != state && seen() != SupervisorState::fault && clock.now() < give_up;
+         robot.poll())
       robot.wait_observation(clock.now() + 50 * kMillisecond);
     return seen() == state;
   }
-  /// A held-up machine can make the self-test miss replies: what a person would do is clear the fault and look again.
+  /// A held-up machine can make the self-test miss replies: what a person would do is clear the
+  /// fault and look again.
   void wait_until_idle() {
     constexpr int kLooks = 3;
     for (int look = 1; !wait_for(SupervisorState::idle, 20); ++look) {
@@ -133,11 +142,13 @@ using Finding = std::string;
 
 /// What the machine did to the processes that excuses a wrong outcome.
 std::optional<std::string> held_up(const ClockWitness& robot_side, const ClockWitness& host_side) {
-  constexpr Nanoseconds kRobotSide = 2 * kMillisecond;   // half of what the controller waits for one reply
+  // half of what the controller waits for one reply
+  constexpr Nanoseconds kRobotSide = 2 * kMillisecond;
   constexpr Nanoseconds kHostSide = 300 * kMillisecond;  // a tenth of the link's patience
   if (robot_side.worst() <= kRobotSide && host_side.worst() <= kHostSide) return std::nullopt;
-  return "programs of the robot's priority were held up for " + std::to_string(robot_side.worst() / kMillisecond) +
-         " ms, others for " + std::to_string(host_side.worst() / kMillisecond) + " ms";
+  return "programs of the robot's priority were held up for " +
+         std::to_string(robot_side.worst() / kMillisecond) + " ms, others for " +
+         std::to_string(host_side.worst() / kMillisecond) + " ms";
 }
 
 /// Runs `scenario` on a fresh robot, again after an attempt that the machine spoiled.
@@ -157,7 +168,9 @@ void on_a_robot(const std::function<Finding(Robot&)>& scenario) {
         wrong = error.what();
       }
       log = robot.processes.firmware_log();
-      ASSERT_NO_THROW(robot.processes.check()) << "no machine is slow enough to excuse a program that ended\n" << wrong;
+      ASSERT_NO_THROW(robot.processes.check())
+          << "no machine is slow enough to excuse a program that ended\n"
+          << wrong;
     } catch (const std::exception& error) {
       wrong = error.what();  // did not start
     }
@@ -188,21 +201,25 @@ Finding kill_the_host(Robot& robot, int after_ms) {
   if (host == 0) be_the_host(robot);
   int status = 0;
   bool ended = false;
-  const bool down =
-      robot.wait_until_on_the_way_down([&] { return ended = ended || waitpid(host, &status, WNOHANG) == host; });
+  const bool down = robot.wait_until_on_the_way_down(
+      [&] { return ended = ended || waitpid(host, &status, WNOHANG) == host; });
   if (down) usleep(static_cast<useconds_t>(after_ms) * 1000);
   if (!ended) {
     kill(host, SIGKILL);
     waitpid(host, &status, 0);
   }
-  if (!down) return ended ? "the host ended by itself, status " + std::to_string(status) : "the squat did not begin";
-  if (!WIFSIGNALED(status)) return "the host ended before it was killed, status " + std::to_string(status);
+  if (!down)
+    return ended ? "the host ended by itself, status " + std::to_string(status)
+                 : "the squat did not begin";
+  if (!WIFSIGNALED(status))
+    return "the host ended before it was killed, status " + std::to_string(status);
 
   Host witness(robot.processes);
   if (!witness.open()) return "a new host does not find the controller";
   if (!witness.wait_for(SupervisorState::hold, 6)) return "no hold: " + witness.state();
   if (witness.robot.latest().fault != 0) return "a fault: " + witness.state();
-  if (robot.true_height() <= 0.2) return "not on its feet: trunk at " + std::to_string(robot.true_height()) + " m";
+  if (robot.true_height() <= 0.2)
+    return "not on its feet: trunk at " + std::to_string(robot.true_height()) + " m";
   return {};
 }
 

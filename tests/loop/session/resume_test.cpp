@@ -21,9 +21,11 @@ struct Resume : testing::Test {
   fs::path folder = temporary.path();
 };
 
-/// A session of short standing trials in `out`; returns the digests of its trials and of what it learned.
-std::vector<std::uint64_t> run_session(const fs::path& out, int iterations, bool resume, std::uint64_t seed = 3,
-                                       const std::function<bool()>& stop = [] { return false; }) {
+/// A session of short standing trials in `out`; returns the digests of its trials and of what it
+/// learned.
+std::vector<std::uint64_t> run_session(
+    const fs::path& out, int iterations, bool resume, std::uint64_t seed = 3,
+    const std::function<bool()>& stop = [] { return false; }) {
   const motion::Motion stand = motion::MotionLibrary().load("stand");
   learn::Task task{"stand", stand.primitives, stand.weights, {}};
   inprocess::InProcessAccess robot("lab");
@@ -46,13 +48,15 @@ TEST_F(Resume, KilledInTheMiddleEqualsUninterrupted) {
   if (child == 0) {
     int asked = 0;
     run_session(folder / "killed", 4, false, 3, [&] {
-      while (++asked == 4) pause();  // before the last trial: however long the killer takes, it comes in time
+      // before the last trial: however long the killer takes, it comes in time
+      while (++asked == 4) pause();
       return false;
     });
     _exit(0);
   }
   // killed somewhere in the second trial: after the first is stored, before the last
-  while (!fs::exists(folder / "killed" / "summary.json") && waitpid(child, nullptr, WNOHANG) == 0) usleep(2000);
+  while (!fs::exists(folder / "killed" / "summary.json") && waitpid(child, nullptr, WNOHANG) == 0)
+    usleep(2000);
   usleep(150'000);
   kill(child, SIGKILL);
   int status = 0;
@@ -78,8 +82,8 @@ TEST_F(Resume, CtrlCLetsTheTrialEndAndNothingIsLost) {
 
 TEST_F(Resume, AnotherSessionIsNotContinued) {
   run_session(folder / "s", 1, false);
-  EXPECT_THROW(run_session(folder / "s", 2, false), std::runtime_error);         // without --resume
-  EXPECT_THROW(run_session(folder / "s", 2, true, 4), std::runtime_error);       // another seed
+  EXPECT_THROW(run_session(folder / "s", 2, false), std::runtime_error);    // without --resume
+  EXPECT_THROW(run_session(folder / "s", 2, true, 4), std::runtime_error);  // another seed
 }
 
 TEST_F(Resume, ADamagedStateIsRefused) {

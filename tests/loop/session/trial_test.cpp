@@ -7,7 +7,8 @@ namespace {
 TEST(Trial, StandSucceeds) {
   Loop loop("stand");
   const learn::Episode episode = loop.run(1);
-  EXPECT_EQ(episode.end, learn::TrialEnd::completed) << learn::to_string(episode.end) << ", cost " << episode.cost;
+  EXPECT_EQ(episode.end, learn::TrialEnd::completed)
+      << learn::to_string(episode.end) << ", cost " << episode.cost;
   EXPECT_LT(episode.cost, 350.0);
   EXPECT_TRUE(loop.on_its_feet());
   // three witnesses: what the controller believes, what physics says, what the reference asked
@@ -20,7 +21,8 @@ TEST(Trial, StandSucceeds) {
 TEST(Trial, SquatSucceedsAndEveryPolicyArrivesInTime) {
   Loop loop("squat");
   const learn::Episode episode = loop.run(1);
-  EXPECT_EQ(episode.end, learn::TrialEnd::completed) << learn::to_string(episode.end) << ", cost " << episode.cost;
+  EXPECT_EQ(episode.end, learn::TrialEnd::completed)
+      << learn::to_string(episode.end) << ", cost " << episode.cost;
   EXPECT_LT(episode.cost, 350.0);
   EXPECT_GE(episode.plans.size(), episode.ticks.size() / kTicksPerUpper - 2);
   for (const learn::PlanRecord& plan : episode.plans) {
@@ -34,7 +36,8 @@ TEST(Trial, SquatSucceedsAndEveryPolicyArrivesInTime) {
 TEST(Trial, OneSeedGivesTheSameBits) {
   Loop first("stand"), second("stand");
   first.setup.duration_ticks = second.setup.duration_ticks = 120;
-  const std::uint64_t a = learn::digest(first.run(5)), b = learn::digest(second.run(5)), c = learn::digest(second.run(6));
+  const std::uint64_t a = learn::digest(first.run(5)), b = learn::digest(second.run(5)),
+                      c = learn::digest(second.run(6));
   EXPECT_EQ(a, b);
   EXPECT_NE(a, c) << "another seed has to give another trial";
 }
@@ -46,12 +49,14 @@ TEST(Trial, APushMovesTheTorsoFromItsTickOnAndNotBefore) {
   const learn::Episode undisturbed = calm.run(5);
   pushed.stand(5);
   pushed.robot().push_at({kPushTick, 0.1, {0.0, 8.0, 0.0}, {}});  // 0.8 N s to the left
-  learn::Episode episode = learn::run_trial(*pushed.link, pushed.upper, pushed.setup, pushed.settings);
+  learn::Episode episode =
+      learn::run_trial(*pushed.link, pushed.upper, pushed.setup, pushed.settings);
   pushed.access.add_measurements(episode);
 
   double before = 0.0, after = 0.0;
   for (std::size_t i = 0; i < std::min(episode.ticks.size(), undisturbed.ticks.size()); ++i) {
-    const double moved = episode.truth[i].x[model::kXVel + 1] - undisturbed.truth[i].x[model::kXVel + 1];
+    const double moved =
+        episode.truth[i].x[model::kXVel + 1] - undisturbed.truth[i].x[model::kXVel + 1];
     double& largest = episode.ticks[i].trial_tick <= kPushTick ? before : after;
     largest = std::max(largest, moved);
   }

@@ -17,14 +17,16 @@ namespace sanso::loop {
 /// One sleeper on each processor (on eight at most), from construction to destruction.
 class ClockWitness {
  public:
-  /// `priority`: of SCHED_FIFO where that is allowed, as the watched program asks for it; 0: an ordinary program.
+  /// `priority`: of SCHED_FIFO where that is allowed, as the watched program asks for it; 0: an
+  /// ordinary program.
   explicit ClockWitness(int priority) {
     cpu_set_t allowed;
     CPU_ZERO(&allowed);
     if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) CPU_SET(0, &allowed);
     constexpr std::size_t kMostSleepers = 8;
     for (int cpu = 0; cpu < CPU_SETSIZE && sleepers_.size() < kMostSleepers; ++cpu)
-      if (CPU_ISSET(cpu, &allowed)) sleepers_.emplace_back([this, cpu, priority] { sleep_on(cpu, priority); });
+      if (CPU_ISSET(cpu, &allowed))
+        sleepers_.emplace_back([this, cpu, priority] { sleep_on(cpu, priority); });
   }
   ~ClockWitness() {
     stop_ = true;

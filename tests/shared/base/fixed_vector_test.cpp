@@ -43,7 +43,8 @@ TEST(Result, CarriesValueOrStatus) {
 }
 
 TEST(Time, SecondsRoundTripToTheNanosecond) {
-  for (const Nanoseconds t : {Nanoseconds{0}, Nanoseconds{1}, Nanoseconds{-1}, 3 * kSecond + 7, -kTickPeriod}) {
+  for (const Nanoseconds t :
+       {Nanoseconds{0}, Nanoseconds{1}, Nanoseconds{-1}, 3 * kSecond + 7, -kTickPeriod}) {
     EXPECT_EQ(from_seconds(to_seconds(t)), t);
   }
 }

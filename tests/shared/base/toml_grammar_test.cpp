@@ -12,9 +12,10 @@ TEST(TomlGrammar, AcceptsWhatSettingsFilesAreWrittenIn) {
   for (const std::string_view text :
        {"", "\n\r\n  \t\n", "\xef\xbb\xbf# mark and comment \xc3\xa9\n", "a = 1",
         "a.b . \"c d\".'e' = -0.5e-3 # note\n", "[a]\n[a.b]\n[[ c ]] # list\n",
-        "a = +inf\nb = -nan\nc = 1_000\nd = 0\ne = 1e3\nf = true\n", "a = [ # first\n 1,\n\n [2, 3], # second\n]\n",
-        "a = []\nb = {}\nc = { x = 1, y = [ {z = 'q'} ] }\n", R"(a = "tab \t quote \" slash \\ e \u00e9 \U0001F600")",
-        "a = \"\"\nb = ''\n"}) {
+        "a = +inf\nb = -nan\nc = 1_000\nd = 0\ne = 1e3\nf = true\n",
+        "a = [ # first\n 1,\n\n [2, 3], # second\n]\n",
+        "a = []\nb = {}\nc = { x = 1, y = [ {z = 'q'} ] }\n",
+        R"(a = "tab \t quote \" slash \\ e \u00e9 \U0001F600")", "a = \"\"\nb = ''\n"}) {
     const auto defect = first_toml_defect(text);
     EXPECT_FALSE(defect) << text << " -> " << (defect ? describe(*defect) : "");
   }

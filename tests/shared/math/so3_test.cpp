@@ -1,4 +1,5 @@
-// Rotations and the state: ⊕, ⊖, exponential, logarithm and their derivatives, near zero and near a half turn.
+// Rotations and the state: ⊕, ⊖, exponential, logarithm and their derivatives, near zero and near a
+// half turn.
 #include "shared/math/so3.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,9 @@ struct Rotations {
   static Point plus(const Point& q, const Tangent& d) { return math::quat_plus(q, d); }
   static Tangent minus(const Point& a, const Point& b) { return math::quat_minus(a, b); }
   static Point random(std::mt19937& rng) { return math::quat_exp(random_vector(rng, 2.0)); }
-  static Tangent random_tangent(std::mt19937& rng, double length) { return random_vector(rng, length); }
+  static Tangent random_tangent(std::mt19937& rng, double length) {
+    return random_vector(rng, length);
+  }
 };
 
 struct States {
@@ -40,7 +43,9 @@ struct States {
     d.segment<3>(model::kDTheta) = random_vector(rng, length);
     return d;
   }
-  static Point random(std::mt19937& rng) { return plus(model::neutral_state(), random_tangent(rng, 1.5)); }
+  static Point random(std::mt19937& rng) {
+    return plus(model::neutral_state(), random_tangent(rng, 1.5));
+  }
 };
 
 template <class Space>
@@ -51,8 +56,10 @@ TYPED_TEST_SUITE(TangentLaws, Spaces);
 TYPED_TEST(TangentLaws, HoldEverywhere) {
   testing::TangentBattery<TypeParam> battery(kSeed);
   battery.neutral_element();
-  for (const double length : {0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 1.0, 3.0}) battery.round_trips(length, 1e-13);
-  // near the half turn the logarithm's direction rests on sin(pi - a): absolute error stays at rounding level
+  for (const double length : {0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 1.0, 3.0})
+    battery.round_trips(length, 1e-13);
+  // near the half turn the logarithm's direction rests on sin(pi - a): absolute error stays at
+  // rounding level
   battery.round_trips(kPi - 1e-6, 1e-12);
 }
 
@@ -80,10 +87,12 @@ TEST(So3, RightJacobianIsTheDerivativeOfExp) {
     for (int i = 0; i < 3; ++i) {
       constexpr double h = 1e-6;
       const math::Vec3 e = h * math::Vec3::Unit(i);
-      const math::Vec3 difference = math::quat_minus(math::quat_exp(r + e), math::quat_exp(r - e)) / (2 * h);
+      const math::Vec3 difference =
+          math::quat_minus(math::quat_exp(r + e), math::quat_exp(r - e)) / (2 * h);
       EXPECT_LE((difference - J.col(i)).norm(), 1e-8) << "length " << length << " column " << i;
     }
-    EXPECT_LE((J * math::right_jacobian_inverse(r) - math::Mat3::Identity()).norm(), 1e-8) << "length " << length;
+    EXPECT_LE((J * math::right_jacobian_inverse(r) - math::Mat3::Identity()).norm(), 1e-8)
+        << "length " << length;
   }
 }
 
@@ -94,7 +103,8 @@ TEST(So3, QuaternionAndMatrixAgree) {
     const math::Mat3 product = math::rotation_matrix(a) * math::rotation_matrix(b);
     EXPECT_LE((math::rotation_matrix(math::quat_multiply(a, b)) - product).norm(), 1e-14);
     const Eigen::Quaterniond eigen(a[0], a[1], a[2], a[3]);
-    EXPECT_LE((math::rotation_matrix(a) - eigen.toRotationMatrix()).norm(), 1e-14) << "second witness";
+    EXPECT_LE((math::rotation_matrix(a) - eigen.toRotationMatrix()).norm(), 1e-14)
+        << "second witness";
   }
 }
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "shared/model/kernel/ground_lanes.h"
+#include "shared/model/op3_kinematics.h"
 #include "shared/model/op3_step.h"
 #include "shared/model/state_layout.h"
-#include "shared/model/op3_kinematics.h"
 
 namespace sanso::model {
 namespace {
@@ -37,7 +37,8 @@ TEST(Ground, JumpRampHasKickerAndLip) {
   ASSERT_GT(lip, 0) << "there is a vertical step";
   EXPECT_NEAR(ground_slope(g, lip - 0.01), std::tan(0.1745), 1e-6) << "exit angle";
   EXPECT_NEAR(ground_height(g, lip + 0.01), 0.0, 1e-12);
-  EXPECT_NEAR(ground_height(g, 0.0) - ground_height(g, lip), 0.11, 1e-3) << "net drop from the top to the lip";
+  EXPECT_NEAR(ground_height(g, 0.0) - ground_height(g, lip), 0.11, 1e-3)
+      << "net drop from the top to the lip";
 }
 
 TEST(Ground, SlopeIsDerivativeOfHeightAndLanesAgree) {
@@ -53,7 +54,8 @@ TEST(Ground, SlopeIsDerivativeOfHeightAndLanesAgree) {
     }
 }
 
-// On a plane tilted by `angle`, standing robot turned with the plane: speed along the slope after one second.
+// On a plane tilted by `angle`, standing robot turned with the plane: speed along the slope after
+// one second.
 double slide_speed(double angle, double friction_forward) {
   ModelParameters theta = nominal_parameters();
   theta.friction_forward = friction_forward;
@@ -67,7 +69,8 @@ double slide_speed(double angle, double friction_forward) {
   const Input u = joints(x);
   StepScratch scratch;
   scratch.warm_start = true;
-  for (int k = 0; k < 10; ++k) analytical_step(model, slope, x.data(), u.data(), 0.06, 1, x.data(), scratch);
+  for (int k = 0; k < 10; ++k)
+    analytical_step(model, slope, x.data(), u.data(), 0.06, 1, x.data(), scratch);
   return x.segment<3>(kXVel).dot(math::Vec3(std::cos(angle), 0, -std::sin(angle)));
 }
 

@@ -1,5 +1,6 @@
-// How far the 60 ms step is from continuous physics: the same robot and servo law in MuJoCo at 0.5 ms, soft contact of its
-// own. Prints the table of docs/results/dynamics.md; the checks are on order and rough size only.
+// How far the 60 ms step is from continuous physics: the same robot and servo law in MuJoCo at 0.5
+// ms, soft contact of its own. Prints the table of docs/results/dynamics.md; the checks are on
+// order and rough size only.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -37,8 +38,10 @@ std::string world_of(const Tree& tree) {
     xml.insert(xml.find(joint), geoms);
   }
   const std::string world = "<worldbody>";
-  xml.insert(xml.find(world) + world.size(),
-             "<geom type=\"plane\" size=\"9 9 1\" contype=\"0\" conaffinity=\"1\" friction=\"0.8 0 0\" solref=\"0.004 1\"/>");
+  xml.insert(
+      xml.find(world) + world.size(),
+      "<geom type=\"plane\" size=\"9 9 1\" contype=\"0\" conaffinity=\"1\" friction=\"0.8 0 0\" "
+      "solref=\"0.004 1\"/>");
   return xml;
 }
 
@@ -55,7 +58,8 @@ class Physics {
       for (int j = 0; j < kNumJoints; ++j) {
         const ServoParameters& s = theta_.servo[j];
         const double torque = s.stiffness * (u[j] - mj_.data->qpos[kXJoint + j]);
-        mj_.data->qfrc_applied[6 + j] = std::fmin(std::fmax(torque, -s.torque_limit), s.torque_limit);
+        mj_.data->qfrc_applied[6 + j] =
+            std::fmin(std::fmax(torque, -s.torque_limit), s.torque_limit);
       }
       mj_step(mj_.model.get(), mj_.data.get());
     }
@@ -87,7 +91,8 @@ Recorded random_run(Physics& physics, std::mt19937& rng) {
   }
   for (int k = 0; k < kSteps; ++k) {
     for (int j = 0; j < kNu; ++j)
-      run.u[k][j] = joints(standing_state())[j] + amplitude[j] * std::sin(6.0 * k * kStep + phase[j]);
+      run.u[k][j] =
+          joints(standing_state())[j] + amplitude[j] * std::sin(6.0 * k * kStep + phase[j]);
     run.x[k + 1] = physics.advance(run.x[k], run.u[k]);
   }
   return run;
@@ -119,9 +124,11 @@ Errors errors_of(const StepModel& model, const std::vector<Recorded>& runs, int 
     StepScratch scratch;
     for (int k = 0; k < kSteps; ++k) {
       State next;
-      analytical_step(model, make_plane(), run.x[k].data(), run.u[k].data(), kStep, substeps, next.data(), scratch);
+      analytical_step(model, make_plane(), run.x[k].data(), run.u[k].data(), kStep, substeps,
+                      next.data(), scratch);
       e.one_step.add(next, run.x[k + 1]);
-      analytical_step(model, make_plane(), x.data(), run.u[k].data(), kStep, substeps, x.data(), scratch);
+      analytical_step(model, make_plane(), x.data(), run.u[k].data(), kStep, substeps, x.data(),
+                      scratch);
       e.horizon.add(x, run.x[k + 1]);
     }
   }
@@ -135,13 +142,15 @@ TEST(Op3Horizon, ErrorAgainstFinePhysicsFallsWithSubsteps) {
   std::vector<Recorded> runs;
   for (int i = 0; i < kTrials; ++i) runs.push_back(random_run(physics, rng));
 
-  std::printf("substeps | one step: base mm  tilt mrad  joint mrad | 0.72 s: base mm  tilt mrad  joint mrad\n");
+  std::printf(
+      "substeps | one step: base mm  tilt mrad  joint mrad | 0.72 s: base mm  tilt mrad  joint "
+      "mrad\n");
   const auto row = [&](int substeps) {
     const StepModel model = make_step_model(theta);
     const Errors e = errors_of(model, runs, substeps);
-    std::printf("%8d | %17.2f %10.2f %11.2f | %15.2f %10.2f %11.2f\n", substeps, e.one_step.base_mm(),
-                e.one_step.tilt_mrad(), e.one_step.joint_mrad(), e.horizon.base_mm(), e.horizon.tilt_mrad(),
-                e.horizon.joint_mrad());
+    std::printf("%8d | %17.2f %10.2f %11.2f | %15.2f %10.2f %11.2f\n", substeps,
+                e.one_step.base_mm(), e.one_step.tilt_mrad(), e.one_step.joint_mrad(),
+                e.horizon.base_mm(), e.horizon.tilt_mrad(), e.horizon.joint_mrad());
     return e;
   };
   const Errors one = row(1);
@@ -149,7 +158,8 @@ TEST(Op3Horizon, ErrorAgainstFinePhysicsFallsWithSubsteps) {
   row(3);
   row(6);
   const Errors twelve = row(12);
-  EXPECT_LT(twelve.one_step.joint_mrad(), 0.5 * one.one_step.joint_mrad()) << "the step is consistent";
+  EXPECT_LT(twelve.one_step.joint_mrad(), 0.5 * one.one_step.joint_mrad())
+      << "the step is consistent";
   EXPECT_LT(twelve.horizon.joint_mrad(), one.horizon.joint_mrad());
   EXPECT_LT(one.one_step.joint_mrad(), 40.0) << "a 60 ms step, servo time constant 75 ms";
 }

@@ -1,4 +1,5 @@
-// The specialised OP3 dynamics against two other derivations: the generic tree, and MuJoCo on the same figures.
+// The specialised OP3 dynamics against two other derivations: the generic tree, and MuJoCo on the
+// same figures.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -22,10 +23,12 @@ constexpr int kStates = 1000;
 constexpr double kStep = 0.06;
 using Velocity = Eigen::Matrix<double, kNv, 1>;
 
-// Servos without stiffness, damping and rotor: the step's velocity change is then h times the free acceleration, exactly.
+// Servos without stiffness, damping and rotor: the step's velocity change is then h times the free
+// acceleration, exactly.
 ModelParameters limp_parameters() {
   ModelParameters theta = nominal_parameters();
-  for (auto& servo : theta.servo) servo = {.stiffness = 0, .damping = 0, .armature = 0, .coulomb = 0, .torque_limit = 4.1};
+  for (auto& servo : theta.servo)
+    servo = {.stiffness = 0, .damping = 0, .armature = 0, .coulomb = 0, .torque_limit = 4.1};
   return theta;
 }
 
@@ -40,7 +43,8 @@ Velocity free_acceleration(const StepModel& model, const State& x) {
 template <class A, class B>
 void expect_close(const A& ours, const B& theirs, const char* what, int sample) {
   const double scale = std::max(1.0, theirs.cwiseAbs().maxCoeff());
-  ASSERT_LE((ours - theirs).cwiseAbs().maxCoeff(), 1e-9 * scale) << what << ", sample " << sample << ", seed " << kSeed;
+  ASSERT_LE((ours - theirs).cwiseAbs().maxCoeff(), 1e-9 * scale)
+      << what << ", sample " << sample << ", seed " << kSeed;
 }
 
 TEST(Op3Oracle, FreeAccelerationAgreesWithTreeAndMujoco) {
@@ -54,7 +58,9 @@ TEST(Op3Oracle, FreeAccelerationAgreesWithTreeAndMujoco) {
   for (int k = 0; k < kStates; ++k) {
     const State x = state_in_the_air(rng);
     const Velocity ours = free_acceleration(model, x);
-    ASSERT_EQ(forward_dynamics(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), scratch, dv), Status::ok);
+    ASSERT_EQ(
+        forward_dynamics(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), scratch, dv),
+        Status::ok);
     expect_close(ours, dv, "tree", k);
     std::copy_n(x.data(), kNq, mj.data->qpos);
     std::copy_n(x.data() + kNq, kNv, mj.data->qvel);
@@ -98,7 +104,8 @@ TEST(Op3Oracle, StepObeysItsEquationWithContact) {
     for (int j = 0; j < kNumJoints; ++j) {
       const ServoParameters& servo = theta.servo[j];
       const double error = u[j] - x[kXJoint + j];
-      const double stiffness = std::min(servo.stiffness, servo.torque_limit / std::abs(error));  // full duty: secant
+      // full duty: secant
+      const double stiffness = std::min(servo.stiffness, servo.torque_limit / std::abs(error));
       const double implicit = kStep * servo.damping + kStep * kStep * stiffness;
       M(6 + j, 6 + j) += implicit;
       right[6 + j] += kStep * stiffness * error - implicit * x[kXJointRate + j];
@@ -139,13 +146,16 @@ TEST(Op3Oracle, KinematicsAgreeWithTree) {
       const int body = foot_body(foot);
       const Vec3 corner = sole_corner_in_foot(foot, 1);
       point_jacobian(tree, scratch.kin, body - 1, corner, linear, angular);
-      expect_close(point_jacobian(kin, body, point_in_world(kin, body, corner)), linear, "linear Jacobian", k);
+      expect_close(point_jacobian(kin, body, point_in_world(kin, body, corner)), linear,
+                   "linear Jacobian", k);
       expect_close(rotation_jacobian(kin, body), angular, "angular Jacobian", k);
     }
     const TreeEnergy e = energy(limp, x.head<kNq>(), x.tail<kNv>(), scratch);
-    EXPECT_NEAR(energy(model, kin, x), e.kinetic + e.potential, 1e-9 * (e.kinetic + std::abs(e.potential)));
+    EXPECT_NEAR(energy(model, kin, x), e.kinetic + e.potential,
+                1e-9 * (e.kinetic + std::abs(e.potential)));
     crba(limp, x.head<kNq>(), scratch, scratch.M);
-    const Vec3 linear_momentum = scratch.M.topRows<3>() * x.tail<kNv>();  // rows of the base force are the momentum
+    // rows of the base force are the momentum
+    const Vec3 linear_momentum = scratch.M.topRows<3>() * x.tail<kNv>();
     expect_close(momentum(model, kin, x).linear, linear_momentum, "momentum", k);
   }
 }
@@ -164,16 +174,18 @@ double momentum_defect(const StepModel& model, const State& x, const Input& u, d
 }
 
 TEST(Op3Law, ServosCannotChangeTheMomentum) {
-  // internal forces, however stiff, neither move the centre of mass nor spin the robot; a first-order step breaks this
-  // by h^2 only, so halving h must quarter the defect
+  // internal forces, however stiff, neither move the centre of mass nor spin the robot; a
+  // first-order step breaks this by h^2 only, so halving h must quarter the defect
   std::mt19937 rng(kSeed + 3);
   ModelParameters theta = nominal_parameters();
-  for (auto& servo : theta.servo) servo.armature = 0.0;  // a rotor's own momentum is not that of its link
+  // a rotor's own momentum is not that of its link
+  for (auto& servo : theta.servo) servo.armature = 0.0;
   const StepModel model = make_step_model(theta);
   for (int k = 0; k < 100; ++k) {
     const State x = state_in_the_air(rng);
     const Input u = random_input(rng, x);
-    EXPECT_NEAR(momentum_defect(model, x, u, 1e-6) / momentum_defect(model, x, u, 2e-6), 0.25, 0.02) << "sample " << k;
+    EXPECT_NEAR(momentum_defect(model, x, u, 1e-6) / momentum_defect(model, x, u, 2e-6), 0.25, 0.02)
+        << "sample " << k;
   }
 }
 

@@ -8,7 +8,8 @@
 namespace sanso::model {
 
 /// Tangent with the given spreads: metres, rad, rad, m/s, rad/s, rad/s.
-inline Tangent random_tangent(std::mt19937& rng, double p, double theta, double q, double v, double w, double dq) {
+inline Tangent random_tangent(std::mt19937& rng, double p, double theta, double q, double v,
+                              double w, double dq) {
   std::normal_distribution<double> normal;
   Tangent d;
   for (int i = 0; i < kNdx; ++i) d[i] = normal(rng);

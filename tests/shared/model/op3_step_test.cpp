@@ -1,4 +1,5 @@
-// Laws of the one-step model: standing, falling, symmetry, contact, and lanes against the scalar code.
+// Laws of the one-step model: standing, falling, symmetry, contact, and lanes against the scalar
+// code.
 #include "shared/model/op3_step.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +18,8 @@ namespace {
 constexpr double kStep = 0.06;
 constexpr unsigned kSeed = 20240611;
 
-State step(const StepModel& model, const Ground& ground, const State& x, const Input& u, StepScratch& scratch,
-           double h = kStep, int substeps = 1) {
+State step(const StepModel& model, const Ground& ground, const State& x, const Input& u,
+           StepScratch& scratch, double h = kStep, int substeps = 1) {
   State next;
   analytical_step(model, ground, x.data(), u.data(), h, substeps, next.data(), scratch);
   return next;
@@ -95,7 +96,8 @@ TEST_F(Op3Step, ContactLawHolds) {
         ASSERT_LE(std::abs(l[0]), model.friction_forward * l[2] + 1e-12);
         ASSERT_LE(std::abs(l[1]), model.friction_sideways * l[2] + 1e-12);
         const double gap = scratch.gap[f][k], target = (gap > 0 ? gap : 0.3 * gap) / kStep;
-        // the regularisation gives way by eps x diagonal x lambda: diagonal is under 20 1/kg for this robot
+        // the regularisation gives way by eps x diagonal x lambda: diagonal is under 20 1/kg for
+        // this robot
         const double give = eps * 20.0 * l[2] + 1e-6;
         ASSERT_GE(v[2] + target, -give) << "seed " << kSeed << " trial " << trial;
         ASSERT_NEAR(l[2] * (v[2] + target), 0.0, l[2] * give) << "complementarity, trial " << trial;
@@ -114,14 +116,17 @@ TEST_F(Op3Step, ContactIsSolvedInEveryState) {
     const State x = state_near_standing(rng);
     const Input u = random_input(rng, x);
     const State expected = step(patient, ground, x, u, scratch);
-    worst = std::max(worst, (step(model, ground, x, u, scratch) - expected).lpNorm<Eigen::Infinity>());
+    worst =
+        std::max(worst, (step(model, ground, x, u, scratch) - expected).lpNorm<Eigen::Infinity>());
   }
   EXPECT_LT(worst, 1e-7) << "m/s, rad/s; seed " << kSeed;
 }
 
-/// Steps `Count` drawn states in lanes and one by one, on every instruction set; `step_lanes(x, u, next, contact)`.
+/// Steps `Count` drawn states in lanes and one by one, on every instruction set; `step_lanes(x, u,
+/// next, contact)`.
 template <int Count, class StepLanes>
-void expect_lanes_equal_scalar(const StepModel& model, const Ground& ground, std::mt19937& rng, const StepLanes& step_lanes) {
+void expect_lanes_equal_scalar(const StepModel& model, const Ground& ground, std::mt19937& rng,
+                               const StepLanes& step_lanes) {
   StepScratch scratch;
   for (const char* isa : {"portable", "avx2", "avx512"}) {
     if (!select_batch_isa(isa)) continue;
@@ -144,22 +149,25 @@ void expect_lanes_equal_scalar(const StepModel& model, const Ground& ground, std
           ASSERT_NEAR(next.v[i][lane], expected[i], 1e-9 * (1 + std::abs(expected[i])))
               << isa << " lane " << lane << " component " << i << " seed " << kSeed;
         for (int i = 0; i < kNumContactRows; ++i)
-          ASSERT_NEAR(contact.v[i][lane], (&scratch.lambda[0][0][0])[i], 1e-8) << isa << " lane " << lane << " row " << i;
+          ASSERT_NEAR(contact.v[i][lane], (&scratch.lambda[0][0][0])[i], 1e-8)
+              << isa << " lane " << lane << " row " << i;
       }
     }
   }
 }
 
 TEST_F(Op3Step, EightLanesEqualScalar) {
-  expect_lanes_equal_scalar<kLanes>(model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
-    step_batch(model, ground, &x, &u, {.h = kStep}, &next, &contact, 1);
-  });
+  expect_lanes_equal_scalar<kLanes>(
+      model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
+        step_batch(model, ground, &x, &u, {.h = kStep}, &next, &contact, 1);
+      });
 }
 
 TEST_F(Op3Step, FourLanesEqualScalar) {
-  expect_lanes_equal_scalar<kQuadLanes>(model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
-    step_quad(model, ground, x, u, {.h = kStep}, next, &contact);
-  });
+  expect_lanes_equal_scalar<kQuadLanes>(
+      model, ground, rng, [&](const auto& x, const auto& u, auto& next, auto& contact) {
+        step_quad(model, ground, x, u, {.h = kStep}, next, &contact);
+      });
 }
 
 /// The steps for derivatives against whole steps: states a millionth away in random directions.
@@ -178,7 +186,8 @@ TEST_F(Op3Step, StepsNearbyAreRightToFirstOrder) {
       NominalStep nominal;
       State xs[kLanes];
       Input us[kLanes];
-      // lane 0: the nominal point; even lanes: any direction; odd lanes: height, velocities and inputs only
+      // lane 0: the nominal point; even lanes: any direction; odd lanes: height, velocities and
+      // inputs only
       for (int lane = 0; lane < kLanes; ++lane) {
         Tangent d = lane == 0 ? Tangent::Zero() : random_tangent(rng, eps, eps, eps, eps, eps, eps);
         if (lane % 2 == 1) d.head<2>().setZero(), d.segment<kNv - 3>(kDTheta).setZero();
@@ -203,9 +212,11 @@ TEST_F(Op3Step, StepsNearbyAreRightToFirstOrder) {
       for (int lane = 1; lane < kLanes; ++lane) {
         const Tangent expected = minus(step(model, ground, xs[lane], us[lane], scratch), expected0);
         const double tolerance = 0.01 * expected.norm() + 1e-9;
-        EXPECT_LT((change(held, lane) - expected).norm(), tolerance) << "any direction, lane " << lane;
+        EXPECT_LT((change(held, lane) - expected).norm(), tolerance)
+            << "any direction, lane " << lane;
         if (lane % 2 == 0) continue;
-        EXPECT_LT((change(neighbours, lane) - expected).norm(), tolerance) << "same configuration, lane " << lane;
+        EXPECT_LT((change(neighbours, lane) - expected).norm(), tolerance)
+            << "same configuration, lane " << lane;
       }
     }
   }
@@ -219,7 +230,8 @@ TEST_F(Op3Step, AContactSolutionNearbyChangesNothing) {
     StepScratch warm;
     step(model, ground, plus(x, random_tangent(rng, 1e-3, 1e-2, 1e-2, 0.03, 0.05, 0.1)), u, warm);
     warm.warm_start = true;
-    EXPECT_LT((step(model, ground, x, u, warm) - expected).lpNorm<Eigen::Infinity>(), 1e-7) << "trial " << trial;
+    EXPECT_LT((step(model, ground, x, u, warm) - expected).lpNorm<Eigen::Infinity>(), 1e-7)
+        << "trial " << trial;
   }
 }
 

@@ -1,4 +1,5 @@
-// The generic tree against MuJoCo on the same figures: inertia, bias, accelerations, Jacobians; and its own laws.
+// The generic tree against MuJoCo on the same figures: inertia, bias, accelerations, Jacobians; and
+// its own laws.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -14,18 +15,23 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 constexpr int kStates = 1000;
-// Both sides work in double precision on matrices of condition 1e4 at most; 1e-9 leaves room for the order of sums
-// only.
+// Both sides work in double precision on matrices of condition 1e4 at most; 1e-9 leaves room for
+// the order of sums only.
 constexpr double kRelative = 1e-9;
 
 class Random {
  public:
   explicit Random(std::uint64_t seed) : rng_(seed) {}
-  double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng_); }
-  Vec3 vector(double limit) { return {uniform(-limit, limit), uniform(-limit, limit), uniform(-limit, limit)}; }
+  double uniform(double lo, double hi) {
+    return std::uniform_real_distribution<double>(lo, hi)(rng_);
+  }
+  Vec3 vector(double limit) {
+    return {uniform(-limit, limit), uniform(-limit, limit), uniform(-limit, limit)};
+  }
   Mat3 rotation() { return math::rotation_matrix(math::quat_exp(vector(1.8))); }
   LinkInertia link() {
-    const Vec3 d(uniform(1e-3, 2e-3), uniform(1e-3, 2e-3), uniform(1e-3, 2e-3));  // obeys the triangle inequality
+    // obeys the triangle inequality
+    const Vec3 d(uniform(1e-3, 2e-3), uniform(1e-3, 2e-3), uniform(1e-3, 2e-3));
     const Mat3 R = rotation();
     return {uniform(0.05, 1.5), vector(0.1), R * d.asDiagonal() * R.transpose()};
   }
@@ -45,15 +51,16 @@ TreeJoint hinge(int parent, const Vec3& p, const Vec3& axis, const LinkInertia& 
 
 Tree pendulum() {
   Tree t;
-  t.joints.try_push(hinge(-1, {0, 0, 1}, Vec3::UnitY(), {0.4, {0, 0, -0.15}, Vec3(2e-3, 2e-3, 1e-4).asDiagonal()}));
+  t.joints.try_push(hinge(-1, {0, 0, 1}, Vec3::UnitY(),
+                          {0.4, {0, 0, -0.15}, Vec3(2e-3, 2e-3, 1e-4).asDiagonal()}));
   return t;
 }
 
 Tree two_link_arm() {
   Tree t = pendulum();
   t.joints[0].armature = 0.01;
-  t.joints.try_push(
-      hinge(0, {0, 0, -0.3}, Vec3::UnitY(), {0.2, {0.01, 0.02, -0.1}, Vec3(1e-3, 1e-3, 1e-4).asDiagonal()}));
+  t.joints.try_push(hinge(0, {0, 0, -0.3}, Vec3::UnitY(),
+                          {0.2, {0.01, 0.02, -0.1}, Vec3(1e-3, 1e-3, 1e-4).asDiagonal()}));
   return t;
 }
 
@@ -65,7 +72,8 @@ Tree random_tree(Random& random, bool floating) {
   for (const int length : {6, 6, 3}) {
     int parent = -1;
     for (int i = 0; i < length; ++i) {
-      TreeJoint j = hinge(parent, random.vector(0.2), random.vector(1.0).normalized(), random.link());
+      TreeJoint j =
+          hinge(parent, random.vector(0.2), random.vector(1.0).normalized(), random.link());
       j.R_parent_link0 = random.rotation();
       j.kind = i == 4 ? JointKind::prismatic : JointKind::revolute;
       j.armature = random.uniform(0, 0.05);
@@ -129,7 +137,8 @@ void expect_agrees_with_mujoco(const Tree& tree, Random& random) {
 
     const Vec3 p_link_point = random.vector(0.1);
     forward_kinematics(tree, s.q, scratch.kin);
-    const Vec3 p_world = scratch.kin.p_world_link[last + 1] + scratch.kin.R_world_link[last + 1] * p_link_point;
+    const Vec3 p_world =
+        scratch.kin.p_world_link[last + 1] + scratch.kin.R_world_link[last + 1] * p_link_point;
     point_jacobian(tree, scratch.kin, last, p_link_point, linear, angular);
     Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacp(3, nv), jacr(3, nv);
     mj_jac(mj.model.get(), mj.data.get(), jacp.data(), jacr.data(), p_world.data(), body);
@@ -174,7 +183,8 @@ TEST(TreeLaw, InverseDynamicsInvertsForwardDynamics) {
 }
 
 TEST(TreeLaw, PowerOfForcesIsRateOfEnergy) {
-  // d/dt (kinetic + potential) = tau . v: central difference along the true motion, second order in the step.
+  // d/dt (kinetic + potential) = tau . v: central difference along the true motion, second order in
+  // the step.
   Random random(kSeed + 3);
   const Tree tree = random_tree(random, true);
   TreeScratch scratch;
@@ -207,7 +217,8 @@ TEST(TreeLaw, JacobianIsDerivativeOfPosition) {
     point_jacobian(tree, kin, link, point, linear, angular);
     for (int i = 0; i < tree.nv(); ++i) {
       const auto position_at = [&](double h) {
-        forward_kinematics(tree, integrate(tree, s.q, TreeVector(TreeVector::Unit(tree.nv(), i)), h), kin);
+        forward_kinematics(
+            tree, integrate(tree, s.q, TreeVector(TreeVector::Unit(tree.nv(), i)), h), kin);
         return Vec3(kin.p_world_link[link + 1] + kin.R_world_link[link + 1] * point);
       };
       const Vec3 difference = (position_at(1e-6) - position_at(-1e-6)) / 2e-6;
@@ -232,7 +243,8 @@ TEST(TreeLaw, MasslessLinkIsRefused) {
   tree.joints[0].link = LinkInertia{};
   TreeScratch scratch;
   TreeVector dv;
-  EXPECT_EQ(forward_dynamics(tree, TreeVector::Zero(1), TreeVector::Zero(1), TreeVector::Zero(1), scratch, dv),
+  EXPECT_EQ(forward_dynamics(tree, TreeVector::Zero(1), TreeVector::Zero(1), TreeVector::Zero(1),
+                             scratch, dv),
             Status::not_ready);
 }
 

@@ -1,4 +1,5 @@
-// Primitives: how well they follow, what a goal change does and in which frame, the rhythm, and the bytes.
+// Primitives: how well they follow, what a goal change does and in which frame, the rhythm, and the
+// bytes.
 #include "shared/policy/primitives.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ double blend(double s) {
   return s * s * s * (10 - 15 * s + 6 * s * s);
 }
 
-/// Squat-like: down and up again within 6 s, joints up to 1.2 rad, the base turning by 20 deg about a tilted axis.
+/// Squat-like: down and up again within 6 s, joints up to 1.2 rad, the base turning by 20 deg about
+/// a tilted axis.
 Trajectory squat_like() {
   Trajectory trajectory;
   for (int k = 0; k <= 600; ++k) {
@@ -33,7 +35,8 @@ Trajectory squat_like() {
     model::State x = model::neutral_state();
     x[2] = 0.25 - 0.08 * depth;
     x[0] = 0.3 * blend((t - 1) / 4);
-    for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJoint + j] = (0.1 * j - 0.5) * depth + 0.02 * j;
+    for (int j = 0; j < model::kNumJoints; ++j)
+      x[model::kXJoint + j] = (0.1 * j - 0.5) * depth + 0.02 * j;
     const math::Vec3 turn = depth * 20 * kDegree * math::Vec3(0.6, 0.0, 0.8);
     x.segment<4>(model::kXQuat) = math::quat_exp(turn);
     trajectory.x.push_back(x);
@@ -50,7 +53,8 @@ Trajectory one_stride(double period_s, double speed) {
     x[0] = speed * 0.01 * k + 0.01 * std::sin(2 * phi);
     x[1] = 0.04 * std::sin(phi);
     x[2] = 0.25;
-    for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJoint + j] = 0.3 * std::sin(phi + 0.5 * j) + 0.1 * std::cos(3 * phi);
+    for (int j = 0; j < model::kNumJoints; ++j)
+      x[model::kXJoint + j] = 0.3 * std::sin(phi + 0.5 * j) + 0.1 * std::cos(3 * phi);
     x.segment<4>(model::kXQuat) = math::quat_exp({0.05 * std::cos(phi), 0, 0.1 * std::sin(phi)});
     trajectory.x.push_back(x);
   }
@@ -89,7 +93,8 @@ TEST(PrimitivePlayer, EndsAtTheGoalAtRest) {
   PrimitivePlayer player;
   player.reset(set);
   for (int k = 0; k < 1200; ++k) player.step();
-  for (int j = 0; j < model::kNumJoints; ++j) EXPECT_NEAR(player.input()[j], set.scalar[3 + j].goal, 1e-4);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    EXPECT_NEAR(player.input()[j], set.scalar[3 + j].goal, 1e-4);
   EXPECT_LT(player.state().tail<model::kNv>().norm(), 1e-3);
 }
 
@@ -119,13 +124,13 @@ TEST(PrimitivePlayer, AGoalChangeOfTheBaseTurnsItInWorldAxes) {
   PrimitivePlayer player;
   player.reset(set);
   for (int k = 0; k < 100; ++k) player.step();
-  const math::Vec3 w_in_world =
-      math::rotation_matrix(model::base_quat(player.state())) * player.state().segment<3>(model::kXOmega);
+  const math::Vec3 w_in_world = math::rotation_matrix(model::base_quat(player.state())) *
+                                player.state().segment<3>(model::kXOmega);
   EXPECT_GT(w_in_world[0], 0.01);
   EXPECT_LT(std::abs(w_in_world[1]) + std::abs(w_in_world[2]), 1e-9);
   for (int k = 0; k < 1500; ++k) player.step();
-  const math::Vec3 left =
-      math::quat_log(math::quat_multiply(model::base_quat(player.state()), math::quat_conjugate(facing_left)));
+  const math::Vec3 left = math::quat_log(
+      math::quat_multiply(model::base_quat(player.state()), math::quat_conjugate(facing_left)));
   EXPECT_LT((left - change_in_world).norm(), 1e-4);
 }
 
@@ -153,9 +158,12 @@ TEST(PrimitivePlayer, RepeatsARhythmicMotionAndDrifts) {
     for (std::size_t k = 0; k < 4 * n; ++k) {
       const model::State& wanted = stride.x[k % n];
       const double distance = 0.1 * period_s * static_cast<double>(k / n);
-      EXPECT_NEAR(played.x[k][0], wanted[0] + distance, 0.001) << "period " << period_s << " sample " << k;
-      EXPECT_LT((model::joints(played.x[k]) - model::joints(wanted)).cwiseAbs().maxCoeff(), 1.0 * kDegree);
-      EXPECT_LT(math::quat_minus(model::base_quat(played.x[k]), model::base_quat(wanted)).norm(), 0.5 * kDegree);
+      EXPECT_NEAR(played.x[k][0], wanted[0] + distance, 0.001)
+          << "period " << period_s << " sample " << k;
+      EXPECT_LT((model::joints(played.x[k]) - model::joints(wanted)).cwiseAbs().maxCoeff(),
+                1.0 * kDegree);
+      EXPECT_LT(math::quat_minus(model::base_quat(played.x[k]), model::base_quat(wanted)).norm(),
+                0.5 * kDegree);
     }
   }
 }
@@ -222,8 +230,10 @@ TEST(PrimitiveBytes, RefusesNumbersThatNoRobotCanFollow) {
   };
   EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.scalar[4].goal = nan; }));
   EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.scalar[4].goal = 4.0; }));
-  EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.scalar[4].drift = 0.1; }));  // a discrete motion has none
-  EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.scalar[0].weights[3] = std::numeric_limits<float>::infinity(); }));
+  // a discrete motion has none
+  EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.scalar[4].drift = 0.1; }));
+  EXPECT_TRUE(refused(
+      [&](PrimitiveSet& s) { s.scalar[0].weights[3] = std::numeric_limits<float>::infinity(); }));
   EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.orientation.goal[0] += 0.1; }));
   EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.duration_s = 0.0; }));
   EXPECT_TRUE(refused([&](PrimitiveSet& s) { s.fade_start = 1.0; }));
@@ -241,7 +251,8 @@ TEST(PrimitiveBytes, CorruptionNeverYieldsAnInvalidSet) {
   const auto read = std::make_unique<PrimitiveSet>();
   for (int trial = 0; trial < 2000; ++trial) {
     std::vector<std::uint8_t> damaged = bytes;
-    for (int k = 0; k < 4; ++k) damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1u << (random() % 8));
+    for (int k = 0; k < 4; ++k)
+      damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1u << (random() % 8));
     if (from_bytes(damaged, *read) == Status::ok) {
       EXPECT_EQ(validate(*read), Status::ok);
       PrimitivePlayer player;

@@ -1,4 +1,5 @@
-// Packets against the bytes printed in the maker's manual and against an independent encoder's leg vectors.
+// Packets against the bytes printed in the maker's manual and against an independent encoder's leg
+// vectors.
 #include "shared/servo_bus/encode.h"
 
 #include <gtest/gtest.h>
@@ -34,8 +35,10 @@ TEST(Encode, ManualExamples) {
   EXPECT_EQ(hex(out.view()), "FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89");
   ASSERT_EQ(encode_sync_read(out, 132, 4, bytes("01 02")), Status::ok);
   EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 09 00 82 84 00 04 00 01 02 CE FA");
-  ASSERT_EQ(encode_sync_write(out, 116, 4, bytes("01 02"), bytes("96 00 00 00 AA 00 00 00")), Status::ok);
-  EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 11 00 83 74 00 04 00 01 96 00 00 00 02 AA 00 00 00 82 87");
+  ASSERT_EQ(encode_sync_write(out, 116, 4, bytes("01 02"), bytes("96 00 00 00 AA 00 00 00")),
+            Status::ok);
+  EXPECT_EQ(hex(out.view()),
+            "FF FF FD 00 FE 11 00 83 74 00 04 00 01 96 00 00 00 02 AA 00 00 00 82 87");
   const BulkRange ranges[] = {{1, 144, 2}, {2, 146, 1}};
   ASSERT_EQ(encode_bulk_read(out, ranges), Status::ok);
   EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 0D 00 92 01 90 00 02 00 02 92 00 01 00 1A 05");
@@ -45,16 +48,22 @@ TEST(Encode, ManualExamples) {
 
 TEST(Encode, LegVectors) {
   PacketBuffer out;
-  ASSERT_EQ(encode_sync_read(out, xm430::kFeedbackAddress, xm430::kFeedbackBytes, kLegIds), Status::ok);
-  EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 13 00 82 7E 00 0A 00 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 9F 0D");
-  ASSERT_EQ(encode_fast_sync_read(out, xm430::kFeedbackAddress, xm430::kFeedbackBytes, kLegIds), Status::ok);
-  EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 13 00 8A 7E 00 0A 00 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 3C BD");
+  ASSERT_EQ(encode_sync_read(out, xm430::kFeedbackAddress, xm430::kFeedbackBytes, kLegIds),
+            Status::ok);
+  EXPECT_EQ(hex(out.view()),
+            "FF FF FD 00 FE 13 00 82 7E 00 0A 00 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 9F 0D");
+  ASSERT_EQ(encode_fast_sync_read(out, xm430::kFeedbackAddress, xm430::kFeedbackBytes, kLegIds),
+            Status::ok);
+  EXPECT_EQ(hex(out.view()),
+            "FF FF FD 00 FE 13 00 8A 7E 00 0A 00 07 08 09 0A 0B 0C 0D 0E 0F 10 11 12 3C BD");
   std::vector<std::uint8_t> gains;
   for (std::size_t i = 0; i < kLegIds.size(); ++i) gains.insert(gains.end(), {0x30, 0x02});
   ASSERT_EQ(encode_sync_write(out, xm430::kPositionPGain.address, 2, kLegIds, gains), Status::ok);
-  EXPECT_EQ(hex(out.view()),
-            "FF FF FD 00 FE 2B 00 83 54 00 02 00 07 30 02 08 30 02 09 30 02 0A 30 02 0B 30 02 0C 30 02 0D 30 02 "
-            "0E 30 02 0F 30 02 10 30 02 11 30 02 12 30 02 0E C3");
+  EXPECT_EQ(
+      hex(out.view()),
+      "FF FF FD 00 FE 2B 00 83 54 00 02 00 07 30 02 08 30 02 09 30 02 0A 30 02 0B 30 02 0C 30 02 "
+      "0D 30 02 "
+      "0E 30 02 0F 30 02 10 30 02 11 30 02 12 30 02 0E C3");
 }
 
 TEST(Encode, StatusWithErrorAndAlert) {
@@ -90,8 +99,10 @@ TEST(Encode, FastReplyOfThreeDevices) {
   writer.append(out, 3, 0, bytes("A6 00 00 00"));
   writer.append(out, 7, 0, bytes("1F 08 00 00"));
   writer.append(out, 4, 0, bytes("FF 03 00 00"));
-  EXPECT_EQ(hex(out.view()),
-            "FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 08 00 00 16 CA 00 04 FF 03 00 00 D1 9E");
+  EXPECT_EQ(
+      hex(out.view()),
+      "FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 08 00 00 16 CA 00 04 FF 03 00 00 "
+      "D1 9E");
 }
 
 TEST(Encode, ExactFitAndOneByteTooMany) {

@@ -105,7 +105,8 @@ TEST(Parser, StatusWithoutDataIsAPacketWithAnError) {
 
 TEST(FastReply, BlocksOfThreeDevices) {
   PacketParser parser;
-  parser.feed(bytes("FF FF FD 00 FE 14 00 55 00 03 A6 00 00 00 67 A4 00 07 A5 01 24 74 00 04 1F D9 C1"));
+  parser.feed(
+      bytes("FF FF FD 00 FE 14 00 55 00 03 A6 00 00 00 67 A4 00 07 A5 01 24 74 00 04 1F D9 C1"));
   Packet packet;
   ASSERT_EQ(parser.next(packet), ParseEvent::packet);
   FastReplyReader reader(parser.frame());
@@ -123,7 +124,8 @@ TEST(FastReply, BlocksOfThreeDevices) {
 }
 
 TEST(FastReply, DevicesBeforeAGapAreUsable) {
-  auto reply = bytes("FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 08 00 00 16 CA");  // third is missing
+  // third is missing
+  auto reply = bytes("FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 08 00 00 16 CA");
   PacketParser parser;
   parser.feed(reply);
   Packet packet;
@@ -135,7 +137,9 @@ TEST(FastReply, DevicesBeforeAGapAreUsable) {
 }
 
 TEST(FastReply, DamageStopsTheChain) {
-  auto reply = bytes("FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 09 00 00 16 CA 00 04 FF 03 00 00 D1 9E");
+  auto reply = bytes(
+      "FF FF FD 00 FE 19 00 55 00 03 A6 00 00 00 84 08 00 07 1F 09 00 00 16 CA 00 04 FF 03 00 00 "
+      "D1 9E");
   FastReplyReader reader(reply);
   EXPECT_TRUE(reader.next(4).ok());
   EXPECT_EQ(reader.next(4).status(), Status::malformed);
@@ -150,9 +154,11 @@ TEST(Parser, RandomPacketsInRandomPiecesBetweenNoiseRoundTrip) {
   PacketParser parser;
   for (int round = 0; round < 2000; ++round) {
     std::vector<std::uint8_t> data(random() % 60);
-    for (auto& byte : data) byte = random() % 3 ? likely[random() % 6] : static_cast<std::uint8_t>(random());
+    for (auto& byte : data)
+      byte = random() % 3 ? likely[random() % 6] : static_cast<std::uint8_t>(random());
     PacketBuffer wire;
-    ASSERT_EQ(encode_status(wire, random() % 253, static_cast<std::uint8_t>(random()), data), Status::ok);
+    ASSERT_EQ(encode_status(wire, random() % 253, static_cast<std::uint8_t>(random()), data),
+              Status::ok);
     const std::uint8_t noise[] = {0x12, 0xFF, 0x7F};
     parser.feed({noise, random() % 4});
     Packet packet;

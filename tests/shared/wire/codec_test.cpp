@@ -1,4 +1,5 @@
-// The bytes of every message: fixed layout, exact length, and rejection of everything that is not exactly a message.
+// The bytes of every message: fixed layout, exact length, and rejection of everything that is not
+// exactly a message.
 #include "shared/wire/codec.h"
 
 #include <gtest/gtest.h>
@@ -115,7 +116,8 @@ TYPED_TEST(EveryMessage, OneByteTooFewOfBuffer_ReportsFull) {
 }
 
 TEST(WireCodec, CommandHasTheseBytes) {
-  const std::vector<std::uint8_t> expected = {1, 5, 7, 0, 0, 0, 2, 3, 0, 0, 0, 15, 0x4E, 0x02, 0, 0};
+  const std::vector<std::uint8_t> expected = {1, 5, 7, 0,  0,    0,    2, 3,
+                                              0, 0, 0, 15, 0x4E, 0x02, 0, 0};
   EXPECT_EQ(bytes_of(Command{7, CommandKind::start_trial, 3, kLayerAll, 590}), expected);
 }
 
@@ -136,11 +138,14 @@ TEST(WireCodec, ObservationKeepsEveryField) {
   EXPECT_EQ(back.datagrams_dropped, 9u);
 }
 
-TEST(WireCodec, ObservationFitsADatagramAfterSealing) { EXPECT_LE(bytes_of(Observation{}).size() + 24, kMaxDatagram); }
+TEST(WireCodec, ObservationFitsADatagramAfterSealing) {
+  EXPECT_LE(bytes_of(Observation{}).size() + 24, kMaxDatagram);
+}
 
 TEST(WireCodec, NumbersThatAreNotFiniteAreRejected) {
   Observation out;
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Observation o = sample_observation();
     o.x[model::kXJoint] = bad;
     EXPECT_EQ(decode(bytes_of(o), out), Status::malformed);

@@ -47,7 +47,8 @@ Seen open(SecureChannel& at, const Datagram& datagram) {
   if (opened.status == Status::ok) {
     EXPECT_EQ(decode(Bytes(message).first(opened.message_bytes), command), Status::ok);
   }
-  return {opened.status, command.sequence, Datagram(reply.begin(), reply.begin() + static_cast<long>(opened.reply_bytes))};
+  return {opened.status, command.sequence,
+          Datagram(reply.begin(), reply.begin() + static_cast<long>(opened.reply_bytes))};
 }
 
 struct Pair {
@@ -97,7 +98,8 @@ TEST(SecureChannel, DatagramsMayOvertakeWithinTheWindowButNotBeyond) {
   Pair p;
   p.connect();
   const Datagram late = seal(p.host, 2);
-  for (std::uint64_t i = 0; i + 1 < ReplayWindow::kSize; ++i) EXPECT_EQ(open(p.controller, seal(p.host, 3)).status, Status::ok);
+  for (std::uint64_t i = 0; i + 1 < ReplayWindow::kSize; ++i)
+    EXPECT_EQ(open(p.controller, seal(p.host, 3)).status, Status::ok);
   EXPECT_EQ(open(p.controller, late).status, Status::ok);
   const Datagram later = seal(p.host, 4);
   for (std::uint64_t i = 0; i < ReplayWindow::kSize; ++i) open(p.controller, seal(p.host, 5));
@@ -121,7 +123,9 @@ TEST(SecureChannel, EveryShorterDatagramIsDropped) {
   p.connect();
   const Datagram good = seal(p.host, 2);
   for (std::size_t n = 0; n < good.size(); ++n)
-    EXPECT_NE(open(p.controller, Datagram(good.begin(), good.begin() + static_cast<long>(n))).status, Status::ok);
+    EXPECT_NE(
+        open(p.controller, Datagram(good.begin(), good.begin() + static_cast<long>(n))).status,
+        Status::ok);
 }
 
 TEST(SecureChannel, ADatagramSentBackAtItsSenderIsDropped) {
@@ -161,10 +165,12 @@ TEST(SecureChannel, AReplayedHelloNeitherEndsTheSessionNorRevivesAnOldOne) {
   open(host_again, open(p.controller, hello_of(host_again)).reply);
   EXPECT_EQ(open(p.controller, seal(host_again, 3)).status, Status::ok);
 
-  EXPECT_EQ(open(p.controller, old_hello).status, Status::empty);  // answered with a nonce nobody holds a key for
+  // answered with a nonce nobody holds a key for
+  EXPECT_EQ(open(p.controller, old_hello).status, Status::empty);
   EXPECT_EQ(open(p.controller, old_message).status, Status::rejected);
   EXPECT_EQ(open(p.controller, seal(host_again, 4)).sequence, 4u);
-  EXPECT_EQ(open(host_again, answer).status, Status::stale);  // a replayed answer does not disturb the host
+  // a replayed answer does not disturb the host
+  EXPECT_EQ(open(host_again, answer).status, Status::stale);
 }
 
 TEST(SecureChannel, ALostAnswerIsRepairedByRepeatingTheHello) {

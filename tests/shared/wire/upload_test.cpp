@@ -33,7 +33,8 @@ TEST(Crc32, CheckValue) {
 }
 
 TEST(Upload, AnyOrderAndRepeatsMakeTheBlob) {
-  for (const std::size_t bytes : {std::size_t{1}, kChunkPayload - 1, kChunkPayload, kChunkPayload + 1, 10 * kChunkPayload}) {
+  for (const std::size_t bytes :
+       {std::size_t{1}, kChunkPayload - 1, kChunkPayload, kChunkPayload + 1, 10 * kChunkPayload}) {
     const auto blob = blob_of(bytes, 1);
     std::vector<std::size_t> order(chunk_count(bytes));
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -96,7 +97,7 @@ TEST(Upload, APieceThatContradictsTheFirstIsMalformed) {
   EXPECT_EQ(assembler->accept(liar), Status::malformed);
 }
 
-// --- policies ------------------------------------------------------------------------------------------------------
+// --- policies ------------------------------------------------------------------------------------
 
 policy::Knot random_knot(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -136,7 +137,8 @@ TEST(PolicyBytes, OtherLengthsAndBadQuaternionsAreMalformed) {
   std::vector<std::uint8_t> bytes(policy::kMaxUpperBytes);
   bytes.resize(*policy::to_bytes(sent, bytes));
   policy::UpperPolicy out;
-  for (std::size_t n = 0; n < bytes.size(); n += 7) EXPECT_EQ(policy::from_bytes(std::span(bytes).first(n), out), Status::malformed);
+  for (std::size_t n = 0; n < bytes.size(); n += 7)
+    EXPECT_EQ(policy::from_bytes(std::span(bytes).first(n), out), Status::malformed);
   auto longer = bytes;
   longer.push_back(0);
   EXPECT_EQ(policy::from_bytes(longer, out), Status::malformed);
@@ -151,7 +153,8 @@ TEST(PolicyBytes, AFullMiddleTableMakesTheRoundTrip) {
   const auto table = std::make_unique<policy::MiddleTable>();
   table->trial_id = 12;
   const policy::Knot knot = random_knot(random);
-  while (table->knots.try_push(knot)) {}
+  while (table->knots.try_push(knot)) {
+  }
   policy::round_to_wire(*table);
   std::vector<std::uint8_t> bytes(policy::kMaxMiddleBytes);
   ASSERT_EQ(*policy::to_bytes(*table, bytes), bytes.size());

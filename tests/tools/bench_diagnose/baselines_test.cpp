@@ -21,7 +21,8 @@ diagnose::FirstLook made(const Eigen::VectorXd& amounts) {
     Eigen::MatrixXd columns(kRows, 1 + kProbes + 1);
     for (int r = 0; r < kRows; ++r) {
       for (int c = 0; c < 1 + kProbes; ++c) columns(r, c) = random.normal();
-      columns(r, 2) = 0.8 * columns(r, 1) + 0.6 * columns(r, 2);  // two kinds of friction look alike
+      // two kinds of friction look alike
+      columns(r, 2) = 0.8 * columns(r, 1) + 0.6 * columns(r, 2);
       columns(r, 1 + kProbes) = random.normal();
     }
     columns.col(1 + kProbes) -= columns.middleCols(1, kProbes) * amounts;
@@ -47,7 +48,9 @@ TEST(Baselines, TwoEffectsAreFoundByTheMethodsThatCan) {
   EXPECT_EQ(friction_ladder(look), Names{"coulomb_friction"});
 }
 
-TEST(Baselines, WithoutGroupsNothingIsNamed) { EXPECT_TRUE(sparse_regression(diagnose::FirstLook{}).empty()); }
+TEST(Baselines, WithoutGroupsNothingIsNamed) {
+  EXPECT_TRUE(sparse_regression(diagnose::FirstLook{}).empty());
+}
 
 }  // namespace
 }  // namespace sanso::bench

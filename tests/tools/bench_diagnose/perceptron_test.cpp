@@ -1,4 +1,5 @@
-// The network under the residual network: it learns what can be learned, and nothing where there is nothing.
+// The network under the residual network: it learns what can be learned, and nothing where there is
+// nothing.
 #include "tools/bench/diagnose/perceptron.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ Sample sample(int rows, double noise, std::uint64_t seed) {
 }
 
 TEST(Perceptron, LearnsASmoothFunctionAndRepeatsItself) {
-  const Sample train = sample(3000, 0.0, 1), validation = sample(500, 0.0, 2), test = sample(500, 0.0, 3);
+  const Sample train = sample(3000, 0.0, 1), validation = sample(500, 0.0, 2),
+               test = sample(500, 0.0, 3);
   Perceptron network, again;
   network.train(train.x, train.y, train.gate, validation.x, validation.y, validation.gate, {});
   again.train(train.x, train.y, train.gate, validation.x, validation.y, validation.gate, {});

@@ -1,4 +1,5 @@
-// Every constant of the diagnosis can be scaled for the table in docs/results/diagnose.md, and only by a proper factor.
+// Every constant of the diagnosis can be scaled for the table in docs/results/diagnose.md, and only
+// by a proper factor.
 #include "tools/bench/diagnose/scaled_constant.h"
 
 #include <gtest/gtest.h>
@@ -26,8 +27,8 @@ TEST(ScaledConstant, ScalesRealAndWholeNumbers) {
 }
 
 TEST(ScaledConstant, RefusesUnknownNamesAndBadFactors) {
-  for (const char* bad :
-       {"kNothing=2", "kFamilyWise", "kFamilyWise=", "kFamilyWise=0", "kFamilyWise=-1", "kFamilyWise=inf", "=2", ""}) {
+  for (const char* bad : {"kNothing=2", "kFamilyWise", "kFamilyWise=", "kFamilyWise=0",
+                          "kFamilyWise=-1", "kFamilyWise=inf", "=2", ""}) {
     EXPECT_THROW(scale_constant(bad), std::invalid_argument) << bad;
   }
 }

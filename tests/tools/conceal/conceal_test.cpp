@@ -49,8 +49,10 @@ TEST(Conceal, SameSeedSameBytesAndSameHash) {
   const Concealed second = conceal(options(b.path, 5, Family::clean, 1));
   EXPECT_EQ(first.hash, second.hash);
   ASSERT_EQ(first.recordings.size(), 6u);
-  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(read(first.recordings[i]), read(second.recordings[i]));
-  EXPECT_THROW(conceal(options(a.path, 6, Family::clean, 1)), plant::WorldError);  // never overwrites a case
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_EQ(read(first.recordings[i]), read(second.recordings[i]));
+  // never overwrites a case
+  EXPECT_THROW(conceal(options(a.path, 6, Family::clean, 1)), plant::WorldError);
 }
 
 TEST(Conceal, NothingInTheClearTellsTheAnswer) {
@@ -134,7 +136,8 @@ TEST(Hideables, EveryEffectCompilesAndChangesSomething) {
   for (const Hideable& h : hideables()) {
     SCOPED_TRACE(h.id);
     double change = 0;
-    // joint 0 carries the load; a stop or a push may lie outside the first seconds, so the size is taken large
+    // joint 0 carries the load; a stop or a push may lie outside the first seconds, so the size is
+    // taken large
     WorldTruth changed = world;
     Random same(2);
     const HiddenEffect effect = h.apply(changed, 0, h.id == "sample_hold" ? 3 : h.largest, same);

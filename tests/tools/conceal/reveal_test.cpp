@@ -14,14 +14,17 @@ namespace sanso::conceal {
 namespace {
 
 struct Reveal : testing::Test {
-  Reveal() : directory((std::filesystem::temp_directory_path() / ("reveal_" + std::to_string(getpid()))).string()) {
+  Reveal()
+      : directory((std::filesystem::temp_directory_path() / ("reveal_" + std::to_string(getpid())))
+                      .string()) {
     std::filesystem::create_directories(directory);
   }
   ~Reveal() override { std::filesystem::remove_all(directory); }
   Score score(const std::string& answer, const std::string& verdict) {
     const auto sealed = make_seal(answer);
     std::ofstream(directory + "/answer.sealed", std::ios::binary)
-        .write(reinterpret_cast<const char*>(sealed.data()), static_cast<std::streamsize>(sealed.size()));
+        .write(reinterpret_cast<const char*>(sealed.data()),
+               static_cast<std::streamsize>(sealed.size()));
     std::ofstream(directory + "/verdict.json") << verdict;
     return reveal(directory, directory + "/verdict.json");
   }
@@ -29,12 +32,14 @@ struct Reveal : testing::Test {
 };
 
 constexpr char kBacklash[] =
-    R"({"robot":"arm","seed":1,"family":"single","ratio_target":10,"twins":[],"effects":[{"id":"backlash","where":["elbow"],
+    R"({"robot":"arm","seed":1,"family":"single","ratio_target":10,"twins":[],
+"effects":[{"id":"backlash","where":["elbow"],
         "parameters":{"width":0.02},"ratio":9.7}]})";
 
 TEST_F(Reveal, RightNameRightPlace) {
-  const Score s =
-      score(kBacklash, R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash","where":["elbow"],
+  const Score s = score(
+      kBacklash,
+      R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash","where":["elbow"],
       "parameters":{"width":{"value":0.021,"low":0.0195,"high":0.0225}},"one_of":["backlash"]}]})");
   EXPECT_TRUE(s.right && s.named_first && s.where_exact && s.in_set);
   EXPECT_DOUBLE_EQ(s.f1, 1.0);
@@ -43,7 +48,8 @@ TEST_F(Reveal, RightNameRightPlace) {
 }
 
 TEST_F(Reveal, TruthInsideTheSetCountsForTheSetOnly) {
-  const Score s = score(kBacklash, R"({"mismatch":true,"status":"ONE_OF","findings":[{"effect":"coulomb_friction",
+  const Score s = score(
+      kBacklash, R"({"mismatch":true,"status":"ONE_OF","findings":[{"effect":"coulomb_friction",
       "where":["elbow"],"one_of":["coulomb_friction","backlash"]}]})");
   EXPECT_TRUE(s.in_set);
   EXPECT_FALSE(s.named_first);
@@ -51,47 +57,57 @@ TEST_F(Reveal, TruthInsideTheSetCountsForTheSetOnly) {
 }
 
 TEST_F(Reveal, WrongNameWrongPlaceAndSilenceAreWrong) {
-  EXPECT_FALSE(
-      score(kBacklash, R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"cogging","where":["elbow"]}]})")
-          .right);
-  EXPECT_FALSE(
-      score(kBacklash,
-            R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash","where":["shoulder"]}]})")
-          .where_exact);
+  EXPECT_FALSE(score(kBacklash,
+                     R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"cogging",)"
+                     R"("where":["elbow"]}]})")
+                   .right);
+  EXPECT_FALSE(score(kBacklash,
+                     R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash",)"
+                     R"("where":["shoulder"]}]})")
+                   .where_exact);
   EXPECT_FALSE(score(kBacklash, R"({"mismatch":false,"status":"ABSENT"})").right);
 }
 
 TEST_F(Reveal, CleanIsRightOnlyWhenNothingIsSaid) {
-  constexpr char kClean[] = R"({"robot":"arm","seed":1,"family":"clean","ratio_target":0,"twins":[],"effects":[]})";
+  constexpr char kClean[] =
+      R"({"robot":"arm","seed":1,"family":"clean","ratio_target":0,"twins":[],"effects":[]})";
   EXPECT_TRUE(score(kClean, R"({"mismatch":false,"status":"ABSENT"})").right);
-  EXPECT_FALSE(
-      score(kClean, R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash","where":["elbow"]}]})")
-          .right);
+  EXPECT_FALSE(score(kClean,
+                     R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"backlash",)"
+                     R"("where":["elbow"]}]})")
+                   .right);
 }
 
 TEST_F(Reveal, DecoyNeedsItsName) {
-  constexpr char kDecoy[] = R"({"robot":"arm","seed":1,"family":"decoy","ratio_target":0,"twins":[],"effects":[],
+  constexpr char kDecoy[] =
+      R"({"robot":"arm","seed":1,"family":"decoy","ratio_target":0,"twins":[],"effects":[],
       "decoy":{"defect":"16-bit wrap","file":"rec_2.csv"}})";
-  EXPECT_TRUE(
-      score(kDecoy,
-            R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_2.csv","defect":"16-bit wrap"}]})")
-          .right);
-  EXPECT_FALSE(
-      score(kDecoy, R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_2.csv","defect":"gap"}]})")
-          .right);
-  EXPECT_FALSE(
-      score(kDecoy,
-            R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_1.csv","defect":"16-bit wrap"}]})")
-          .right);
+  EXPECT_TRUE(score(kDecoy,
+                    R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_2.csv",)"
+                    R"("defect":"16-bit wrap"}]})")
+                  .right);
+  EXPECT_FALSE(score(kDecoy,
+                     R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_2.csv",)"
+                     R"("defect":"gap"}]})")
+                   .right);
+  EXPECT_FALSE(score(kDecoy,
+                     R"({"mismatch":false,"status":"REFUSED","refused":[{"file":"x/rec_1.csv",)"
+                     R"("defect":"16-bit wrap"}]})")
+                   .right);
 }
 
 TEST_F(Reveal, OutsideNeedsUnnamedAndThePlace) {
-  constexpr char kOutside[] = R"({"robot":"arm","seed":1,"family":"outside","ratio_target":10,"twins":[],"effects":[
+  constexpr char kOutside[] =
+      R"({"robot":"arm","seed":1,"family":"outside","ratio_target":10,"twins":[],"effects":[
       {"id":"cubic_spring","where":["elbow"],"parameters":{"size":1},"ratio":10}]})";
-  EXPECT_TRUE(score(kOutside, R"({"mismatch":true,"status":"PRESENT_UNNAMED","unexplained":{"where":"elbow"}})").right);
+  EXPECT_TRUE(
+      score(kOutside,
+            R"({"mismatch":true,"status":"PRESENT_UNNAMED","unexplained":{"where":"elbow"}})")
+          .right);
   EXPECT_FALSE(
       score(kOutside,
-            R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"cable_spring","where":["elbow"]}]})")
+            R"({"mismatch":true,"status":"CONFIRMED","findings":[{"effect":"cable_spring",)"
+            R"("where":["elbow"]}]})")
           .right);
 }
 

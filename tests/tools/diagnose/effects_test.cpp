@@ -1,4 +1,5 @@
-// The library: every effect is the nominal model at its null, bit for bit, and something else at its probes.
+// The library: every effect is the nominal model at its null, bit for bit, and something else at
+// its probes.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -39,7 +40,8 @@ MeasuredMotion lively_motion(const Drive& drive) {
   return motion;
 }
 
-std::vector<Prediction> run(const SimParams& params, const Drive& drive, const MeasuredMotion& motion) {
+std::vector<Prediction> run(const SimParams& params, const Drive& drive,
+                            const MeasuredMotion& motion) {
   const std::vector<Window> windows{{0, 120, {0.1, -0.2, 0.02}, {0.5, 0.1, 0}},
                                     {80, 200, {0.1, 0.2, 0.0}, {1, -1, 0.1}}};
   SimOptions options;
@@ -49,14 +51,15 @@ std::vector<Prediction> run(const SimParams& params, const Drive& drive, const M
 
 bool identical(const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
   for (std::size_t w = 0; w < a.size(); ++w) {
-    if (a[w].q != b[w].q || a[w].dq != b[w].dq || a[w].tau != b[w].tau || a[w].i != b[w].i || a[w].pwm != b[w].pwm ||
-        a[w].volt != b[w].volt)
+    if (a[w].q != b[w].q || a[w].dq != b[w].dq || a[w].tau != b[w].tau || a[w].i != b[w].i ||
+        a[w].pwm != b[w].pwm || a[w].volt != b[w].volt)
       return false;
   }
   return true;
 }
 
-const char* const kSettings = "armature = 0.02\nviscous = 0.05\ncoulomb = 0.04\ncurrent_limit = 2.0\n";
+const char* const kSettings =
+    "armature = 0.02\nviscous = 0.05\ncoulomb = 0.04\ncurrent_limit = 2.0\n";
 
 class EveryEffect : public testing::TestWithParam<std::string> {};
 
@@ -68,12 +71,14 @@ TEST_P(EveryEffect, IsTheNominalModelAtItsNull) {
     const Drive drive = lively_drive(model);
     const MeasuredMotion motion = lively_motion(drive);
     const auto nominal = run(make_params(model), drive, motion);
-    for (const JointScale& scale : {JointScale{}, joint_scales(make_params(model), std::vector{drive})[1]}) {
+    for (const JointScale& scale :
+         {JointScale{}, joint_scales(make_params(model), std::vector{drive})[1]}) {
       SimParams params = make_params(model);
       std::vector<double> theta;
       for (const EffectParameter& p : effect.parameters) theta.push_back(scaled(p, scale).null);
       for (int j = 0; j < 3; ++j) effect.apply(params, j, theta);
-      EXPECT_TRUE(identical(run(params, drive, motion), nominal)) << effect.id << " with " << actuator;
+      EXPECT_TRUE(identical(run(params, drive, motion), nominal))
+          << effect.id << " with " << actuator;
     }
   }
 }
@@ -81,13 +86,15 @@ TEST_P(EveryEffect, IsTheNominalModelAtItsNull) {
 TEST_P(EveryEffect, ChangesThePredictionAtEveryProbe) {
   const Effect& effect = *find_effect(GetParam());
   // hot, saturated, slow and fast: every effect finds something to act on
-  const ModelFolder model = test::arm(std::string("actuator = \"dc_servo\"\np_gain = 20\n") + kSettings);
+  const ModelFolder model =
+      test::arm(std::string("actuator = \"dc_servo\"\np_gain = 20\n") + kSettings);
   Drive drive = lively_drive(model);
   const MeasuredMotion motion = lively_motion(drive);
   const auto nominal = run(make_params(model), drive, motion);
   auto probes = effect.probes;
   if (probes.empty())
-    probes = {{5, 0, 0, 0.5, 0.5}};  // external_push has no probe of its own: its instant comes from the data
+    // external_push has no probe of its own: its instant comes from the data
+    probes = {{5, 0, 0, 0.5, 0.5}};
   for (const auto& theta : probes) {
     SimParams params = make_params(model);
     effect.apply(params, 1, theta);
@@ -140,7 +147,8 @@ TEST(Library, IsConsistent) {
         EXPECT_LE(theta[k], e.parameters[k].high) << e.id;
       }
     }
-    for (std::string_view other : e.confounders) EXPECT_NE(find_effect(other), nullptr) << e.id << " names " << other;
+    for (std::string_view other : e.confounders)
+      EXPECT_NE(find_effect(other), nullptr) << e.id << " names " << other;
   }
   EXPECT_EQ(simulated, 48);  // 56 without 6 of the ground and 2 of the IMU
 }
@@ -167,7 +175,8 @@ TEST(JointStop, Stops) {
   SimParams params = make_params(model);
   find_effect("joint_stop")->apply(params, 0, std::vector<double>{200, 0.3, 1, 0.2});
   const auto out = simulate(params, drive, std::vector{test::whole(drive, {-0.8}, {0})});
-  // half the swing's energy m g l (1 - cos .8) at most goes into 1/2 k x^2: x < sqrt(2 * 0.15 / 200) = 0.039
+  // half the swing's energy m g l (1 - cos .8) at most goes into 1/2 k x^2: x < sqrt(2 * 0.15 /
+  // 200) = 0.039
   EXPECT_LT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.34);
   EXPECT_GT(*std::max_element(out[0].q.begin(), out[0].q.end()), 0.30);
 }
@@ -181,8 +190,10 @@ TEST(JointStop, GivesBackWhatItDoesNotSwallow) {
     const auto out = simulate(params, drive, std::vector{test::whole(drive, {-0.8}, {0})});
     const auto after = out[0].q.begin() + 100;
     const double returned = *std::min_element(after, out[0].q.end());
-    if (loss == 0.0) EXPECT_NEAR(returned, back, 2e-3);
-    else EXPECT_GT(returned, back);
+    if (loss == 0.0)
+      EXPECT_NEAR(returned, back, 2e-3);
+    else
+      EXPECT_GT(returned, back);
   }
 }
 
@@ -190,22 +201,26 @@ TEST(EffectsOfAModel, AreCheckedAndComeBack) {
   const auto with = [](const std::string& effect) {
     return parse_model("format = 1\n[[effect]]\n" + effect, test::kArmUrdf, "model.toml");
   };
-  const auto instances = instances_of(with("id = \"backlash\"\nwhere = [\"a\", \"b\"]\nwidth = 0.01\n"));
+  const auto instances =
+      instances_of(with("id = \"backlash\"\nwhere = [\"a\", \"b\"]\nwidth = 0.01\n"));
   ASSERT_EQ(instances.size(), 1u);
   EXPECT_EQ(instances[0].theta, (std::vector<double>{0.01, 0}));
   EXPECT_EQ(entry_of(instances[0]).parameters.at("width"), 0.01);
-  const SimParams params = params_with_effects(with("id = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n"));
+  const SimParams params =
+      params_with_effects(with("id = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n"));
   EXPECT_EQ(params.tree.joints[1].body.mass, 0.75);
-  for (const char* bad : {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n",
-                          "id = \"backlash\"\nwhere = [\"z\"]\n", "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n",
-                          "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
+  for (const char* bad :
+       {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n",
+        "id = \"backlash\"\nwhere = [\"z\"]\n", "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n",
+        "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
     EXPECT_THROW(instances_of(with(bad)), recording::InputError) << bad;
   }
 }
 
 TEST(EffectsOfAModel, ALinksMassDoesNotScaleThePayloadOnIt) {
-  ModelFolder model = parse_model("format = 1\n[[effect]]\nid = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n",
-                                  test::kArmUrdf, "m");
+  ModelFolder model =
+      parse_model("format = 1\n[[effect]]\nid = \"link_mass\"\nwhere = [\"lower\"]\nshare = 0.5\n",
+                  test::kArmUrdf, "m");
   model.payloads.push_back({1, {2.0, {0, 0, -0.1}, {}}});
   const SimParams params = params_with_effects(model);
   EXPECT_EQ(params.tree.joints[1].body.mass, 0.75);
@@ -214,7 +229,8 @@ TEST(EffectsOfAModel, ALinksMassDoesNotScaleThePayloadOnIt) {
 }
 
 /// The page with the text between <!-- begin NAME --> and <!-- end NAME --> replaced.
-std::string with_section(const std::string& page, const std::string& name, const std::string& text) {
+std::string with_section(const std::string& page, const std::string& name,
+                         const std::string& text) {
   const std::string begin = "<!-- begin " + name + " -->\n", end = "<!-- end " + name + " -->";
   const auto from = page.find(begin), to = page.find(end);
   if (from == std::string::npos || to == std::string::npos) return "no section " + name;
@@ -226,10 +242,11 @@ TEST(ModelFolderPage, HoldsTheCurrentTables) {
   std::stringstream page;
   page << in.rdbuf();
   const std::string wanted =
-      with_section(with_section(page.str(), "settings", settings_table_markdown()), "effects", effect_table_markdown());
+      with_section(with_section(page.str(), "settings", settings_table_markdown()), "effects",
+                   effect_table_markdown());
   if (std::getenv("SANSO_UPDATE_DOCS") != nullptr) std::ofstream("docs/model-folder.md") << wanted;
-  EXPECT_TRUE(page.str() == wanted)
-      << "docs/model-folder.md is not what the library says: run this test with SANSO_UPDATE_DOCS=1";
+  EXPECT_TRUE(page.str() == wanted) << "docs/model-folder.md is not what the library says: "
+                                       "run this test with SANSO_UPDATE_DOCS=1";
 }
 
 }  // namespace

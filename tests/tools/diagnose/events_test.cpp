@@ -13,14 +13,15 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\nposition_noise = 3e-4\n";
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\nposition_noise = 3e-4\n";
 const std::vector<NoiseLevel> kNoise{{"q:a", 0.0, 3e-4, {}}};
 
 std::vector<Source> sources(int recordings) {
   std::vector<recording::Recording> made;
   for (int i = 0; i < recordings; ++i) {
-    const Drive drive = test::make_test_drive(test::pendulum(kServo), 10.0, 0.01,
-                                              [i](int, double t) { return std::sin((1.0 + i) * t); });
+    const Drive drive = test::make_test_drive(
+        test::pendulum(kServo), 10.0, 0.01, [i](int, double t) { return std::sin((1.0 + i) * t); });
     recording::Recording r;
     r.file = "made_" + std::to_string(i) + ".csv";
     r.t = drive.t;
@@ -32,12 +33,13 @@ std::vector<Source> sources(int recordings) {
 }
 
 /// Noise of one level everywhere, and `level` times it in some shots.
-Eigen::VectorXd errors(const Problem& problem, const std::vector<std::size_t>& shots, double level) {
+Eigen::VectorXd errors(const Problem& problem, const std::vector<std::size_t>& shots,
+                       double level) {
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
   for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = i % 2 == 0 ? 1.0 : -1.0;
   for (const std::size_t s : shots) {
-    r.segment(static_cast<Eigen::Index>(problem.shots[s].offset), static_cast<Eigen::Index>(problem.shots[s].rows)) *=
-        level;
+    r.segment(static_cast<Eigen::Index>(problem.shots[s].offset),
+              static_cast<Eigen::Index>(problem.shots[s].rows)) *= level;
   }
   return r;
 }
@@ -65,7 +67,8 @@ TEST(Events, WhatHappensOnceIsAnAccident) {
 
 TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
   const Problem all = make_problem(sources(3), kNoise, ProblemOptions{});
-  const std::vector<Event> events = find_events(all, errors(all, {9, 29}, 10.0));  // 4.5 s into two recordings
+  // 4.5 s into two recordings
+  const std::vector<Event> events = find_events(all, errors(all, {9, 29}, 10.0));
   ProblemOptions options;
   options.maximum_shots = 6;
   options.instants = instants_of(all, events, 4);
@@ -75,7 +78,8 @@ TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
   std::vector<std::set<int>> tenths(3);
   for (const Shot& s : thin.shots) {
     const auto source = static_cast<std::size_t>(s.source);
-    tenths[source].insert(static_cast<int>(std::lround(10 * thin.sources[source].drive.t[s.window.first])));
+    tenths[source].insert(
+        static_cast<int>(std::lround(10 * thin.sources[source].drive.t[s.window.first])));
   }
   for (const std::set<int>& have : tenths) {
     for (const int from : {40, 45, 50}) EXPECT_TRUE(have.contains(from)) << from;
@@ -85,11 +89,14 @@ TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
 
 TEST(Events, APushIsPlacedOnlyWhereErrorsStandAlone) {
   ProblemOptions options;
-  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"}).candidates.empty());
+  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"})
+                  .candidates.empty());
   options.instants = {4.5};
-  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"}).candidates.empty());
+  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"})
+                  .candidates.empty());
   options.struck = {0};
-  const Placement placed = place_library(make_problem(sources(2), kNoise, options), {"external_push"});
+  const Placement placed =
+      place_library(make_problem(sources(2), kNoise, options), {"external_push"});
   ASSERT_EQ(placed.candidates.size(), 1U);
   for (const std::vector<double>& probe : placed.candidates[0].probes) {
     EXPECT_GE(probe[3], 4.5);

@@ -1,4 +1,5 @@
-// Known settings come back from a recording of a robot that has them; what the data cannot show stays as it was.
+// Known settings come back from a recording of a robot that has them; what the data cannot show
+// stays as it was.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -10,9 +11,11 @@
 namespace sanso::diagnose {
 namespace {
 
-recording::Recording recorded(const ModelFolder& model, const char* file, double phase, std::uint64_t seed) {
-  Drive drive = test::make_test_drive(
-      model, 8.0, 0.005, [phase](int, double t) { return 0.6 * std::sin(4 * t + phase) + 0.4 * std::sin(7.3 * t); });
+recording::Recording recorded(const ModelFolder& model, const char* file, double phase,
+                              std::uint64_t seed) {
+  Drive drive = test::make_test_drive(model, 8.0, 0.005, [phase](int, double t) {
+    return 0.6 * std::sin(4 * t + phase) + 0.4 * std::sin(7.3 * t);
+  });
   const SimParams params = params_with_effects(model);
   auto out = simulate(params, drive, std::vector{test::whole(drive, {0}, {0})})[0];
   add_sensor_noise(params, seed, out);
@@ -27,7 +30,8 @@ recording::Recording recorded(const ModelFolder& model, const char* file, double
 
 TEST(Identify, FindsTheSettingsOfAServo) {
   const char* base = "actuator = \"dc_servo\"\nposition_noise = 5e-4\n";
-  const ModelFolder truth = test::pendulum(std::string(base) + "coulomb = 0.15\nviscous = 0.1\narmature = 0.02\n");
+  const ModelFolder truth =
+      test::pendulum(std::string(base) + "coulomb = 0.15\nviscous = 0.1\narmature = 0.02\n");
   const ModelFolder nominal = test::pendulum(base);
   LoadedRecordings loaded;
   loaded.recordings = {recorded(truth, "a.csv", 0, 11), recorded(truth, "b.csv", 1, 12),
@@ -49,8 +53,10 @@ TEST(Identify, FindsTheSettingsOfAServo) {
                                : p.effect == "viscous_friction" ? 0.1
                                : p.effect == "rotor_inertia"    ? 0.02
                                                                 : p.nominal;
-    // beyond the spread, shots start from smoothed motion, which rounds off the kink of every reversal: 3 % of friction
-    EXPECT_LT(std::abs(p.value - truth_value), 5 * p.sigma + 0.03 * std::abs(truth_value)) << p.effect << " = " << p.value << " +- " << p.sigma;
+    // beyond the spread, shots start from smoothed motion, which rounds off the kink of every
+    // reversal: 3 % of friction
+    EXPECT_LT(std::abs(p.value - truth_value), 5 * p.sigma + 0.03 * std::abs(truth_value))
+        << p.effect << " = " << p.value << " +- " << p.sigma;
   }
 }
 

@@ -1,4 +1,5 @@
-// Lost commands are found at the rows at which they were lost, and where none were lost none are found.
+// Lost commands are found at the rows at which they were lost, and where none were lost none are
+// found.
 #include "tools/diagnose/search/losses.h"
 
 #include <gtest/gtest.h>
@@ -13,20 +14,24 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
 constexpr double kNoise = 4e-4;  // rad
 
 /// 10 s at 100 Hz of a servo in a world with `effects` that did not get the commands of `lost`.
-recording::Recording record(const std::vector<EffectEntry>& effects, int index, const std::vector<std::size_t>& lost) {
+recording::Recording record(const std::vector<EffectEntry>& effects, int index,
+                            const std::vector<std::size_t>& lost) {
   ModelFolder world = test::pendulum(kServo);
   world.effects = effects;
   const Drive sent = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
   });
   Drive received = sent;
-  for (const std::size_t row : lost) received.joints[0].command[row] = received.joints[0].command[row - 1];
+  for (const std::size_t row : lost)
+    received.joints[0].command[row] = received.joints[0].command[row - 1];
   const Window window = test::whole(sent, {0.0}, {0.0});
-  Prediction p = simulate(params_with_effects(world), received, std::vector<Window>{window}).front();
+  Prediction p =
+      simulate(params_with_effects(world), received, std::vector<Window>{window}).front();
   Random random(23, static_cast<std::uint64_t>(index));
   for (double& q : p.q) q += kNoise * random.normal();
   recording::Recording r;
@@ -43,8 +48,8 @@ LossScore found(const std::vector<EffectEntry>& effects, const std::vector<std::
   const std::vector<NoiseLevel> noise{{"q:a", 0.0, kNoise, {}}, {"pwm:a", 0.0, 1e-3, {}}};
   std::vector<recording::Recording> recordings;
   for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost));
-  const Problem problem =
-      make_problem(make_sources(test::pendulum(kServo), recordings, noise), noise, ProblemOptions{});
+  const Problem problem = make_problem(make_sources(test::pendulum(kServo), recordings, noise),
+                                       noise, ProblemOptions{});
   Library library;
   library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
   library.nuisances = make_nuisances(problem);
@@ -61,7 +66,8 @@ TEST(Losses, AreFoundAtTheirRows) {
   const LossScore score = found({}, lost);
   ASSERT_GE(score.candidate, 0);
   std::size_t right = 0;
-  for (const LostCommand& l : score.lost) right += std::count(lost.begin(), lost.end(), l.row) > 0 ? 1 : 0;
+  for (const LostCommand& l : score.lost)
+    right += std::count(lost.begin(), lost.end(), l.row) > 0 ? 1 : 0;
   EXPECT_GE(right, 24U);  // of 30; where the goal turns a loss changes nothing
   EXPECT_LE(score.lost.size(), right + 2);
   EXPECT_TRUE(score.blind);

@@ -11,12 +11,18 @@ namespace sanso::diagnose {
 namespace {
 
 constexpr const char* kUrdf = R"(<robot name="two"><link name="base"/>
-<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 2 0"/><limit lower="-1" upper="1" effort="3" velocity="2"/></joint>
-<link name="upper"><inertial><origin xyz="0 0 -0.1"/><mass value="1"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
-<joint name="glue" type="fixed"><parent link="upper"/><child link="box"/><origin xyz="0 0 -0.2"/></joint>
-<link name="box"><inertial><mass value="3"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
-<joint name="b" type="prismatic"><parent link="box"/><child link="rod"/><axis xyz="0 0 1"/><limit lower="0" upper="1" effort="3" velocity="2"/></joint>
-<link name="rod"><inertial><mass value="0.5"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></robot>)";
+<joint name="a" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 2 0"/>
+<limit lower="-1" upper="1" effort="3" velocity="2"/></joint>
+<link name="upper"><inertial><origin xyz="0 0 -0.1"/><mass value="1"/>
+<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<joint name="glue" type="fixed"><parent link="upper"/><child link="box"/><origin xyz="0 0 -0.2"/>
+</joint>
+<link name="box"><inertial><mass value="3"/>
+<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+<joint name="b" type="prismatic"><parent link="box"/><child link="rod"/><axis xyz="0 0 1"/>
+<limit lower="0" upper="1" effort="3" velocity="2"/></joint>
+<link name="rod"><inertial><mass value="0.5"/>
+<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></robot>)";
 
 constexpr const char* kToml = R"(format = 1
 [robot]
@@ -64,7 +70,8 @@ TEST(ModelFolder, MergesFixedJointsIntoOneBody) {
 }
 
 TEST(ModelFolder, WritesWhatItReads) {
-  const auto folder = std::filesystem::temp_directory_path() / ("sanso_model_" + std::to_string(::getpid()));
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("sanso_model_" + std::to_string(::getpid()));
   const ModelFolder m = parse_model(kToml, kUrdf, "model.toml");
   write_model_folder(m, folder.string());
   const ModelFolder back = read_model_folder(folder.string());
@@ -84,13 +91,16 @@ TEST(ModelFolder, RefusesByKeyAndLine) {
   };
   for (const Case& c :
        {Case{"[robot]\n", "missing key", 1, "format"},  //
-        Case{"format = 2\n", "unknown format", 1, "format"}, Case{"format = 1\nspeed = 2\n", "unknown key", 2, "speed"},
+        Case{"format = 2\n", "unknown format", 1, "format"},
+        Case{"format = 1\nspeed = 2\n", "unknown key", 2, "speed"},
         Case{"format = 1\n[joint.c]\nkp = 1\n", "unknown joint", 2, "joint.c"},
         Case{"format = 1\n[joint.a]\nkpp = 1\n", "unknown key", 3, "joint.a.kpp"},
-        Case{"format = 1\n[joint_default]\nduty_limit = 1.5\n", "out of range", 3, "joint_default.duty_limit"},
+        Case{"format = 1\n[joint_default]\nduty_limit = 1.5\n", "out of range", 3,
+             "joint_default.duty_limit"},
         Case{"format = 1\n[robot]\nbase = \"loose\"\n", "unknown base", 3, "robot.base"},
         Case{"format = 1\n[[effect]]\nwhere = []\n", "missing key", 2, "effect.id"},
-        Case{"format = 1\n[[effect]]\nid = \"x\"\nwidth = \"wide\"\n", "not a number", 4, "effect.width"}}) {
+        Case{"format = 1\n[[effect]]\nid = \"x\"\nwidth = \"wide\"\n", "not a number", 4,
+             "effect.width"}}) {
     try {
       parse_model(c.text, kUrdf, "model.toml");
       FAIL() << c.text;
@@ -103,9 +113,10 @@ TEST(ModelFolder, RefusesByKeyAndLine) {
 }
 
 TEST(ModelFolder, RefusesRobotsThatAreNone) {
-  for (const char* urdf : {"", "<robot name='x'/>", "<robot name='x'><link name='a'/></robot>", "not xml",
-                           "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='floating'><parent "
-                           "link='a'/><child link='b'/></joint></robot>"}) {
+  for (const char* urdf :
+       {"", "<robot name='x'/>", "<robot name='x'><link name='a'/></robot>", "not xml",
+        "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='floating'><parent "
+        "link='a'/><child link='b'/></joint></robot>"}) {
     EXPECT_THROW(parse_model("format = 1\n", urdf, "model.toml"), recording::InputError) << urdf;
   }
 }

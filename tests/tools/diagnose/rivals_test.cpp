@@ -13,7 +13,8 @@ namespace sanso::diagnose {
 namespace {
 
 constexpr const char* kServo =
-    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_noise = 3e-4\n";
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_noise = "
+    "3e-4\n";
 
 recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
   ModelFolder world = test::pendulum(kServo);
@@ -22,7 +23,8 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index, 
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
   });
   const SimParams params = params_with_effects(world);
-  Prediction p = simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
+  Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
   add_sensor_noise(params, 31 + static_cast<std::uint64_t>(index), p);
   recording::Recording r;
   r.file = "made_" + std::to_string(index) + ".csv";
@@ -37,11 +39,13 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index, 
 struct Bench {
   Problem problem;
   Library library;
-  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects, bool duty = false) {
+  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects,
+        bool duty = false) {
     const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}};
     problem = make_problem(
         make_sources(test::pendulum(kServo),
-                     {record(hidden, 0, duty), record(hidden, 1, duty), record(hidden, 2, duty)}, noise),
+                     {record(hidden, 0, duty), record(hidden, 1, duty), record(hidden, 2, duty)},
+                     noise),
         noise, ProblemOptions{});
     library.candidates = place_library(problem, effects).candidates;
     library.nuisances = make_nuisances(problem);
@@ -73,7 +77,8 @@ struct Race {
 };
 
 TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
-  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction", "coulomb_friction", "cable_spring"});
+  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}},
+          {"viscous_friction", "coulomb_friction", "cable_spring"});
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const FitResult nominal = fit(around, Model{}, 3);
   const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
@@ -89,28 +94,34 @@ TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
 }
 
 TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
-  // nothing but the joint's own encoder and its command: a shift is a shift. The fits must reach it, both of them
+  // nothing but the joint's own encoder and its command: a shift is a shift. The fits must reach
+  // it, both of them
   Bench b({{"command_delay", {"a"}, {{"delay", 0.0173}}}}, {"command_delay", "sensor_delay"});
   const Race race(b);
   ASSERT_EQ(race.fitted.size(), 2U);
-  for (const Alternative& a : race.fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
+  for (const Alternative& a : race.fitted)
+    EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
   EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
-  const std::vector<int> others = replacements(b.library, race.seen, race.fitted.front().fit.model, race.fitted.front().candidate, {});
+  const std::vector<int> others = replacements(b.library, race.seen, race.fitted.front().fit.model,
+                                               race.fitted.front().candidate, {});
   EXPECT_EQ(others, std::vector<int>{race.fitted.back().candidate});
 }
 
 TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
-  // a reading falls before or after a jump of the command: from the wrong side no derivative leads across
+  // a reading falls before or after a jump of the command: from the wrong side no derivative leads
+  // across
   constexpr double kDelay = 0.0248;
   Bench b({{"sensor_delay", {"a"}, {{"delay", kDelay}}}}, {"command_delay", "sensor_delay"}, true);
   const Race race(b);
   ASSERT_EQ(race.fitted.size(), 2U);
-  for (const Alternative& a : race.fitted) EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
+  for (const Alternative& a : race.fitted)
+    EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
   EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
 }
 
 TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {
-  // no end of the motion shows it: the joint runs into a cable and deep beyond where it first touches
+  // no end of the motion shows it: the joint runs into a cable and deep beyond where it first
+  // touches
   Bench b({{"joint_stop", {"a"}, {{"stiffness", 0.5}, {"position", 0.12}, {"side", 1.0}}}},
           {"joint_stop", "cable_spring", "cogging"});
   const Race race(b);

@@ -11,7 +11,8 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
 constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
 
 /// 10 s at 100 Hz of a servo in a world with `effects`, chance drawn, readings quantised.
@@ -24,10 +25,13 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index, 
   const SimParams params = params_with_effects(world);
   SimOptions options;
   options.random_seed = 91 + static_cast<std::uint64_t>(index);
-  Prediction p = simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}, options).front();
+  Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}, options)
+          .front();
   add_reading_jitter(params, options.random_seed, p);
   Random random(17, static_cast<std::uint64_t>(index));
-  for (double& q : p.q) q = kQuantum * std::round((q + 0.3 * kQuantum * random.normal()) / kQuantum);
+  for (double& q : p.q)
+    q = kQuantum * std::round((q + 0.3 * kQuantum * random.normal()) / kQuantum);
   recording::Recording r;
   r.file = "made_" + std::to_string(index) + ".csv";
   r.t = drive.t;
@@ -39,14 +43,18 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index, 
   return r;
 }
 
-/// What is said about three recordings of the world, best first, when the nominal model is all that was fitted.
-std::vector<ScatterScore> judged(const std::vector<EffectEntry>& effects, bool duty, Library& library) {
+/// What is said about three recordings of the world, best first, when the nominal model is all that
+/// was fitted.
+std::vector<ScatterScore> judged(const std::vector<EffectEntry>& effects, bool duty,
+                                 Library& library) {
   const double sigma = kQuantum * std::sqrt(0.09 + 1.0 / 12.0);
-  const std::vector<NoiseLevel> noise{{"q:a", kQuantum, sigma, {}}, {"pwm:a", 1.0 / 885, 0.3 / 885, {}}};
-  const Problem problem =
-      make_problem(make_sources(test::pendulum(kServo),
-                                {record(effects, 0, duty), record(effects, 1, duty), record(effects, 2, duty)}, noise),
-                   noise, ProblemOptions{});
+  const std::vector<NoiseLevel> noise{{"q:a", kQuantum, sigma, {}},
+                                      {"pwm:a", 1.0 / 885, 0.3 / 885, {}}};
+  const Problem problem = make_problem(
+      make_sources(test::pendulum(kServo),
+                   {record(effects, 0, duty), record(effects, 1, duty), record(effects, 2, duty)},
+                   noise),
+      noise, ProblemOptions{});
   library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
   library.nuisances = make_nuisances(problem);
   const Surroundings around = make_surroundings(problem, library, Model{});
@@ -66,21 +74,25 @@ TEST(Scatter, QuantisedReadingsOfACleanWorldAreNoChance) {
 
 TEST(Scatter, JitterIsNamedAndMeasured) {
   Library library;
-  const std::vector<ScatterScore> scores = judged({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, false, library);
+  const std::vector<ScatterScore> scores =
+      judged({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, false, library);
   ASSERT_EQ(scores.size(), 2U);
   EXPECT_EQ(name_of(library, scores.front()), "timing_jitter");
   EXPECT_LT(scores.front().p_family, 0.01);
   EXPECT_NEAR(scores.front().size, 0.003, 0.0006);
   EXPECT_LT(scores.front().low, 0.003);
   EXPECT_GT(scores.front().high, 0.003);
-  EXPECT_NEAR(scores.front().left, 1.0, 0.3);  // shots begin on readings that are 10 times worse than the encoder
+  // shots begin on readings that are 10 times worse than the encoder
+  EXPECT_NEAR(scores.front().left, 1.0, 0.3);
 }
 
 TEST(Scatter, MotionIsSmoothedByHowWellReadingsAreKnown) {
   const NoiseLevel level{"q:a", kQuantum, kQuantum * std::sqrt(0.09 + 1.0 / 12.0), {}};
-  const std::vector<recording::Recording> made{record({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, 0, false)};
+  const std::vector<recording::Recording> made{
+      record({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, 0, false)};
   const std::vector<recording::Recording> exact{record({}, 0, false)};
-  Problem problem = make_problem(make_sources(test::pendulum(kServo), made, {level}), {level}, ProblemOptions{});
+  Problem problem =
+      make_problem(make_sources(test::pendulum(kServo), made, {level}), {level}, ProblemOptions{});
   const Source truth = make_sources(test::pendulum(kServo), exact, {level}).front();
   const auto error = [&] {
     double sum = 0.0;
@@ -99,7 +111,8 @@ TEST(Scatter, MotionIsSmoothedByHowWellReadingsAreKnown) {
 
 TEST(Scatter, LostCommandsAreNamedAndMeasured) {
   Library library;
-  const std::vector<ScatterScore> scores = judged({{"packet_loss", {"a"}, {{"loss", 0.2}}, 0}}, true, library);
+  const std::vector<ScatterScore> scores =
+      judged({{"packet_loss", {"a"}, {{"loss", 0.2}}, 0}}, true, library);
   ASSERT_EQ(scores.size(), 2U);
   EXPECT_EQ(name_of(library, scores.front()), "packet_loss");
   EXPECT_LT(scores.front().p_family, 0.01);

@@ -14,9 +14,11 @@ namespace {
 
 /// A recording of what the model does when it follows a sum of two sines.
 recording::Recording recorded(const ModelFolder& model, double duration) {
-  Drive drive = test::make_test_drive(model, duration, 0.005,
-                                      [](int, double t) { return 0.5 * std::sin(4 * t) + 0.3 * std::sin(7 * t); });
-  const auto out = simulate(params_with_effects(model), drive, std::vector{test::whole(drive, {0}, {0})});
+  Drive drive = test::make_test_drive(model, duration, 0.005, [](int, double t) {
+    return 0.5 * std::sin(4 * t) + 0.3 * std::sin(7 * t);
+  });
+  const auto out =
+      simulate(params_with_effects(model), drive, std::vector{test::whole(drive, {0}, {0})});
   recording::Recording r;
   r.file = "made.csv";
   r.t = drive.t;
@@ -87,19 +89,22 @@ TEST(Examples, OfEveryActuatorAreReadAndScoreTheirRealRecordings) {
   const auto real = sanso::test::shared_data() / "real";
   int scored = 0;
   for (const Example& example : examples) {
-    const ModelFolder model = read_model_folder(std::string("tools/diagnose/examples/") + example.model);
+    const ModelFolder model =
+        read_model_folder(std::string("tools/diagnose/examples/") + example.model);
     for (const char* file : example.recordings) {
       if (!std::filesystem::exists(real / file)) continue;
       const RecordingScore s = score(model, recording::read_csv((real / file).string()));
-      for (const HorizonScore& h : s.horizons) EXPECT_TRUE(std::isfinite(h.rmse) && h.rmse > 0.0) << file;
-      // the arm of 27 kg without its rotors is no usable model of its wrist, and says so: its file leaves them out on
-      // purpose
+      for (const HorizonScore& h : s.horizons)
+        EXPECT_TRUE(std::isfinite(h.rmse) && h.rmse > 0.0) << file;
+      // the arm of 27 kg without its rotors is no usable model of its wrist, and says so: its file
+      // leaves them out on purpose
       const double bound = example.model == std::string("staubli_tx40") ? 1e3 : 0.2;
       EXPECT_LE(s.horizons[0].rmse, bound) << file << ": 0.1 s from the measured state";
       ++scored;
     }
   }
-  if (scored == 0) GTEST_SKIP() << "examples read; no real recordings at " << real << " (set SANSO_DATA)";
+  if (scored == 0)
+    GTEST_SKIP() << "examples read; no real recordings at " << real << " (set SANSO_DATA)";
 }
 
 }  // namespace

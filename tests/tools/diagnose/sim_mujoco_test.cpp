@@ -15,11 +15,12 @@ namespace {
 double command(int j, double t) { return (j == 2 ? 2.0 : 1.2) * std::sin((3.0 + j) * t + 0.5 * j); }
 
 TEST(SimulatorAgainstMuJoCo, SmoothArmUnderTorques) {
-  const auto path = std::filesystem::temp_directory_path() / ("sanso_arm_" + std::to_string(::getpid()) + ".urdf");
+  const auto path = std::filesystem::temp_directory_path() /
+                    ("sanso_arm_" + std::to_string(::getpid()) + ".urdf");
   std::ofstream(path) << test::kArmUrdf;
   char error[500] = {};
-  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(mj_loadXML(path.c_str(), nullptr, error, sizeof error),
-                                                           mj_deleteModel);
+  const std::unique_ptr<mjModel, void (*)(mjModel*)> model(
+      mj_loadXML(path.c_str(), nullptr, error, sizeof error), mj_deleteModel);
   std::filesystem::remove(path);
   ASSERT_NE(model, nullptr) << error;
   ASSERT_EQ(model->nv, 3);
@@ -34,9 +35,11 @@ TEST(SimulatorAgainstMuJoCo, SmoothArmUnderTorques) {
   data->qpos[0] = 0.2;
   data->qpos[1] = -0.1;
 
-  const ModelFolder ours = test::arm("actuator = \"torque\"\ntorque_limit = 0\nviscous = 0.05\narmature = 0.01\n");
+  const ModelFolder ours =
+      test::arm("actuator = \"torque\"\ntorque_limit = 0\nviscous = 0.05\narmature = 0.01\n");
   const Drive drive = test::make_test_drive(ours, 3.0, 0.002, command);
-  const auto out = simulate(make_params(ours), drive, std::vector{test::whole(drive, {0.2, -0.1, 0}, {0, 0, 0})});
+  const auto out = simulate(make_params(ours), drive,
+                            std::vector{test::whole(drive, {0.2, -0.1, 0}, {0, 0, 0})});
 
   for (std::size_t r = 0; r + 1 < drive.rows(); ++r) {
     for (int j = 0; j < 3; ++j) {

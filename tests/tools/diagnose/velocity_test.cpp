@@ -15,7 +15,8 @@ namespace {
 constexpr const char* kServo = "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\n";
 constexpr double kNoise = 0.01;  // rad/s
 
-/// Twenty seconds of two sines; the velocity is read through `sensor(true velocity, true acceleration)`.
+/// Twenty seconds of two sines; the velocity is read through `sensor(true velocity, true
+/// acceleration)`.
 template <class Sensor>
 Predictability judged(const Sensor& sensor) {
   Random random(3);
@@ -26,7 +27,8 @@ Predictability judged(const Sensor& sensor) {
     const double t = 0.01 * k;
     r.t.push_back(t);
     q.push_back(0.6 * std::sin(2 * t) + 0.2 * std::sin(7 * t) + 3e-4 * random.normal());
-    const double v = 1.2 * std::cos(2 * t) + 1.4 * std::cos(7 * t), a = -2.4 * std::sin(2 * t) - 9.8 * std::sin(7 * t);
+    const double v = 1.2 * std::cos(2 * t) + 1.4 * std::cos(7 * t),
+                 a = -2.4 * std::sin(2 * t) - 9.8 * std::sin(7 * t);
     dq.push_back(sensor(v, a) + kNoise * random.normal());
   }
   r.set("u:a", q);

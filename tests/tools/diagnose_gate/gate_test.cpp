@@ -1,4 +1,5 @@
-// Every kind of broken recording must be refused by its own name, and healthy data must pass, effects included.
+// Every kind of broken recording must be refused by its own name, and healthy data must pass,
+// effects included.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +38,8 @@ struct Data {
   }
 };
 
-/// Two servos that lag and sag behind two different commands; 8 s at about 180 Hz, uneven, quantised.
+/// Two servos that lag and sag behind two different commands; 8 s at about 180 Hz, uneven,
+/// quantised.
 Data healthy(std::uint64_t seed = 3) {
   Data d;
   Random random(seed);
@@ -52,7 +54,8 @@ Data healthy(std::uint64_t seed = 3) {
     double x = 0, v = 0;
     for (std::size_t k = 0; k < d.t.size(); ++k) {
       const double t = d.t[k], h = k > 0 ? t - d.t[k - 1] : 0.0;
-      u[k] = j == 0 ? 0.6 * std::sin(2 * t + 0.1 * static_cast<double>(seed)) : 0.4 * std::sin(3.1 * t) + 0.3 * std::sin(0.9 * t);
+      u[k] = j == 0 ? 0.6 * std::sin(2 * t + 0.1 * static_cast<double>(seed))
+                    : 0.4 * std::sin(3.1 * t) + 0.3 * std::sin(0.9 * t);
       const double duty = std::clamp(4.6 * (u[k] - x), -1.0, 1.0);
       v += h * (90 * duty - 20 * v - 9 * std::sin(x));
       x += h * v;
@@ -65,7 +68,8 @@ Data healthy(std::uint64_t seed = 3) {
 }
 
 std::vector<GateJoint> joints() {
-  return {{"hip", false, -1.5, 1.5, 4.8, 2.3, 4.1, 12.0}, {"knee", false, 0, 0, 4.8, 2.3, 4.1, 12.0}};
+  return {{"hip", false, -1.5, 1.5, 4.8, 2.3, 4.1, 12.0},
+          {"knee", false, 0, 0, 4.8, 2.3, 4.1, 12.0}};
 }
 
 std::string first_defect(const Data& d) {
@@ -76,7 +80,8 @@ std::string first_defect(const Data& d) {
 TEST(Gate, PassesAHealthyRecordingAndMeasuresItsNoise) {
   const Data d = healthy();
   const GateReport report = inspect({d.view()}, joints());
-  ASSERT_FALSE(report.refused()) << report.defects.front().defect << ": " << report.defects.front().message;
+  ASSERT_FALSE(report.refused()) << report.defects.front().defect << ": "
+                                 << report.defects.front().message;
   for (const NoiseLevel& n : report.noise) {
     if (n.channel != "q:hip") continue;
     EXPECT_NEAR(n.quantum, kQuantum, 1e-3 * kQuantum);
@@ -119,7 +124,8 @@ const std::vector<Corruption>& corruptions() {
            if (name.rfind("pwm", 0) != 0) scale(values, 57.29577951);
          }
        }},
-      {"velocity in degrees", defect::kWrongUnit, [](Data& d) { scale(d["dq:knee"], 57.29577951); }},
+      {"velocity in degrees", defect::kWrongUnit,
+       [](Data& d) { scale(d["dq:knee"], 57.29577951); }},
       {"flipped sign", defect::kWrongSign,
        [](Data& d) {
          scale(d["q:hip"], -1);
@@ -142,7 +148,8 @@ const std::vector<Corruption>& corruptions() {
        [](Data& d) {
          for (double& v : d["q:hip"]) v = std::min(v, 240 * kQuantum);
        }},
-      {"command copied from position", defect::kCommandIsCopy, [](Data& d) { d["u:hip"] = d["q:hip"]; }},
+      {"command copied from position", defect::kCommandIsCopy,
+       [](Data& d) { d["u:hip"] = d["q:hip"]; }},
       {"stuck sensor", defect::kStuck,
        [](Data& d) {
          auto& q = d["q:hip"];
@@ -151,7 +158,8 @@ const std::vector<Corruption>& corruptions() {
       {"infinite value", defect::kNotANumber, [](Data& d) { d["q:knee"][12] = INFINITY; }},
       {"no motion", defect::kNoMotion,
        [](Data& d) {
-         for (auto& [name, values] : d.columns) std::fill(values.begin(), values.end(), name[0] == 'd' ? 0.0 : 0.25);
+         for (auto& [name, values] : d.columns)
+           std::fill(values.begin(), values.end(), name[0] == 'd' ? 0.0 : 0.25);
        }},
       {"foreign columns", defect::kMissingChannel,
        [](Data& d) {
@@ -186,9 +194,9 @@ TEST(Gate, LegalOddities_EmptyCellsLostPacketsTorqueOff_Pass) {
   Random random(5);
   auto& q = d["q:hip"];
   for (std::size_t k = 1; k < q.size(); ++k) {
-    if (random.uniform() < 0.2) q[k] = q[k - 1];           // lost packet: the last value again
-    if (random.uniform() < 0.1) d["q:knee"][k] = NAN;      // not sampled
-    if (k > 1000) d["u:knee"][k] = NAN;                    // torque off
+    if (random.uniform() < 0.2) q[k] = q[k - 1];       // lost packet: the last value again
+    if (random.uniform() < 0.1) d["q:knee"][k] = NAN;  // not sampled
+    if (k > 1000) d["u:knee"][k] = NAN;                // torque off
   }
   EXPECT_EQ(first_defect(d), "");
 }

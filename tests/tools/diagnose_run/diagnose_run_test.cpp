@@ -1,5 +1,5 @@
-// The whole command on practice data made with the library's own simulator (the sealed proof uses another world: bench
-// diagnose).
+// The whole command on practice data made with the library's own simulator (the sealed proof uses
+// another world: bench diagnose).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,18 +23,22 @@ namespace {
 
 constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
 constexpr const char* kServo =
-    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = 0.0015339808";
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_quantum = "
+    "0.0015339808";
 
-/// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not know; `duty`:
+/// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not
+/// know; `duty`:
 /// recorded.
 recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty = false) {
   ModelFolder world = test::pendulum(kServo);
   world.effects = effects;
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [&](int, double t) {
-    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t) + (t > 5.0 ? 0.3 : 0.0);
+    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t) +
+           (t > 5.0 ? 0.3 : 0.0);
   });
   const SimParams params = params_with_effects(world);
-  const Prediction p = simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
+  const Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
   Random random(77, static_cast<std::uint64_t>(index));
   recording::Recording r;
   r.t = drive.t;
@@ -59,7 +63,8 @@ class DiagnoseRun : public testing::Test {
     options_.quiet = true;
   }
   void add(const recording::Recording& r) {
-    options_.recordings.push_back((folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
+    options_.recordings.push_back(
+        (folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
     recording::write_csv(r, options_.recordings.back());
   }
   nlohmann::json verdict() const {
@@ -94,7 +99,8 @@ TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolde
   const nlohmann::json v = verdict();
   ASSERT_FALSE(v.at("findings").empty()) << v.dump(1);
   const nlohmann::json& finding = v.at("findings").at(0);
-  // without a torque-off recording the goal's and the reading's delay look alike: the answer has to be the set
+  // without a torque-off recording the goal's and the reading's delay look alike: the answer has to
+  // be the set
   const auto set = finding.at("one_of").get<std::set<std::string>>();
   EXPECT_TRUE(set.contains("command_delay")) << v.at("answer");
   EXPECT_LE(set.size(), 2U) << v.at("answer");
@@ -103,7 +109,8 @@ TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolde
   EXPECT_FALSE(read_model_folder((folder_ / "out" / "model").string()).effects.empty());
 }
 
-/// The library's delays end at 60 ms: a longer one is present, but what stops at the bound is not confirmed.
+/// The library's delays end at 60 ms: a longer one is present, but what stops at the bound is not
+/// confirmed.
 TEST_F(DiagnoseRun, WhatEndsAtABoundIsPresentAndNotConfirmed) {
   for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.09}}, 0}}, i));
   options_.effects = {"command_delay"};
@@ -111,14 +118,16 @@ TEST_F(DiagnoseRun, WhatEndsAtABoundIsPresentAndNotConfirmed) {
   EXPECT_EQ(verdict().at("status"), "PRESENT_UNNAMED") << verdict().at("answer");
   for (const auto& f : verdict().at("findings")) {
     EXPECT_NE(f.at("status"), "CONFIRMED");
-    EXPECT_NE(f.at("reserve").get<std::string>().find("bound"), std::string::npos) << verdict().at("answer");
+    EXPECT_NE(f.at("reserve").get<std::string>().find("bound"), std::string::npos)
+        << verdict().at("answer");
   }
 }
 
-/// A push a tenth of a second long fills few rows: it is found because nothing else stands out there, and left out of
-/// the library it is not silence.
+/// A push a tenth of a second long fills few rows: it is found because nothing else stands out
+/// there, and left out of the library it is not silence.
 TEST_F(DiagnoseRun, NamesAPushAndItsInstant_OrSaysWhereSomethingHappened) {
-  const EffectEntry push{"external_push", {"arm"}, {{"x", 4.0}, {"from", 6.21}, {"duration", 0.12}}, 0};
+  const EffectEntry push{
+      "external_push", {"arm"}, {{"x", 4.0}, {"from", 6.21}, {"duration", 0.12}}, 0};
   for (int i = 0; i < 3; ++i) add(record({push}, i));
   EXPECT_EQ(run_diagnose(options_), 1);
   nlohmann::json v = verdict();
@@ -141,10 +150,12 @@ TEST_F(DiagnoseRun, NamesDryFriction) {
   const nlohmann::json v = verdict();
   ASSERT_FALSE(v.at("findings").empty()) << v.dump(1);
   const auto names = v.at("findings").at(0).at("one_of").get<std::vector<std::string>>();
-  EXPECT_NE(std::find(names.begin(), names.end(), "coulomb_friction"), names.end()) << v.at("answer");
+  EXPECT_NE(std::find(names.begin(), names.end(), "coulomb_friction"), names.end())
+      << v.at("answer");
 }
 
-/// Ten rows a second are too few for shots of half a second: they get longer shots, never an empty comparison.
+/// Ten rows a second are too few for shots of half a second: they get longer shots, never an empty
+/// comparison.
 TEST_F(DiagnoseRun, ALibraryOfOneEffectIsSearchedToItsEnd) {
   const EffectEntry friction{"coulomb_friction", {"a"}, {{"coulomb", 0.3}}, 0};
   for (int i = 0; i < 3; ++i) add(record({friction}, i));
@@ -156,19 +167,22 @@ TEST_F(DiagnoseRun, ALibraryOfOneEffectIsSearchedToItsEnd) {
   EXPECT_EQ(verdict().at("findings").at(0).at("effect"), "coulomb_friction");
 }
 
-/// A softer servo would explain much of what dry friction does to the position; the recorded duty says that it is not
-/// so.
+/// A softer servo would explain much of what dry friction does to the position; the recorded duty
+/// says that it is not so.
 TEST_F(DiagnoseRun, WhatTheDutyContradictsIsNotNamed) {
-  for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
+  for (int i = 0; i < 3; ++i)
+    add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
   options_.effects = {"servo_p_gain"};
   EXPECT_EQ(run_diagnose(options_), 1);
   EXPECT_EQ(verdict().at("status"), "PRESENT_UNNAMED") << verdict().at("answer");
   EXPECT_TRUE(verdict().at("findings").empty()) << verdict().at("answer");
 }
 
-/// The same recordings with the right name in the library: its drift of the simulated duty speaks against nobody.
+/// The same recordings with the right name in the library: its drift of the simulated duty speaks
+/// against nobody.
 TEST_F(DiagnoseRun, TheDutyOfADriftingSimulationContradictsNobody) {
-  for (int i = 0; i < 3; ++i) add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
+  for (int i = 0; i < 3; ++i)
+    add(record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i, true));
   options_.effects = {"servo_p_gain", "coulomb_friction"};
   EXPECT_EQ(run_diagnose(options_), 1);
   EXPECT_EQ(verdict().at("status"), "CONFIRMED") << verdict().at("answer");
@@ -178,7 +192,8 @@ TEST_F(DiagnoseRun, TheDutyOfADriftingSimulationContradictsNobody) {
 
 TEST_F(DiagnoseRun, SlowRecordingsAreCompared) {
   for (int i = 0; i < 2; ++i) {
-    const recording::Recording fast = record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i);
+    const recording::Recording fast =
+        record({{"coulomb_friction", {"a"}, {{"coulomb", 0.4}}, 0}}, i);
     recording::Recording slow;
     for (std::size_t k = 0; k < fast.rows(); k += 10) slow.t.push_back(fast.t[k]);
     for (const recording::Channel& c : fast.channels) {
@@ -213,13 +228,16 @@ TEST_F(DiagnoseRun, BrokenInputIsRefusedByNameAndNothingElseIsWritten) {
   EXPECT_EQ(run_diagnose(options_), 2);
 }
 
-/// Has chromium draw `page` into `image`. Its profile goes to `folder`: no home folder and little shared memory needed.
-bool draw_in_a_browser(const std::string& page, const std::string& image, const std::string& folder) {
-  const std::string command = "HOME='" + folder +
-                              "' timeout 120 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage"
-                              " --hide-scrollbars --window-size=900,2400 --user-data-dir='" +
-                              folder + "/profile' --screenshot='" + image + "' 'file://" + page + "' >'" + folder +
-                              "/chromium.log' 2>&1";
+/// Has chromium draw `page` into `image`. Its profile goes to `folder`: no home folder and little
+/// shared memory needed.
+bool draw_in_a_browser(const std::string& page, const std::string& image,
+                       const std::string& folder) {
+  const std::string command =
+      "HOME='" + folder +
+      "' timeout 120 chromium --headless --no-sandbox --disable-gpu --disable-dev-shm-usage"
+      " --hide-scrollbars --window-size=900,2400 --user-data-dir='" +
+      folder + "/profile' --screenshot='" + image + "' 'file://" + page + "' >'" + folder +
+      "/chromium.log' 2>&1";
   return std::system(command.c_str()) == 0 && std::filesystem::exists(image);
 }
 
@@ -233,17 +251,22 @@ std::string text_of(const std::filesystem::path& file) {
 TEST_F(DiagnoseRun, ReportOpensInABrowser) {
   for (int i = 0; i < 2; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.02}}, 0}}, i));
   run_diagnose(options_);
-  const std::string page = (folder_ / "out" / "report.html").string(), image = (folder_ / "report.png").string();
+  const std::string page = (folder_ / "out" / "report.html").string(),
+                    image = (folder_ / "report.png").string();
   EXPECT_NE(text_of(page).find("What to record next"), std::string::npos);
   EXPECT_EQ(text_of(page).find("http://www.w3.org/1999/xlink"), std::string::npos);
   if (std::system("command -v chromium >/dev/null 2>&1") != 0)
     GTEST_SKIP() << "SKIPPED: no chromium to open the report with";
   if (!draw_in_a_browser(page, image, folder_.string())) {
-    const std::string first_log = text_of(folder_ / "chromium.log"), simple = (folder_ / "simple.html").string();
+    const std::string first_log = text_of(folder_ / "chromium.log"),
+                      simple = (folder_ / "simple.html").string();
     std::ofstream(simple) << "<!doctype html><title>simple</title><p>simple</p>";
     if (!draw_in_a_browser(simple, (folder_ / "simple.png").string(), folder_.string()))
-      GTEST_SKIP() << "SKIPPED: chromium draws no page at all here: " << text_of(folder_ / "chromium.log");
-    ASSERT_TRUE(draw_in_a_browser(page, image, folder_.string())) << "chromium draws other pages here\n" << first_log;
+      GTEST_SKIP() << "SKIPPED: chromium draws no page at all here: "
+                   << text_of(folder_ / "chromium.log");
+    ASSERT_TRUE(draw_in_a_browser(page, image, folder_.string()))
+        << "chromium draws other pages here\n"
+        << first_log;
   }
   EXPECT_GT(std::filesystem::file_size(image), 30'000U);
 }

@@ -1,5 +1,5 @@
-// Every kind of broken file through the whole command: exit code 2, the defect by its name with file, channel and row,
-// and nothing written but the refusal.
+// Every kind of broken file through the whole command: exit code 2, the defect by its name with
+// file, channel and row, and nothing written but the refusal.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,21 +25,24 @@ constexpr const char* kTwoJoints = R"(<robot name="two"><link name="base"/>
 <limit lower="-2" upper="2" effort="4" velocity="4.8"/></joint>
 <link name="thigh"><inertial><origin xyz="0 0 -0.08"/><mass value="0.2"/>
 <inertia ixx="3e-4" ixy="0" ixz="0" iyy="3e-4" iyz="0" izz="1e-4"/></inertial></link>
-<joint name="knee" type="revolute"><parent link="thigh"/><child link="shank"/><origin xyz="0 0 -0.15"/><axis xyz="0 1 0"/>
+<joint name="knee" type="revolute"><parent link="thigh"/><child link="shank"/>
+<origin xyz="0 0 -0.15"/><axis xyz="0 1 0"/>
 <limit lower="-2" upper="2" effort="4" velocity="4.8"/></joint>
 <link name="shank"><inertial><origin xyz="0 0 -0.06"/><mass value="0.15"/>
 <inertia ixx="2e-4" ixy="0" ixz="0" iyy="2e-4" iyz="0" izz="1e-4"/></inertial></link></robot>)";
 
 ModelFolder two_joints() {
-  return parse_model("format = 1\n[joint_default]\nactuator = \"dc_servo\"\narmature = 0.01\ncoulomb = 0.02\n",
-                     kTwoJoints, "two/model.toml");
+  return parse_model(
+      "format = 1\n[joint_default]\nactuator = \"dc_servo\"\narmature = 0.01\ncoulomb = 0.02\n",
+      kTwoJoints, "two/model.toml");
 }
 
 /// 10 s at 100 Hz: columns u, q, dq of both joints.
 recording::Recording healthy(double speed) {
   const ModelFolder model = two_joints();
   const Drive drive = test::make_test_drive(model, 10.0, 0.01, [&](int j, double t) {
-    return j == 0 ? 0.5 * std::sin(1.7 * speed * t) : 0.4 * std::sin(2.9 * speed * t) + 0.2 * std::sin(0.8 * t);
+    return j == 0 ? 0.5 * std::sin(1.7 * speed * t)
+                  : 0.4 * std::sin(2.9 * speed * t) + 0.2 * std::sin(0.8 * t);
   });
   const std::vector<Window> whole{test::whole(drive, {0.0, 0.0}, {0.0, 0.0})};
   const Prediction p = simulate(make_params(model), drive, whole).front();
@@ -62,7 +65,8 @@ std::vector<double>& column(recording::Recording& r, const std::string& name) {
   throw std::logic_error("no column " + name);
 }
 
-/// Replaces one cell of a written file by other text: what a broken logger writes, and our writer would not.
+/// Replaces one cell of a written file by other text: what a broken logger writes, and our writer
+/// would not.
 void replace_cell(const std::string& file, int row, int cell, const std::string& text) {
   std::ifstream in(file);
   std::string out, line;
@@ -93,13 +97,18 @@ void PrintTo(const Broken& b, std::ostream* out) { *out << b.name; }
 std::vector<Broken> kinds() {
   const auto none = [](recording::Recording&) {};
   return {
-      {"empty", "empty file", "", -1, none, [](const std::string& f) { std::ofstream(f, std::ios::trunc).close(); }},
+      {"empty", "empty file", "", -1, none,
+       [](const std::string& f) { std::ofstream(f, std::ios::trunc).close(); }},
       {"header_only", "header only", "", -1, none,
        [](const std::string& f) { std::ofstream(f) << "t,u:hip,q:hip,u:knee,q:knee\n"; }},
       {"ten_gigabytes", "file too large", "", -1, none,
-       [](const std::string& f) { fs::resize_file(f, std::uintmax_t{10} << 30); }},  // sparse: takes no space
-      {"nan", "not a number", "q:hip", 123, none, [](const std::string& f) { replace_cell(f, 123, 2, "nan"); }},
-      {"infinite", "not a number", "dq:knee", 77, none, [](const std::string& f) { replace_cell(f, 77, 6, "inf"); }},
+       [](const std::string& f) {
+         fs::resize_file(f, std::uintmax_t{10} << 30);
+       }},  // sparse: takes no space
+      {"nan", "not a number", "q:hip", 123, none,
+       [](const std::string& f) { replace_cell(f, 123, 2, "nan"); }},
+      {"infinite", "not a number", "dq:knee", 77, none,
+       [](const std::string& f) { replace_cell(f, 77, 6, "inf"); }},
       {"degrees", "wrong unit", "q:knee", -1,
        [](recording::Recording& r) {
          for (double& x : column(r, "q:knee")) x *= 57.29578;
@@ -113,7 +122,8 @@ std::vector<Broken> kinds() {
        [](recording::Recording& r) {
          for (std::size_t k = 400; k < r.rows(); ++k) r.t[k] -= 2.0;
        }},
-      {"time_repeats", "duplicate time stamp", "t", 300, [](recording::Recording& r) { r.t[300] = r.t[299]; }},
+      {"time_repeats", "duplicate time stamp", "t", 300,
+       [](recording::Recording& r) { r.t[300] = r.t[299]; }},
       {"gap", "gap", "t", 600,
        [](recording::Recording& r) {
          for (std::size_t k = 600; k < r.rows(); ++k) r.t[k] += 0.7;
@@ -140,15 +150,18 @@ class RefusedSet : public testing::Test {
     options_.quiet = true;
   }
   std::string add(const recording::Recording& r) {
-    options_.recordings.push_back((folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
+    options_.recordings.push_back(
+        (folder_ / ("rec_" + std::to_string(options_.recordings.size()) + ".csv")).string());
     recording::write_csv(r, options_.recordings.back());
     return options_.recordings.back();
   }
   nlohmann::json refusal() {
     EXPECT_EQ(run_diagnose(options_), 2);
     std::set<std::string> written;
-    for (const auto& entry : fs::directory_iterator(folder_ / "out")) written.insert(entry.path().filename().string());
-    EXPECT_EQ(written, (std::set<std::string>{"report.html", "verdict.json"})) << "more than the refusal";
+    for (const auto& entry : fs::directory_iterator(folder_ / "out"))
+      written.insert(entry.path().filename().string());
+    EXPECT_EQ(written, (std::set<std::string>{"report.html", "verdict.json"}))
+        << "more than the refusal";
     std::ifstream file(folder_ / "out" / "verdict.json");
     const nlohmann::json verdict = nlohmann::json::parse(file);
     EXPECT_EQ(verdict.at("status"), "REFUSED");
@@ -183,7 +196,8 @@ TEST_P(Refusal, NamesDefectFileChannelAndRow) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, Refusal, testing::ValuesIn(kinds()), [](const auto& p) { return p.param.name; });
+INSTANTIATE_TEST_SUITE_P(Kinds, Refusal, testing::ValuesIn(kinds()),
+                         [](const auto& p) { return p.param.name; });
 
 TEST_F(RefusedSet, ACopyIsBlamedOnTheCopy) {
   const recording::Recording original = healthy(1.0);

@@ -65,7 +65,8 @@ TEST(Autocorrelation, TimeOfAr1IsTheClosedForm) {
 
 TEST(LjungBox, CalibratedOnWhiteNoise) {
   int rejected = 0;
-  for (int i = 0; i < 400; ++i) rejected += chi_square_tail(ljung_box(white(300, 100 + i), 10), 10) < 0.05;
+  for (int i = 0; i < 400; ++i)
+    rejected += chi_square_tail(ljung_box(white(300, 100 + i), 10), 10) < 0.05;
   EXPECT_GT(rejected, 5);
   EXPECT_LT(rejected, 40);
 }
@@ -116,7 +117,8 @@ TEST(BlockBootstrap, ErrorOfCorrelatedSeriesIsLargerThanIid) {
   EXPECT_GT(block.standard_error, 2.5 * iid.standard_error);  // theory: sqrt(19) = 4.4
 }
 
-/// Gains of zero mean: the bound may lie above zero about as often as its level says, also where neighbours depend.
+/// Gains of zero mean: the bound may lie above zero about as often as its level says, also where
+/// neighbours depend.
 TEST(MovingBlockBootstrap, LowerBoundOfCorrelatedGainsIsHonest) {
   constexpr int kSeries = 300;
   int above = 0, above_independent = 0;
@@ -127,7 +129,8 @@ TEST(MovingBlockBootstrap, LowerBoundOfCorrelatedGainsIsHonest) {
     above_independent += blind.interval95.low > 0.0;
   }
   EXPECT_LT(above, 0.07 * kSeries);
-  EXPECT_GT(above_independent, 0.12 * kSeries) << "the same without blocks: the test would not tell them apart";
+  EXPECT_GT(above_independent, 0.12 * kSeries)
+      << "the same without blocks: the test would not tell them apart";
 }
 
 TEST(MovingBlockBootstrap, BoundOfIndependentGainsIsTwoDeviationsBelowTheSum) {

@@ -1,4 +1,5 @@
-// Who has to answer what, and when: return level and delay, broadcasts, writes to several, alert bit, the OpenCR board.
+// Who has to answer what, and when: return level and delay, broadcasts, writes to several, alert
+// bit, the OpenCR board.
 #include <gtest/gtest.h>
 
 #include "tests/tools/emulator/master.h"
@@ -51,7 +52,8 @@ TEST_F(BusRules, ReturnDelayComesBeforeTheAnswer) {
   master.write(7, xm::kTorqueEnable, 0);
   ASSERT_EQ(master.write(7, xm::kReturnDelayTime, 101), StatusError::none);
   EXPECT_NEAR(answer_us(7) - before, 200.0, 1.0);  // 100 units of 2 us
-  EXPECT_NEAR(before, 14 * 5 + 2 + 30, 1.0);       // 14 bytes at 2 Mbit/s, delay 1, latency of the servo
+  // 14 bytes at 2 Mbit/s, delay 1, latency of the servo
+  EXPECT_NEAR(before, 14 * 5 + 2 + 30, 1.0);
 }
 
 TEST_F(BusRules, AServoSetToAnotherBaudRateAnswersTheWriteAndIsSilentFromThen) {
@@ -73,7 +75,8 @@ TEST(BaudRate, ServosAreSetUpForTheLinesRate) {
 }
 
 TEST_F(BusRules, BulkWriteReachesEachWithItsOwnRegisters) {
-  const servo_bus::BulkRange ranges[] = {{7, xm::kPositionPGain.address, 2}, {8, xm::kLed.address, 1}};
+  const servo_bus::BulkRange ranges[] = {{7, xm::kPositionPGain.address, 2},
+                                         {8, xm::kLed.address, 1}};
   const std::uint8_t data[] = {0x2C, 0x01, 1};
   servo_bus::encode_bulk_write(wire, ranges, data);
   EXPECT_TRUE(master.exchange(wire).empty()) << "nobody answers a broadcast";
@@ -83,7 +86,8 @@ TEST_F(BusRules, BulkWriteReachesEachWithItsOwnRegisters) {
 }
 
 TEST_F(BusRules, FastBulkReadIsOneFrame) {
-  const servo_bus::BulkRange ranges[] = {{7, xm::kPresentInputVoltage.address, 2}, {8, xm::kPositionPGain.address, 2}};
+  const servo_bus::BulkRange ranges[] = {{7, xm::kPresentInputVoltage.address, 2},
+                                         {8, xm::kPositionPGain.address, 2}};
   servo_bus::encode_fast_bulk_read(wire, ranges);
   ASSERT_EQ(master.exchange(wire).size(), 1u);
   servo_bus::FastReplyReader reader(master.frame());
@@ -120,13 +124,14 @@ TEST_F(BusRules, AHardwareErrorShowsInEveryAnswer) {
   ASSERT_TRUE(answer);
   EXPECT_TRUE(answer->alert());
   EXPECT_EQ(master.read(7, xm::kHardwareErrorStatus), xm::kErrorOverload);
-  EXPECT_EQ(master.write(7, xm::kTorqueEnable, 1), StatusError::result_fail) << "only a reboot brings the torque back";
+  EXPECT_EQ(master.write(7, xm::kTorqueEnable, 1), StatusError::result_fail)
+      << "only a reboot brings the torque back";
 }
 
 TEST_F(BusRules, SettingsThatAreNotEmulatedAreRefused) {
   master.write(7, xm::kTorqueEnable, 0);
-  for (const auto* r : {&xm::kDriveMode, &xm::kHomingOffset, &xm::kStartupConfiguration, &xm::kSecondaryId,
-                        &xm::kFeedforwardVelocityGain}) {
+  for (const auto* r : {&xm::kDriveMode, &xm::kHomingOffset, &xm::kStartupConfiguration,
+                        &xm::kSecondaryId, &xm::kFeedforwardVelocityGain}) {
     EXPECT_EQ(master.write(7, *r, 1), StatusError::data_range) << r->name;
     EXPECT_EQ(master.read(7, *r), r->initial_raw) << r->name;
   }
@@ -137,7 +142,8 @@ TEST_F(BusRules, TheBoardTellsVoltageButtonsAndItsOwnImu) {
   EXPECT_EQ(read_board(reg::kVoltage, 1), std::vector<std::uint8_t>{120});
   const auto imu = read_board(reg::kAccelerometer, 6);
   ASSERT_EQ(imu.size(), 6u);
-  EXPECT_NEAR(servo_bus::get_i16(std::span(imu).subspan(4)), reg::kAccelCountsPerG, 0.05 * reg::kAccelCountsPerG);
+  EXPECT_NEAR(servo_bus::get_i16(std::span(imu).subspan(4)), reg::kAccelCountsPerG,
+              0.05 * reg::kAccelCountsPerG);
   robot.press(reg::kButtonStart);
   EXPECT_EQ(read_board(reg::kButtons, 1), std::vector<std::uint8_t>{reg::kButtonStart});
 }

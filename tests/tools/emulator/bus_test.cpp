@@ -1,4 +1,5 @@
-// The emulated bus as a master sees it: who answers, when, with which status; what each bus fault looks like.
+// The emulated bus as a master sees it: who answers, when, with which status; what each bus fault
+// looks like.
 #include <gtest/gtest.h>
 
 #include "tests/tools/emulator/master.h"
@@ -91,7 +92,8 @@ TEST_F(Bus, BulkReadAndHeldWrites) {
 TEST_F(Bus, AccessRules) {
   master.stand_by();
   EXPECT_EQ(master.write(7, xm::kPresentPosition, 0), StatusError::access);
-  EXPECT_EQ(master.write(7, xm::kReturnDelayTime, 1), StatusError::access);  // EEPROM with torque on
+  // EEPROM with torque on
+  EXPECT_EQ(master.write(7, xm::kReturnDelayTime, 1), StatusError::access);
   EXPECT_EQ(master.write(7, xm::kTorqueEnable, 2), StatusError::data_range);
   EXPECT_EQ(master.write(7, xm::kGoalPosition, 4096), StatusError::data_limit);
   EXPECT_EQ(master.write(7, xm::kTorqueEnable, 0), StatusError::none);
@@ -103,7 +105,8 @@ TEST_F(Bus, AccessRules) {
 TEST_F(Bus, IndirectDataReachesTheRegisterItPointsAt) {
   master.stand_by();
   for (int i = 0; i < 2; ++i) {
-    master.write_bytes(7, static_cast<std::uint16_t>(xm::kIndirectAddress1 + 2 * i), 2, xm::kPositionPGain.address + i);
+    master.write_bytes(7, static_cast<std::uint16_t>(xm::kIndirectAddress1 + 2 * i), 2,
+                       xm::kPositionPGain.address + i);
   }
   EXPECT_EQ(master.write_bytes(7, xm::kIndirectData1, 2, 333), StatusError::none);
   EXPECT_EQ(master.read(7, xm::kPositionPGain), 333);
@@ -137,7 +140,7 @@ TEST_F(Bus, TwoTalkersDestroyEachOther) {
   EXPECT_LT(master.exchange(wire).size(), 12u);
 }
 
-// --- faults ------------------------------------------------------------------------------------------------------
+// --- faults --------------------------------------------------------------------------------------
 
 struct BusFaults : Bus {
   void strike(FaultKind kind, int id, double probability = 1.0, double amount = 0) {
@@ -168,14 +171,16 @@ TEST_F(BusFaults, SilentServoCutsTheFastReplyShortButNotTheBlocksBeforeIt) {
 }
 
 TEST_F(BusFaults, CorruptTruncateGarbageNeverYieldAWrongValue) {
-  for (const FaultKind kind : {FaultKind::bus_corrupt, FaultKind::bus_truncate, FaultKind::bus_garbage}) {
+  for (const FaultKind kind :
+       {FaultKind::bus_corrupt, FaultKind::bus_truncate, FaultKind::bus_garbage}) {
     robot.faults().clear();
     strike(kind, 0, 0.5);
     for (int round = 0; round < 20; ++round) {
       for (const auto& packet : read_legs()) {
         ASSERT_EQ(packet.parameters.size(), xm::kFeedbackBytes) << to_string(kind);
         const auto feedback = xm::decode_feedback(packet.parameters.view());
-        EXPECT_NEAR(servo_bus::position_rad(feedback.position_raw), robot.truth().q[packet.id - 1], 0.02);
+        EXPECT_NEAR(servo_bus::position_rad(feedback.position_raw), robot.truth().q[packet.id - 1],
+                    0.02);
       }
     }
   }
@@ -197,7 +202,8 @@ TEST_F(BusFaults, DelayShiftsTheReply) {
 }
 
 TEST_F(BusFaults, SwitchesActOnlyBetweenTheirTimes) {
-  robot.faults().add({FaultKind::servo_silent, 7, robot.now() + kSecond, robot.now() + 2 * kSecond});
+  robot.faults().add(
+      {FaultKind::servo_silent, 7, robot.now() + kSecond, robot.now() + 2 * kSecond});
   EXPECT_EQ(read_legs().size(), 12u);
   robot.advance(robot.now() + kSecond);
   EXPECT_EQ(read_legs().size(), 0u);
@@ -206,7 +212,8 @@ TEST_F(BusFaults, SwitchesActOnlyBetweenTheirTimes) {
 }
 
 TEST(FaultNames, RoundTrip) {
-  for (const FaultKind kind : all_fault_kinds()) EXPECT_EQ(fault_from_string(to_string(kind)), kind);
+  for (const FaultKind kind : all_fault_kinds())
+    EXPECT_EQ(fault_from_string(to_string(kind)), kind);
   EXPECT_FALSE(fault_from_string("nonsense"));
 }
 

@@ -1,4 +1,5 @@
-// A small bus master for tests: sends one instruction and lets virtual time pass until the replies are in.
+// A small bus master for tests: sends one instruction and lets virtual time pass until the replies
+// are in.
 #pragma once
 
 #include <optional>
@@ -20,7 +21,8 @@ class Master {
   explicit Master(EmulatedRobot& robot) : robot_(robot) {}
 
   /// Sends `wire` and collects whatever packets come within `wait`.
-  std::vector<servo_bus::Packet> exchange(const servo_bus::PacketBuffer& wire, Nanoseconds wait = 5 * kMillisecond) {
+  std::vector<servo_bus::Packet> exchange(const servo_bus::PacketBuffer& wire,
+                                          Nanoseconds wait = 5 * kMillisecond) {
     const Nanoseconds deadline = robot_.now() + wait;
     robot_.bus_write(wire.view());
     std::vector<servo_bus::Packet> packets;
@@ -34,7 +36,8 @@ class Master {
         const auto event = parser_.next(packet);
         if (event == servo_bus::ParseEvent::none) break;
         if (event == servo_bus::ParseEvent::packet) packets.push_back(packet);
-        if (event == servo_bus::ParseEvent::packet) frame_.assign(parser_.frame().begin(), parser_.frame().end());
+        if (event == servo_bus::ParseEvent::packet)
+          frame_.assign(parser_.frame().begin(), parser_.frame().end());
         if (event == servo_bus::ParseEvent::crc_error) ++crc_errors;
         last_packet_time = robot_.now();
       }
@@ -63,7 +66,8 @@ class Master {
   servo_bus::StatusError write(int id, const servo_bus::Register& r, std::int64_t value) {
     return write_bytes(id, r.address, r.size, value);
   }
-  servo_bus::StatusError write_bytes(int id, std::uint16_t address, std::size_t size, std::int64_t value) {
+  servo_bus::StatusError write_bytes(int id, std::uint16_t address, std::size_t size,
+                                     std::int64_t value) {
     std::uint8_t data[4];
     servo_bus::put_le(data, size, value);
     servo_bus::encode_write(wire_, static_cast<std::uint8_t>(id), address, {data, size});
@@ -97,8 +101,9 @@ class Master {
     write_all(xm::kTorqueEnable, {1});
   }
 
-  const std::vector<std::uint8_t>& frame() const { return frame_; }      // of the last packet
-  const std::vector<std::uint8_t>& pending() const { return pending_; }  // cut short at the deadline
+  const std::vector<std::uint8_t>& frame() const { return frame_; }  // of the last packet
+  // cut short at the deadline
+  const std::vector<std::uint8_t>& pending() const { return pending_; }
 
   bool answered = false;
   int crc_errors = 0;

@@ -1,4 +1,5 @@
-// The emulator on the real clock: pty, packet sockets, control commands, configuration file. Nothing here judges times.
+// The emulator on the real clock: pty, packet sockets, control commands, configuration file.
+// Nothing here judges times.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -125,7 +126,8 @@ TEST(EmulatorConfig, ReadsFaultsAndRefusesWhatItDoesNotKnow) {
     return load_emulator_config(path);
   };
   const EmulatorConfig config = load(
-      "world = \"hard\"\nseed = 4\nbaud = 1000000\n[[fault]]\nkind = \"bus_drop\"\nid = 9\nstart_s = 2.0\n"
+      "world = \"hard\"\nseed = 4\nbaud = 1000000\n[[fault]]\nkind = \"bus_drop\"\nid = 9\n"
+      "start_s = 2.0\n"
       "probability = 0.1\n");
   EXPECT_EQ(config.world, "hard");
   ASSERT_EQ(config.faults.size(), 1u);

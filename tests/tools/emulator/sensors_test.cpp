@@ -25,7 +25,8 @@ TEST(HidImu, DescriptorIsTheExampleDevices) {
   const auto d = HidImu::descriptor();
   EXPECT_EQ(d.size(), 576u);
   EXPECT_EQ(hex(d.first(16)), "05 20 09 01 A1 01 09 73 A1 00 85 01 55 00 0A 16");
-  EXPECT_EQ(hex(d.subspan(553)), "0A 83 04 17 01 00 00 80 27 FF FF FF 7F 75 20 95 04 55 09 81 02 C0 C0");
+  EXPECT_EQ(hex(d.subspan(553)),
+            "0A 83 04 17 01 00 00 80 27 FF FF FF 7F 75 20 95 04 55 09 81 02 C0 C0");
 }
 
 TEST(HidImu, ReportsAreTheExampleBytes) {

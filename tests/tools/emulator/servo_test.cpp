@@ -33,12 +33,13 @@ struct Bench {
 
   void run(double seconds) {
     constexpr double h = 0.0005;
-    const plant::GearTrainParameters g{parameters.resistance_ohm,        parameters.torque_constant_Nm_A,
-                                       parameters.back_emf_V_s,          parameters.motor_inertia_kgm2,
-                                       parameters.gear_stiffness_Nm_rad, parameters.gear_damping_Nms_rad,
-                                       parameters.backlash_rad,          parameters.coulomb_Nm,
-                                       parameters.stribeck_extra_Nm,     parameters.stribeck_velocity_rad_s,
-                                       parameters.load_friction,         parameters.viscous_Nms_rad};
+    const plant::GearTrainParameters g{
+        parameters.resistance_ohm,        parameters.torque_constant_Nm_A,
+        parameters.back_emf_V_s,          parameters.motor_inertia_kgm2,
+        parameters.gear_stiffness_Nm_rad, parameters.gear_damping_Nms_rad,
+        parameters.backlash_rad,          parameters.coulomb_Nm,
+        parameters.stribeck_extra_Nm,     parameters.stribeck_velocity_rad_s,
+        parameters.load_friction,         parameters.viscous_Nms_rad};
     for (int k = 0; k < seconds / h; ++k) {
       if (k % 2 == 0) drive = servo.update(now, 2 * h, {link, link_rate, gear.current_A, supply});
       gear.step(g, h, drive.powered, drive.duty * supply, link, link_rate);
@@ -60,7 +61,8 @@ struct Bench {
 };
 
 TEST(Servo, DroopUnderOneNewtonMetreIsThePLawsFigure) {
-  // duty = P / 128 x 651.9 / 885 a rad, torque = stall x duty: 13.21 N m/rad at 12 V, 4.3 deg for 1 N m
+  // duty = P / 128 x 651.9 / 885 a rad, torque = stall x duty: 13.21 N m/rad at 12 V, 4.3 deg for 1
+  // N m
   Bench bench;
   bench.set(xm::kGoalPosition, 2048);
   bench.set(xm::kTorqueEnable, 1);
@@ -83,7 +85,8 @@ TEST(Servo, PwmIsAnIntegerMultipleOfTheErrorInCounts) {
 }
 
 TEST(Servo, StallTorqueAndNoLoadSpeedAreTheDataSheets) {
-  for (const auto& [volt, stall, speed] : {std::tuple{12.0, 4.1, 4.82}, {11.1, 3.8, 4.50}, {14.8, 4.8, 5.97}}) {
+  for (const auto& [volt, stall, speed] :
+       {std::tuple{12.0, 4.1, 4.82}, {11.1, 3.8, 4.50}, {14.8, 4.8, 5.97}}) {
     Bench bench;
     bench.supply = volt;
     bench.set(xm::kOperatingMode, 16);

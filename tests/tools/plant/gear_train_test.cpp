@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kStep = 0.0005;
 
-GearTrainParameters frictionless() { return {5.217, 1.783, 2.491, 0.027, 1500, 1.2, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0}; }
+GearTrainParameters frictionless() {
+  return {5.217, 1.783, 2.491, 0.027, 1500, 1.2, 0.0, 0.0, 0.0, 0.1, 0.0, 0.0};
+}
 
 TEST(GearTrain, FreePlayPassesNoTorque) {
   auto p = frictionless();
@@ -101,7 +103,8 @@ TEST(GearTrain, ElasticEnergyNeverGrowsByItself) {
       const double gap = gear.angle_rad - link;
       const double stretch = std::max(0.0, std::abs(gap) - 0.005);
       const double energy = 0.5 * p.motor_inertia_kgm2 * gear.rate_rad_s * gear.rate_rad_s +
-                            0.5 * 0.003 * link_rate * link_rate + 0.5 * p.stiffness_Nm_rad * stretch * stretch;
+                            0.5 * 0.003 * link_rate * link_rate +
+                            0.5 * p.stiffness_Nm_rad * stretch * stretch;
       EXPECT_LE(energy, last * (1 + 1e-4));  // the link side is integrated explicitly
       last = energy;
     }

@@ -1,4 +1,5 @@
-// Physics laws of the emulated robot: free fall, momentum, standing still, symmetry, contact forces.
+// Physics laws of the emulated robot: free fall, momentum, standing still, symmetry, contact
+// forces.
 #include "tools/plant/plant.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +77,8 @@ TEST(Plant, SymmetricPoseLoadsBothFeetAlike) {
   plant.place(crouched(), 0, 0, 0);
   run(plant, crouched(), 2.0);
   const auto feet = plant.feet();
-  EXPECT_NEAR(feet[0].force_in_world[2], feet[1].force_in_world[2], 0.8);  // the torso's centre is 0.13 mm off
+  // the torso's centre is 0.13 mm off
+  EXPECT_NEAR(feet[0].force_in_world[2], feet[1].force_in_world[2], 0.8);
 }
 
 TEST(Plant, DroppedRobotComesToRest) {
@@ -100,7 +102,8 @@ TEST(Plant, FrictionForceStaysInsideTheWorldsCone) {
     for (const FootLoad& foot : plant.feet()) {
       const auto& f = foot.force_in_world;
       EXPECT_GE(f[2], -1e-9);
-      EXPECT_LE(std::hypot(f[0], f[1]), std::sqrt(2.0) * world.ground.friction * f[2] + 1e-6);  // pyramid's corner
+      // pyramid's corner
+      EXPECT_LE(std::hypot(f[0], f[1]), std::sqrt(2.0) * world.ground.friction * f[2] + 1e-6);
     }
   }
 }

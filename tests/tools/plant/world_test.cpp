@@ -45,9 +45,12 @@ TEST(World, DrawnWorldsStayInTheirRangesAndCompile) {
 }
 
 TEST(World, UnknownKeysAndWrongValuesAreRefusedWithTheirLine) {
-  EXPECT_NE(refusal("[servo]\ncolumb_Nm = 0.1\n").find("test.toml:2: unknown key 'servo.columb_Nm'"), std::string::npos)
+  EXPECT_NE(
+      refusal("[servo]\ncolumb_Nm = 0.1\n").find("test.toml:2: unknown key 'servo.columb_Nm'"),
+      std::string::npos)
       << refusal("[servo]\ncolumb_Nm = 0.1\n");
-  EXPECT_NE(refusal("[servo]\n\ncoulomb_Nm = -1\n").find("test.toml:3: servo.coulomb_Nm = -1"), std::string::npos)
+  EXPECT_NE(refusal("[servo]\n\ncoulomb_Nm = -1\n").find("test.toml:3: servo.coulomb_Nm = -1"),
+            std::string::npos)
       << refusal("[servo]\n\ncoulomb_Nm = -1\n");
   EXPECT_NE(refusal("feet = \"hooves\"").find("\"soles\" or \"wheels\""), std::string::npos);
   EXPECT_NE(refusal("x = [").find("test.toml:1"), std::string::npos);

@@ -59,23 +59,24 @@ TEST_P(CsvReaderRefuses, NamingFileLineAndColumn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Faults, CsvReaderRefuses,
-                         testing::Values(BadCase{"", "empty file", 0, ""},                               //
-                                         BadCase{"\n\n", "empty file", 0, ""},                           //
-                                         BadCase{"t,q:a\n", "header only", 0, ""},                       //
-                                         BadCase{"t,q:a\n0,nan\n", "NaN or infinity", 2, "q:a"},         //
-                                         BadCase{"t,q:a\n0,1\n1,-inf\n", "NaN or infinity", 3, "q:a"},   //
-                                         BadCase{"t,q:a\n0,1e999\n", "number out of range", 2, "q:a"},   //
-                                         BadCase{"t,q:a\n0,0.1x\n", "not a number", 2, "q:a"},           //
-                                         BadCase{"t,q:a\n,1\n", "time missing", 2, "t"},                 //
-                                         BadCase{"t,q:a\n0,1,2\n", "wrong number of cells", 2, ""},      //
-                                         BadCase{"t,q:a\n0\n", "wrong number of cells", 2, ""},          //
-                                         BadCase{"t,q:a\n0,1\n\n1,1\n", "blank line", 3, ""},            //
-                                         BadCase{"t,q:a,q:a\n0,1,1\n", "column given twice", 1, "q:a"},  //
-                                         BadCase{"t,,q:a\n0,1,1\n", "column without a name", 1, ""},     //
-                                         BadCase{"q:a\n1\n", "no time column", 1, "t"},                  //
-                                         BadCase{"0,1\n1,2\n", "no header", 1, ""},                      //
-                                         BadCase{"t;q:a\n0;1\n", "wrong separator", 1, ""}));
+INSTANTIATE_TEST_SUITE_P(
+    Faults, CsvReaderRefuses,
+    testing::Values(BadCase{"", "empty file", 0, ""},                               //
+                    BadCase{"\n\n", "empty file", 0, ""},                           //
+                    BadCase{"t,q:a\n", "header only", 0, ""},                       //
+                    BadCase{"t,q:a\n0,nan\n", "NaN or infinity", 2, "q:a"},         //
+                    BadCase{"t,q:a\n0,1\n1,-inf\n", "NaN or infinity", 3, "q:a"},   //
+                    BadCase{"t,q:a\n0,1e999\n", "number out of range", 2, "q:a"},   //
+                    BadCase{"t,q:a\n0,0.1x\n", "not a number", 2, "q:a"},           //
+                    BadCase{"t,q:a\n,1\n", "time missing", 2, "t"},                 //
+                    BadCase{"t,q:a\n0,1,2\n", "wrong number of cells", 2, ""},      //
+                    BadCase{"t,q:a\n0\n", "wrong number of cells", 2, ""},          //
+                    BadCase{"t,q:a\n0,1\n\n1,1\n", "blank line", 3, ""},            //
+                    BadCase{"t,q:a,q:a\n0,1,1\n", "column given twice", 1, "q:a"},  //
+                    BadCase{"t,,q:a\n0,1,1\n", "column without a name", 1, ""},     //
+                    BadCase{"q:a\n1\n", "no time column", 1, "t"},                  //
+                    BadCase{"0,1\n1,2\n", "no header", 1, ""},                      //
+                    BadCase{"t;q:a\n0;1\n", "wrong separator", 1, ""}));
 
 TEST(CsvReader, RefusesWhatIsLargerThanItsMemory) {
   CsvLimits limits;
@@ -133,7 +134,8 @@ TEST_F(CsvFiles, RefusesTruncatedGzipBinaryAndMissingFiles) {
   for (int k = 0; k < 5000; ++k) r.t.push_back(k * 0.01);
   r.set("q:a", std::vector<double>(5000, 0.1));
   write_csv(r, path("whole.csv.gz"));
-  std::filesystem::resize_file(path("whole.csv.gz"), std::filesystem::file_size(path("whole.csv.gz")) / 2);
+  std::filesystem::resize_file(path("whole.csv.gz"),
+                               std::filesystem::file_size(path("whole.csv.gz")) / 2);
   EXPECT_THROW(read_csv(path("whole.csv.gz")), InputError);
   std::ofstream(path("zero.csv"), std::ios::binary).write("t,q:a\n0,\0\0\0\n", 13);
   EXPECT_THROW(read_csv(path("zero.csv")), InputError);

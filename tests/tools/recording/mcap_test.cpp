@@ -24,7 +24,9 @@ class Mcap : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string path(const char* name) const { return (folder_ / name).string(); }
-  void write(const char* name, const std::string& bytes) const { std::ofstream(path(name), std::ios::binary) << bytes; }
+  void write(const char* name, const std::string& bytes) const {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+  }
   std::filesystem::path folder_;
 };
 
@@ -75,9 +77,10 @@ std::string records(std::string_view schema = kJointStateType, std::string_view 
   };
   ByteWriter s, c, m;
   s.number(std::uint16_t{1}), s.string(schema), s.string("ros2msg"), s.string("");
-  c.number(std::uint16_t{7}), c.number(std::uint16_t{1}), c.string("/joint_states"), c.string(encoding),
-      c.number(std::uint32_t{0});
-  m.number(std::uint16_t{7}), m.number(std::uint32_t{0}), m.number(std::uint64_t{5}), m.number(std::uint64_t{5});
+  c.number(std::uint16_t{7}), c.number(std::uint16_t{1}), c.string("/joint_states"),
+      c.string(encoding), c.number(std::uint32_t{0});
+  m.number(std::uint16_t{7}), m.number(std::uint32_t{0}), m.number(std::uint64_t{5}),
+      m.number(std::uint64_t{5});
   m.raw(encode(JointState{1.5, {"a", "elbow"}, {0.25, -1}, {}, {3, 4}}));
   return record(3, s) + record(4, c) + record(5, m);
 }
@@ -86,7 +89,8 @@ std::string file_of(const std::string& data_section) {
   const std::string magic("\x89MCAP0\r\n", 8);
   ByteWriter out;
   out.raw(magic);
-  out.number(std::uint8_t{1}), out.number(std::uint64_t{8}), out.number(std::uint32_t{0}), out.number(std::uint32_t{0});
+  out.number(std::uint8_t{1}), out.number(std::uint64_t{8}), out.number(std::uint32_t{0}),
+      out.number(std::uint32_t{0});
   out.raw(data_section);
   out.number(std::uint8_t{15}), out.number(std::uint64_t{4}), out.number(std::uint32_t{0});
   return out.bytes();
@@ -94,7 +98,8 @@ std::string file_of(const std::string& data_section) {
 
 std::string chunk_of(const std::string& packed, std::uint64_t size, std::string_view compression) {
   ByteWriter c;
-  c.number(std::uint64_t{5}), c.number(std::uint64_t{5}), c.number(size), c.number(std::uint32_t{0});
+  c.number(std::uint64_t{5}), c.number(std::uint64_t{5}), c.number(size),
+      c.number(std::uint32_t{0});
   c.string(compression);
   c.number(static_cast<std::uint64_t>(packed.size()));
   c.raw(packed);
@@ -108,7 +113,8 @@ std::string chunk_of(const std::string& packed, std::uint64_t size, std::string_
 TEST_F(Mcap, ReadsPlainAndPackedChunks) {
   const std::string plain = records();
   std::string packed(LZ4F_compressFrameBound(plain.size(), nullptr), '\0');
-  packed.resize(LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
+  packed.resize(
+      LZ4F_compressFrame(packed.data(), packed.size(), plain.data(), plain.size(), nullptr));
   write("none.mcap", file_of(plain));
   write("chunk.mcap", file_of(chunk_of(plain, plain.size(), "")));
   write("lz4.mcap", file_of(chunk_of(packed, plain.size(), "lz4")));
@@ -127,13 +133,16 @@ TEST_F(Mcap, RefusesByName) {
     std::string bytes;
     const char* defect;
   };
-  for (const Case& c : {Case{"t,q:a\n", "not an MCAP file"}, Case{file_of(plain).substr(0, 60), "truncated MCAP file"},
-                        Case{file_of(chunk_of(plain, plain.size(), "brotli")), "unknown compression"},
-                        Case{file_of(chunk_of(plain, plain.size(), "zstd")), "damaged chunk"},
-                        Case{file_of(chunk_of(plain, std::uint64_t{1} << 40, "")), "chunk too large"},
-                        Case{file_of(records("std_msgs/msg/String")), "no joint states"},
-                        Case{file_of(records(kJointStateType, "ros1")), "unknown message encoding"},
-                        Case{file_of(records(kImuType)), "damaged message"}, Case{file_of(""), "no joint states"}}) {
+  for (const Case& c :
+       {Case{"t,q:a\n", "not an MCAP file"},
+        Case{file_of(plain).substr(0, 60), "truncated MCAP file"},
+        Case{file_of(chunk_of(plain, plain.size(), "brotli")), "unknown compression"},
+        Case{file_of(chunk_of(plain, plain.size(), "zstd")), "damaged chunk"},
+        Case{file_of(chunk_of(plain, std::uint64_t{1} << 40, "")), "chunk too large"},
+        Case{file_of(records("std_msgs/msg/String")), "no joint states"},
+        Case{file_of(records(kJointStateType, "ros1")), "unknown message encoding"},
+        Case{file_of(records(kImuType)), "damaged message"},
+        Case{file_of(""), "no joint states"}}) {
     write("bad.mcap", c.bytes);
     try {
       read_mcap(path("bad.mcap"));
@@ -150,7 +159,8 @@ TEST(Cdr, ImuKeepsItsOrderOfQuaternion) {
   EXPECT_EQ(back->orientation, (std::array<double, 4>{0.5, 0.1, 0.2, 0.3}));
   EXPECT_EQ(back->linear_acceleration[2], 6);
   EXPECT_EQ(back->stamp_s, 2.25);
-  EXPECT_EQ(encode(*back).size(), 4u + 8 + 8 + 37 * 8) << "stamp, empty frame with its zero and padding, 37 doubles";
+  EXPECT_EQ(encode(*back).size(), 4u + 8 + 8 + 37 * 8)
+      << "stamp, empty frame with its zero and padding, 37 doubles";
 }
 
 }  // namespace

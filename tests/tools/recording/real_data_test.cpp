@@ -10,7 +10,8 @@ namespace {
 
 TEST(RealRecordings, AreAllReadable) {
   const auto folder = test::shared_data() / "real";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no real recordings at " << folder << " (set SANSO_DATA)";
+  if (!std::filesystem::exists(folder))
+    GTEST_SKIP() << "no real recordings at " << folder << " (set SANSO_DATA)";
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::string path = entry.path().string();

@@ -41,7 +41,8 @@ TEST(Sidecar, ReadsConditionSettingsAndPayload) {
 }
 
 TEST(Sidecar, TravelsWithItsRecording) {
-  const auto folder = std::filesystem::temp_directory_path() / ("sanso_sidecar_" + std::to_string(::getpid()));
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("sanso_sidecar_" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
   Recording r;
   r.t = {0, 1};
@@ -57,7 +58,8 @@ TEST(Sidecar, TravelsWithItsRecording) {
 
 TEST(Sidecar, TakesForeignLettersInCommentsAndQuotes) {
   Recording r;
-  parse_sidecar("\xef\xbb\xbf# f\xc3\xbcr\n[recording]\ncondition = \"k\xc3\xbchl\"\n", "a.toml", r);
+  parse_sidecar("\xef\xbb\xbf# f\xc3\xbcr\n[recording]\ncondition = \"k\xc3\xbchl\"\n", "a.toml",
+                r);
   EXPECT_EQ(r.condition, "k\xc3\xbchl");
 }
 
@@ -68,18 +70,19 @@ TEST(Sidecar, RefusesByKeyAndLine) {
     int line;
     const char* channel;
   };
-  for (const Case& c : {Case{"[joint.a]\np_gian = 2\n", "unknown key", 2, "joint.a.p_gian"},
-                        Case{"[joint.a]\nviscous = -1\n", "out of range", 2, "joint.a.viscous"},
-                        Case{"[joint.a]\nviscous = \"1\"\n", "not a number", 2, "joint.a.viscous"},
-                        Case{"[joint.a]\nactuator = \"hydraulic\"\n", "unknown actuator", 2, "joint.a.actuator"},
-                        Case{"[robot]\ngravity = [0, 1]\n", "wrong list", 2, "robot.gravity"},
-                        Case{"[robot]\nurdf = \"x\"\n", "unknown key", 2, "robot.urdf"},
-                        Case{"[[payload]]\nmass = 1\n", "missing key", 1, "payload.link"},
-                        Case{"payload = 3\n", "not a list of tables", 1, "payload"},
-                        Case{"joint = 3\n", "not a table", 1, "joint"}, Case{"a = \n", "not valid TOML", 1, ""},
-                        Case{"\n[*", "not valid TOML", 2, ""}, Case{"[\n", "not valid TOML", 1, ""},
-                        Case{"[[]]\n", "not valid TOML", 1, ""}, Case{"\n\xc7\xbd", "not valid TOML", 2, ""},
-                        Case{"b=[}", "not valid TOML", 1, ""}, Case{"b = [1,\n}", "not valid TOML", 2, ""}}) {
+  for (const Case& c :
+       {Case{"[joint.a]\np_gian = 2\n", "unknown key", 2, "joint.a.p_gian"},
+        Case{"[joint.a]\nviscous = -1\n", "out of range", 2, "joint.a.viscous"},
+        Case{"[joint.a]\nviscous = \"1\"\n", "not a number", 2, "joint.a.viscous"},
+        Case{"[joint.a]\nactuator = \"hydraulic\"\n", "unknown actuator", 2, "joint.a.actuator"},
+        Case{"[robot]\ngravity = [0, 1]\n", "wrong list", 2, "robot.gravity"},
+        Case{"[robot]\nurdf = \"x\"\n", "unknown key", 2, "robot.urdf"},
+        Case{"[[payload]]\nmass = 1\n", "missing key", 1, "payload.link"},
+        Case{"payload = 3\n", "not a list of tables", 1, "payload"},
+        Case{"joint = 3\n", "not a table", 1, "joint"}, Case{"a = \n", "not valid TOML", 1, ""},
+        Case{"\n[*", "not valid TOML", 2, ""}, Case{"[\n", "not valid TOML", 1, ""},
+        Case{"[[]]\n", "not valid TOML", 1, ""}, Case{"\n\xc7\xbd", "not valid TOML", 2, ""},
+        Case{"b=[}", "not valid TOML", 1, ""}, Case{"b = [1,\n}", "not valid TOML", 2, ""}}) {
     Recording r;
     try {
       parse_sidecar(c.text, "a.toml", r);

@@ -41,7 +41,8 @@ TEST(LineChart, NanBreaksTheLineAndNeverReachesTheMarkup) {
   EXPECT_THAT(out, HasSubstr("a &lt; b"));
   EXPECT_THAT(out, Not(HasSubstr("nan")));
   std::size_t moves = 0;
-  for (std::size_t at = out.find("d='"); at < out.find("' fill='none' stroke='#0072b2'"); ++at) moves += out[at] == 'M';
+  for (std::size_t at = out.find("d='"); at < out.find("' fill='none' stroke='#0072b2'"); ++at)
+    moves += out[at] == 'M';
   EXPECT_EQ(moves, 2u);
 }
 
@@ -58,7 +59,11 @@ TEST(LineChart, ASpikeAmongMillionPointsStaysVisible) {
 }
 
 TEST(HeatMap, EmptyCellsAreGrey) {
-  HeatMap map{.title = "m", .unit = "rad", .rows = {"r"}, .columns = {"a", "b"}, .values = {{1.0, std::nan("")}}};
+  HeatMap map{.title = "m",
+              .unit = "rad",
+              .rows = {"r"},
+              .columns = {"a", "b"},
+              .values = {{1.0, std::nan("")}}};
   EXPECT_THAT(svg(map), HasSubstr("#f2f2f2"));
 }
 

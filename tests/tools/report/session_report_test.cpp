@@ -60,7 +60,8 @@ TEST_F(SessionReport, TableHasALineForEveryTrial) {
 
 TEST_F(SessionReport, PageNamesFirstLastAndBestTrial) {
   const std::string page = text_of(write_session_report(session("a", 4)));
-  EXPECT_THAT(page, HasSubstr("4 trials, 1 failed; first cost 10.00, last 2.50, best 2.50 (trial 4)."));
+  EXPECT_THAT(page,
+              HasSubstr("4 trials, 1 failed; first cost 10.00, last 2.50, best 2.50 (trial 4)."));
   EXPECT_THAT(page, HasSubstr("Cost over trials"));
   EXPECT_THAT(page, HasSubstr("period 60 ms"));
   EXPECT_THAT(page, testing::Not(HasSubstr("http-equiv")));

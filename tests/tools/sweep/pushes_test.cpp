@@ -11,11 +11,13 @@ namespace {
 
 constexpr double kLargest_Ns = 2.4, kFrom_s = 1.0, kTo_s = 6.0;
 
-DrawnPush draw(std::uint64_t seed, int number) { return draw_push(seed, number, kLargest_Ns, kFrom_s, kTo_s); }
+DrawnPush draw(std::uint64_t seed, int number) {
+  return draw_push(seed, number, kLargest_Ns, kFrom_s, kTo_s);
+}
 
 bool same(const DrawnPush& a, const DrawnPush& b) {
-  return a.impulse_Ns == b.impulse_Ns && a.direction_rad == b.direction_rad && a.duration_s == b.duration_s &&
-         a.height_m == b.height_m && a.time_s == b.time_s;
+  return a.impulse_Ns == b.impulse_Ns && a.direction_rad == b.direction_rad &&
+         a.duration_s == b.duration_s && a.height_m == b.height_m && a.time_s == b.time_s;
 }
 
 TEST(DrawnPush, DependsOnSeedAndNumberOnly) {
@@ -56,7 +58,8 @@ TEST(DrawnPush, FillsItsRangesEvenly) {
     time += p.time_s / kCount;
   }
   EXPECT_EQ(different.size(), static_cast<std::size_t>(kCount));
-  // five standard deviations of a mean of 2000 even draws; the seed is fixed, the draws are the same on every machine
+  // five standard deviations of a mean of 2000 even draws; the seed is fixed, the draws are the
+  // same on every machine
   const double tolerance = 5 / std::sqrt(12.0 * kCount);
   EXPECT_NEAR(impulse / kLargest_Ns, 0.5, tolerance);
   EXPECT_NEAR(height / 0.1, 0.5, tolerance);

@@ -1,5 +1,5 @@
-// What several ranks find together equals what one finds alone. Run by mpirun (two_ranks.sh); every rank runs every
-// test.
+// What several ranks find together equals what one finds alone. Run by mpirun (two_ranks.sh); every
+// rank runs every test.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -30,12 +30,14 @@ std::unique_ptr<learn::RobotAccess> in_process(const app::LearnOptions& options)
 struct TwoRanks : testing::Test {
   Ranks all;
   Ranks alone{MPI_COMM_SELF};
-  std::unique_ptr<test::TempFolder> made = all.rank() == 0 ? std::make_unique<test::TempFolder>() : nullptr;
+  std::unique_ptr<test::TempFolder> made =
+      all.rank() == 0 ? std::make_unique<test::TempFolder>() : nullptr;
   fs::path folder = path_of_first();
   fs::path own = folder / ("rank" + std::to_string(all.rank()));
 
   TwoRanks() { fs::create_directories(own); }
-  ~TwoRanks() override { (void)all.any(false); }  // nobody removes the folder before all are done with it
+  // nobody removes the folder before all are done with it
+  ~TwoRanks() override { (void)all.any(false); }
 
   fs::path path_of_first() const {
     std::string text = made ? made->path().string() : std::string();
@@ -66,7 +68,8 @@ TEST_F(TwoRanks, AreTwo) { EXPECT_EQ(all.size(), 2); }
 TEST_F(TwoRanks, TakeEveryJobOnceAndNoneAfterAStop) {
   constexpr int kJobs = 50;
   std::string mine;
-  for (int job = all.take_job(); job < kJobs; job = all.take_job()) mine += std::to_string(job) + " ";
+  for (int job = all.take_job(); job < kJobs; job = all.take_job())
+    mine += std::to_string(job) + " ";
   std::multiset<int> taken;
   for (const std::string& part : all.gather(mine)) {
     std::istringstream in(part);
@@ -84,11 +87,13 @@ TEST_F(TwoRanks, TakeEveryJobOnceAndNoneAfterAStop) {
 }
 
 TEST_F(TwoRanks, LearnAndIdentifyWhatOneDoes) {
-  const SessionsOptions together = standing(folder / "together", {1, 2}), single = standing(own / "alone", {1, 2});
+  const SessionsOptions together = standing(folder / "together", {1, 2}),
+                        single = standing(own / "alone", {1, 2});
   EXPECT_EQ(run_sessions(all, together, in_process), 0);
   EXPECT_EQ(run_sessions(alone, single, in_process), 0);
   (void)all.any(false);  // sweep.json is written
-  EXPECT_EQ(rows_of(together.out / "sweep.json", "sessions"), rows_of(single.out / "sweep.json", "sessions"));
+  EXPECT_EQ(rows_of(together.out / "sweep.json", "sessions"),
+            rows_of(single.out / "sweep.json", "sessions"));
 
   app::IdentifyOptions options;
   options.episodes = {together.out / "stand_lab_seed1"};
@@ -96,7 +101,8 @@ TEST_F(TwoRanks, LearnAndIdentifyWhatOneDoes) {
   options.generations = 2;
   options.quiet = true;
   const app::IdentificationData data = app::load_identification_data(options);
-  const learn::Identification shared = identify_over(all, options, data), own_search = identify_over(alone, options, data);
+  const learn::Identification shared = identify_over(all, options, data),
+                              own_search = identify_over(alone, options, data);
   EXPECT_EQ(shared.generations, 2);
   EXPECT_EQ(shared.loss, own_search.loss);
   EXPECT_EQ(shared.z, own_search.z) << "bit for bit";
@@ -116,7 +122,8 @@ TEST_F(TwoRanks, LearnAndIdentifyWhatOneDoes) {
 }
 
 TEST_F(TwoRanks, AStopAtOneRankEndsAllAfterTheTrialsUnderWayAndTheSameCallGoesOn) {
-  constexpr std::size_t kSessions = 40;  // more than one rank could begin before the other has told it to stop
+  // more than one rank could begin before the other has told it to stop
+  constexpr std::size_t kSessions = 40;
   std::vector<std::uint64_t> seeds(kSessions);
   std::iota(seeds.begin(), seeds.end(), 1);
   std::size_t begun = 0;

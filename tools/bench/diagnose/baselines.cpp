@@ -17,7 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t kLargestModel = 6;
-/// Of a probe's own energy: keeps probes of the same effect, which are nearly alike, from making a matrix singular.
+/// Of a probe's own energy: keeps probes of the same effect, which are nearly alike, from making a
+/// matrix singular.
 constexpr double kRidge = 1e-4;
 
 /// Inner products of [nuisances | probes | error] over some of the groups.
@@ -38,16 +39,20 @@ class Gram {
   MatrixXd normal(const std::vector<Index>& at) const {
     MatrixXd H = G_(at, at);
     for (Index i = 0; i < H.rows(); ++i)
-      H(i, i) += i < nuisances_ ? diagnose::constants::kTolerancePrecision : kRidge * H(i, i) + 1e-9;
+      H(i, i) +=
+          i < nuisances_ ? diagnose::constants::kTolerancePrecision : kRidge * H(i, i) + 1e-9;
     return H;
   }
-  VectorXd fit(const std::vector<Index>& at) const { return -normal(at).ldlt().solve(VectorXd(G_(at, error()))); }
+  VectorXd fit(const std::vector<Index>& at) const {
+    return -normal(at).ldlt().solve(VectorXd(G_(at, error())));
+  }
   /// |error + columns x|^2
   double energy(const std::vector<Index>& at, const VectorXd& x) const {
     const VectorXd b = G_(at, error());
     return G_(error(), error()) + 2.0 * x.dot(b) + x.dot(MatrixXd(G_(at, at)) * x);
   }
-  /// Score of every probe beside a fitted model: gain of one more column, as far as its own energy goes.
+  /// Score of every probe beside a fitted model: gain of one more column, as far as its own energy
+  /// goes.
   VectorXd scores(const std::vector<Index>& at, const VectorXd& x) const {
     VectorXd out(probes());
     for (Index i = 0; i < probes(); ++i) {
@@ -73,12 +78,14 @@ Gram sum(const FirstLook& look, int left_out) {
   return {look, std::move(total)};
 }
 
-/// Models of growing size, fitted to a part of the data: path[k] are the probes of model k; path[0] is empty.
+/// Models of growing size, fitted to a part of the data: path[k] are the probes of model k; path[0]
+/// is empty.
 using Path = std::vector<std::vector<Index>>;
 using MakePath = std::function<Path(const Gram&)>;
 
-/// The size that predicts the groups left out best, by the one-standard-error rule: the smallest that is not worse than
-/// the best by more than the standard error of their difference over groups. The path is made without the group, too.
+/// The size that predicts the groups left out best, by the one-standard-error rule: the smallest
+/// that is not worse than the best by more than the standard error of their difference over groups.
+/// The path is made without the group, too.
 std::size_t held_out_size(const FirstLook& look, const MakePath& make_path) {
   const std::size_t groups = look.by_group.size();
   if (groups < 2) return 0;
@@ -104,7 +111,8 @@ std::size_t held_out_size(const FirstLook& look, const MakePath& make_path) {
     double mean = 0.0, square = 0.0;
     const auto n = static_cast<double>(groups);
     for (const std::vector<double>& e : energy) mean += (e[k] - e[best]) / n;
-    for (const std::vector<double>& e : energy) square += (e[k] - e[best] - mean) * (e[k] - e[best] - mean);
+    for (const std::vector<double>& e : energy)
+      square += (e[k] - e[best] - mean) * (e[k] - e[best] - mean);
     if (n * mean <= std::sqrt(n * square / (n - 1.0))) return k;
   }
   return best;
@@ -144,7 +152,8 @@ Path pursuit(const Gram& gram, std::size_t largest, const std::function<bool(Ind
   return path;
 }
 
-/// Everything fitted; model k keeps the probes whose t is above the k-th threshold, from none to all above 3.
+/// Everything fitted; model k keeps the probes whose t is above the k-th threshold, from none to
+/// all above 3.
 Path above_thresholds(const Gram& gram) {
   std::vector<Index> all(static_cast<std::size_t>(gram.probes()));
   std::iota(all.begin(), all.end(), Index{0});
@@ -172,17 +181,22 @@ Path above_thresholds(const Gram& gram) {
 }  // namespace
 
 Names largest_score(const FirstLook& look) {
-  return select(look, [](const Gram& gram) { return pursuit(gram, 1, [](Index) { return true; }); });
+  return select(look,
+                [](const Gram& gram) { return pursuit(gram, 1, [](Index) { return true; }); });
 }
 
 Names fit_everything(const FirstLook& look) { return select(look, above_thresholds); }
 
 Names sparse_regression(const FirstLook& look) {
-  return select(look, [](const Gram& gram) { return pursuit(gram, kLargestModel, [](Index) { return true; }); });
+  return select(look, [](const Gram& gram) {
+    return pursuit(gram, kLargestModel, [](Index) { return true; });
+  });
 }
 
 Names friction_ladder(const FirstLook& look) {
-  const auto friction = [&look](Index i) { return look.family[static_cast<std::size_t>(i)] == "friction"; };
+  const auto friction = [&look](Index i) {
+    return look.family[static_cast<std::size_t>(i)] == "friction";
+  };
   return select(look, [&](const Gram& gram) { return pursuit(gram, kLargestModel, friction); });
 }
 

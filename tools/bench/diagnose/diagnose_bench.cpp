@@ -29,7 +29,8 @@ struct Outcome {
   std::map<std::string, Names> baselines;  // what simpler methods name
   bool proved = false;                     // the verdict has a held-out score at 0.5 s
   double explained = 0.0;                  // there, of the error beyond noise
-  double explained_by_truth = 0.0;         // the same by a search that knows the true effects only; 0: not asked
+  // the same by a search that knows the true effects only; 0: not asked
+  double explained_by_truth = 0.0;
   ResidualNetworkScore network;
   std::string without_status;  // verdict without the true effects in the library
   Names without_named;
@@ -42,7 +43,8 @@ struct Count {
   std::string text() const {
     if (trials == 0) return "-";
     const diagnose::Interval i = diagnose::wilson_interval(hits, trials);
-    return fmt::format("{:5.1f} % [{:.1f}, {:.1f}] of {}", 100.0 * hits / trials, 100 * i.low, 100 * i.high, trials);
+    return fmt::format("{:5.1f} % [{:.1f}, {:.1f}] of {}", 100.0 * hits / trials, 100 * i.low,
+                       100 * i.high, trials);
   }
 };
 
@@ -112,7 +114,8 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
     diagnose::DiagnoseOptions told = task;
     told.effects = out.score.truth;
     bool proved = false;
-    out.explained_by_truth = explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
+    out.explained_by_truth =
+        explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
   }
   if (options.leave_out && hidden) {
     task.without = out.score.truth;
@@ -120,7 +123,8 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
     out.without_status = diagnose::to_string(without.status);
     for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
   }
-  std::ofstream((folder / "outcome.json").string()) << json_of(out).dump(2) << "\n";  // a run that is stopped keeps it
+  // a run that is stopped keeps it
+  std::ofstream((folder / "outcome.json").string()) << json_of(out).dump(2) << "\n";
   return out;
 }
 
@@ -145,15 +149,19 @@ void print_row(const std::vector<Outcome>& all, const std::string& family, doubl
     for (const auto& [name, c] : s.covered) covered.add(c);
   }
   if (right.trials == 0) return;
-  fmt::print("{:<10} {:>5} right {}", family, ratio < 0.0 ? "all" : fmt::format("{:g}", ratio), right.text());
+  fmt::print("{:<10} {:>5} right {}", family, ratio < 0.0 ? "all" : fmt::format("{:g}", ratio),
+             right.text());
   if (family == "clean") fmt::print("   false alarms {}", detected.text());
   if (family == "decoy") fmt::print("   refused by name {}", refused.text());
   if (family == "outside") fmt::print("   unnamed {}   place {}", unnamed.text(), where.text());
   if (family == "single" || family == "pair" || family == "ambiguous") {
-    fmt::print("   detected {}   name first {}   in set {} (mean size {:.2f})   place {}   f1 {:.2f}", detected.text(),
-               named.text(), in_set.text(), diagnose::mean(sizes), where.text(), diagnose::mean(f1));
+    fmt::print(
+        "   detected {}   name first {}   in set {} (mean size {:.2f})   place {}   f1 {:.2f}",
+        detected.text(), named.text(), in_set.text(), diagnose::mean(sizes), where.text(),
+        diagnose::mean(f1));
     if (!errors.empty())
-      fmt::print("   parameter error, median {:.1f} %, covered {}", 100 * diagnose::median(errors), covered.text());
+      fmt::print("   parameter error, median {:.1f} %, covered {}", 100 * diagnose::median(errors),
+                 covered.text());
   }
   fmt::print("\n");
 }
@@ -167,48 +175,56 @@ void print_table(const std::vector<Outcome>& all) {
 
 /// Exactly the true effects and nothing else; for a clean case nothing.
 bool exact(const Names& named, const std::vector<std::string>& truth) {
-  return std::set<std::string>(named.begin(), named.end()) == std::set<std::string>(truth.begin(), truth.end());
+  return std::set<std::string>(named.begin(), named.end()) ==
+         std::set<std::string>(truth.begin(), truth.end());
 }
 
 void print_baselines(const std::vector<Outcome>& all) {
-  fmt::print("\nexactly the true effects named, at ratio 3 and more\n{:<20} {:<34} {:<34} {:<34}\n", "",
-             "clean: nothing", "single", "pair");
-  const auto row = [&](const std::string& method, const std::function<Names(const Outcome&)>& names) {
+  fmt::print("\nexactly the true effects named, at ratio 3 and more\n{:<20} {:<34} {:<34} {:<34}\n",
+             "", "clean: nothing", "single", "pair");
+  const auto row = [&](const std::string& method,
+                       const std::function<Names(const Outcome&)>& names) {
     std::map<std::string, Count> counts;
     for (const Outcome& o : all) {
       if (o.score.family != "clean" && o.score.ratio < 3.0) continue;
       counts[o.score.family].add(exact(names(o), o.score.truth));
     }
-    fmt::print("{:<20} {:<34} {:<34} {:<34}\n", method, counts["clean"].text(), counts["single"].text(),
-               counts["pair"].text());
+    fmt::print("{:<20} {:<34} {:<34} {:<34}\n", method, counts["clean"].text(),
+               counts["single"].text(), counts["pair"].text());
   };
   row("diagnose", [](const Outcome& o) { return o.score.named; });
-  for (const char* method : {"largest score", "fit everything", "sparse regression", "friction ladder"}) {
-    row(method, [method](const Outcome& o) { return o.baselines.contains(method) ? o.baselines.at(method) : Names{}; });
+  for (const char* method :
+       {"largest score", "fit everything", "sparse regression", "friction ladder"}) {
+    row(method, [method](const Outcome& o) {
+      return o.baselines.contains(method) ? o.baselines.at(method) : Names{};
+    });
   }
 }
 
-/// The share of the error beyond noise that is explained 0.5 s ahead on recordings held out, against a residual
-/// network.
+/// The share of the error beyond noise that is explained 0.5 s ahead on recordings held out,
+/// against a residual network.
 void print_explained(const std::vector<Outcome>& all) {
   fmt::print(
-      "\nexplained on recordings held out, 0.5 s ahead, median (ratio 3 and more)\n{:<10} {:>5} {:>10} {:>17}   {}\n",
+      "\nexplained on recordings held out, 0.5 s ahead, median (ratio 3 and more)\n{:<10} {:>5} "
+      "{:>10} {:>17}   {}\n",
       "", "cases", "diagnose", "residual network", "network says mismatch");
   for (const char* family : {"clean", "single", "pair", "outside", "ambiguous"}) {
     std::vector<double> diagnosed, network, of_truth;
     Count says;
     for (const Outcome& o : all) {
-      const bool counts = o.score.family == family && (o.score.family == "clean" || o.score.ratio >= 3.0);
+      const bool counts =
+          o.score.family == family && (o.score.family == "clean" || o.score.ratio >= 3.0);
       if (!counts || !o.proved || !o.network.ran) continue;
-      diagnosed.push_back(o.explained), network.push_back(o.network.explained), says.add(o.network.mismatch);
+      diagnosed.push_back(o.explained), network.push_back(o.network.explained),
+          says.add(o.network.mismatch);
       if (o.explained_by_truth > 0.0) of_truth.push_back(o.explained / o.explained_by_truth);
     }
     if (diagnosed.empty()) continue;
-    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}", family, diagnosed.size(), 100 * diagnose::median(diagnosed),
-               100 * diagnose::median(network), says.text());
+    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}", family, diagnosed.size(),
+               100 * diagnose::median(diagnosed), 100 * diagnose::median(network), says.text());
     if (!of_truth.empty()) {
-      fmt::print("   of what the true structure explains: median {:.3f} over {} cases", diagnose::median(of_truth),
-                 of_truth.size());
+      fmt::print("   of what the true structure explains: median {:.3f} over {} cases",
+                 diagnose::median(of_truth), of_truth.size());
     }
     fmt::print("\n");
   }
@@ -225,26 +241,30 @@ void print_left_out(const std::vector<Outcome>& all) {
   for (const Outcome& o : all) {
     if (o.without_status.empty() || o.score.ratio < 10.0) continue;
     const bool twins =
-        !o.without_named.empty() && std::all_of(o.without_named.begin(), o.without_named.end(),
-                                                [&](const std::string& n) { return names_twin(n, o.score.truth); });
+        !o.without_named.empty() &&
+        std::all_of(o.without_named.begin(), o.without_named.end(),
+                    [&](const std::string& n) { return names_twin(n, o.score.truth); });
     right.add(o.without_status == "PRESENT_UNNAMED" || twins);
-    fmt::print("  without {}: {} {}\n", joined(o.score.truth), o.without_status, joined(o.without_named));
+    fmt::print("  without {}: {} {}\n", joined(o.score.truth), o.without_status,
+               joined(o.without_named));
   }
-  fmt::print("left out of the library, ratio 10 and more: unnamed or a documented twin {}\n", right.text());
+  fmt::print("left out of the library, ratio 10 and more: unnamed or a documented twin {}\n",
+             right.text());
 }
 
 void print_confusions(const std::vector<Outcome>& all) {
   std::map<std::string, int> pairs;
   for (const Outcome& o : all) {
-    if (!o.score.right) ++pairs[joined(o.score.truth) + " -> " + o.score.status + ": " + joined(o.score.named)];
+    if (!o.score.right)
+      ++pairs[joined(o.score.truth) + " -> " + o.score.status + ": " + joined(o.score.named)];
   }
   fmt::print("\nconfusions (truth -> said)\n");
   for (const auto& [pair, count] : pairs) fmt::print("  {} x {}\n", count, pair);
   fmt::print("failures, by seed\n");
   for (const Outcome& o : all) {
     if (o.score.right) continue;
-    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, o.score.family, o.score.ratio, joined(o.score.truth),
-               o.score.status, joined(o.score.named));
+    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, o.score.family, o.score.ratio,
+               joined(o.score.truth), o.score.status, joined(o.score.named));
   }
 }
 
@@ -260,13 +280,14 @@ int bench_diagnose(const DiagnoseBenchOptions& options) {
   std::vector<Outcome> all(static_cast<std::size_t>(options.cases));
   const auto begin = std::chrono::steady_clock::now();
   diagnose::parallel_for(options.cases, [&](int k) {
-    const double minutes = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 60.0;
+    const double minutes =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 60.0;
     if (options.minutes > 0.0 && minutes > options.minutes) return;
     Outcome& o = all[static_cast<std::size_t>(k)];
     o = run_case(options, options.seed + static_cast<unsigned long>(k));
-    fmt::print(stderr, "seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", o.seed, o.score.family, o.score.ratio,
-               joined(o.score.truth), o.score.status, joined(o.score.named), o.score.right ? "right" : "wrong",
-               o.seconds);
+    fmt::print(stderr, "seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", o.seed,
+               o.score.family, o.score.ratio, joined(o.score.truth), o.score.status,
+               joined(o.score.named), o.score.right ? "right" : "wrong", o.seconds);
   });
   std::erase_if(all, [](const Outcome& o) { return !o.ran; });
   std::vector<double> seconds;
@@ -275,8 +296,8 @@ int bench_diagnose(const DiagnoseBenchOptions& options) {
     print_json(all);
     return 0;
   }
-  fmt::print("{} cases run of {} asked for, {}, seeds {} to {}; intervals are 95 % (Wilson)\n", all.size(),
-             options.cases, options.robot, options.seed,
+  fmt::print("{} cases run of {} asked for, {}, seeds {} to {}; intervals are 95 % (Wilson)\n",
+             all.size(), options.cases, options.robot, options.seed,
              options.seed + static_cast<unsigned long>(std::max(0, options.cases - 1)));
   print_table(all);
   print_baselines(all);

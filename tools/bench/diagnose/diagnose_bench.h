@@ -1,5 +1,6 @@
-// `sanso bench diagnose`: conceals cases, diagnoses them, has the answers revealed, counts. Cases are made and opened
-// by the caller's functions: neither this folder nor the diagnosis can read an answer.
+// `sanso bench diagnose`: conceals cases, diagnoses them, has the answers revealed, counts. Cases
+// are made and opened by the caller's functions: neither this folder nor the diagnosis can read an
+// answer.
 #pragma once
 
 #include <functional>
@@ -17,11 +18,12 @@ struct DiagnoseCase {
 /// What the revealed answer says about a verdict.
 struct DiagnoseScore {
   std::string family;
-  double ratio = 0.0;  // severity reached by the faintest effect, of 0.3, 1, 3, 10, 30 the nearest; 0: none
+  // severity reached by the faintest effect, of 0.3, 1, 3, 10, 30 the nearest; 0: none
+  double ratio = 0.0;
   std::vector<std::string> truth, named;
   std::string status;
-  bool detected = false, named_first = false, in_set = false, where_exact = false, refused_by_name = false,
-       unnamed = false, right = false;
+  bool detected = false, named_first = false, in_set = false, where_exact = false,
+       refused_by_name = false, unnamed = false, right = false;
   double set_size = 0.0, f1 = 0.0;
   std::map<std::string, double> relative_error;
   std::map<std::string, bool> covered;
@@ -35,11 +37,14 @@ struct DiagnoseBenchOptions {
   double minutes = 0.0;    // no case is begun later than this; 0: all are run
   bool leave_out = false;  // each case again with its true effects taken out of the library
   bool json = false;
-  std::function<DiagnoseCase(unsigned long seed, const std::string& robot, const std::string& folder)> conceal;
+  std::function<DiagnoseCase(unsigned long seed, const std::string& robot,
+                             const std::string& folder)>
+      conceal;
   std::function<DiagnoseScore(const std::string& folder, const std::string& verdict_file)> reveal;
 };
 
-/// Prints every score with its 95 % interval by family and ratio, the confusion list, failures with their seeds, times.
+/// Prints every score with its 95 % interval by family and ratio, the confusion list, failures with
+/// their seeds, times.
 /// Exit code 0.
 int bench_diagnose(const DiagnoseBenchOptions& options);
 

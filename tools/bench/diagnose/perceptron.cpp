@@ -61,11 +61,12 @@ RowVectorXd Perceptron::predict(const MatrixXd& x, const RowVectorXd& gate) cons
   return unit_ * forward(best_, scaled(x)).cwiseProduct(gate);
 }
 
-void Perceptron::train(const MatrixXd& x, const RowVectorXd& y, const RowVectorXd& gate, const MatrixXd& x_validation,
-                       const RowVectorXd& y_validation, const RowVectorXd& gate_validation,
-                       const PerceptronOptions& options) {
+void Perceptron::train(const MatrixXd& x, const RowVectorXd& y, const RowVectorXd& gate,
+                       const MatrixXd& x_validation, const RowVectorXd& y_validation,
+                       const RowVectorXd& gate_validation, const PerceptronOptions& options) {
   centre_ = x.rowwise().mean();
-  spread_ = (x.colwise() - centre_).rowwise().norm() / std::sqrt(static_cast<double>(std::max<Index>(1, x.cols())));
+  spread_ = (x.colwise() - centre_).rowwise().norm() /
+            std::sqrt(static_cast<double>(std::max<Index>(1, x.cols())));
   spread_ = spread_.cwiseMax(1e-9);
   unit_ = std::max(1e-12, y.norm() / std::sqrt(static_cast<double>(std::max<Index>(1, y.size()))));
   const MatrixXd xs = scaled(x), xv = scaled(x_validation);
@@ -74,8 +75,8 @@ void Perceptron::train(const MatrixXd& x, const RowVectorXd& y, const RowVectorX
   diagnose::Random random(options.seed);
   const Index h = options.hidden, n = x.rows();
   Weights w{normal_matrix(h, n, 1.0 / std::sqrt(static_cast<double>(n)), random),
-            normal_matrix(h, h, 1.0 / std::sqrt(static_cast<double>(h)), random), Eigen::VectorXd::Zero(h),
-            Eigen::VectorXd::Zero(h), RowVectorXd::Zero(h)};
+            normal_matrix(h, h, 1.0 / std::sqrt(static_cast<double>(h)), random),
+            Eigen::VectorXd::Zero(h), Eigen::VectorXd::Zero(h), RowVectorXd::Zero(h)};
   Adam a1, a2, a3, c1, c2, c3;
   best_ = w;
   best_epoch_ = 0;
@@ -84,8 +85,10 @@ void Perceptron::train(const MatrixXd& x, const RowVectorXd& y, const RowVectorX
   std::iota(order.begin(), order.end(), Index{0});
   for (int epoch = 1; epoch <= options.epochs && epoch - best_epoch_ <= options.patience; ++epoch) {
     shuffle(order, random);
-    for (std::size_t from = 0; from < order.size(); from += static_cast<std::size_t>(options.batch)) {
-      const std::size_t until = std::min(order.size(), from + static_cast<std::size_t>(options.batch));
+    for (std::size_t from = 0; from < order.size();
+         from += static_cast<std::size_t>(options.batch)) {
+      const std::size_t until =
+          std::min(order.size(), from + static_cast<std::size_t>(options.batch));
       const std::vector<Index> at(order.begin() + static_cast<std::ptrdiff_t>(from),
                                   order.begin() + static_cast<std::ptrdiff_t>(until));
       const MatrixXd xb = xs(Eigen::all, at);

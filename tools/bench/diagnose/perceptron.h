@@ -1,5 +1,6 @@
-// A small regression network: two hidden layers of tanh, Adam, stopped early by rows that it is not trained on. In this
-// folder for one reason: the residual network that the diagnosis is compared with has to be a real one.
+// A small regression network: two hidden layers of tanh, Adam, stopped early by rows that it is not
+// trained on. In this folder for one reason: the residual network that the diagnosis is compared
+// with has to be a real one.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,9 +20,9 @@ struct PerceptronOptions {
 /// y = gate(x) * net(x), scalar. Columns are samples.
 class Perceptron {
  public:
-  /// Trains on `x` (features x samples), `y`, with `gate` >= 0 multiplying the output; keeps the weights that are best
-  /// on the validation samples. Weights of the initial network give y = 0, so "no better than nothing" is a possible
-  /// answer.
+  /// Trains on `x` (features x samples), `y`, with `gate` >= 0 multiplying the output; keeps the
+  /// weights that are best on the validation samples. Weights of the initial network give y = 0, so
+  /// "no better than nothing" is a possible answer.
   void train(const Eigen::MatrixXd& x, const Eigen::RowVectorXd& y, const Eigen::RowVectorXd& gate,
              const Eigen::MatrixXd& x_validation, const Eigen::RowVectorXd& y_validation,
              const Eigen::RowVectorXd& gate_validation, const PerceptronOptions& options);

@@ -38,7 +38,8 @@ std::vector<Prediction> nominal_predictions(const Problem& problem) {
     SimOptions options;
     options.motion = &source.motion;
     options.max_step_s = constants::kSearchStep;
-    for (Prediction& p : simulate(source.nominal, source.drive, windows, options)) out.push_back(std::move(p));
+    for (Prediction& p : simulate(source.nominal, source.drive, windows, options))
+      out.push_back(std::move(p));
   }
   return out;
 }
@@ -48,31 +49,38 @@ double goal(const JointData& data, std::size_t row) {
   return row < data.command.size() && std::isfinite(data.command[row]) ? data.command[row] : 0.0;
 }
 
-void add_features(const Source& source, const Shot& shot, const Prediction& p, int joint, std::size_t local,
-                  Eigen::Ref<Eigen::VectorXd> x) {
+void add_features(const Source& source, const Shot& shot, const Prediction& p, int joint,
+                  std::size_t local, Eigen::Ref<Eigen::VectorXd> x) {
   const auto j = static_cast<std::size_t>(joint);
   const std::size_t row = shot.window.first + local;
-  const double u = goal(source.drive.joints[j], row), u_before = goal(source.drive.joints[j], row - 1);
+  const double u = goal(source.drive.joints[j], row),
+               u_before = goal(source.drive.joints[j], row - 1);
   const double q = p.of(p.q, joint)[local];
-  x.head(kOwnFeatures) << q, p.of(p.dq, joint)[local], p.of(p.tau, joint)[local], u, u - q, u - u_before,
-      shot.window.q[j], shot.window.dq[j], source.drive.t[row] - source.drive.t[shot.window.first];
+  x.head(kOwnFeatures) << q, p.of(p.dq, joint)[local], p.of(p.tau, joint)[local], u, u - q,
+      u - u_before, shot.window.q[j], shot.window.dq[j],
+      source.drive.t[row] - source.drive.t[shot.window.first];
   Index next = kOwnFeatures;
   for (std::size_t other = 0; other < source.drive.joints.size(); ++other) {
     if (other == j) continue;
     const int o = static_cast<int>(other);
-    x.segment(next, kOtherFeatures) << p.of(p.q, o)[local], p.of(p.dq, o)[local], p.of(p.tau, o)[local];
+    x.segment(next, kOtherFeatures) << p.of(p.q, o)[local], p.of(p.dq, o)[local],
+        p.of(p.tau, o)[local];
     next += kOtherFeatures;
   }
 }
 
 /// The rows of a channel in the chosen shots.
-Rows rows_of(const Problem& problem, const std::vector<Prediction>& predictions, std::size_t channel,
-             const std::vector<std::size_t>& shots) {
+Rows rows_of(const Problem& problem, const std::vector<Prediction>& predictions,
+             std::size_t channel, const std::vector<std::size_t>& shots) {
   const int joint = problem.channels[channel].joint;
-  const auto features = static_cast<Index>(kOwnFeatures + kOtherFeatures * (problem.joints.size() - 1));
+  const auto features =
+      static_cast<Index>(kOwnFeatures + kOtherFeatures * (problem.joints.size() - 1));
   Index count = 0;
   for (const std::size_t s : shots) count += static_cast<Index>(problem.shots[s].rows);
-  Rows out{Eigen::MatrixXd(features, count), Eigen::RowVectorXd::Zero(count), Eigen::RowVectorXd::Zero(count), {}};
+  Rows out{Eigen::MatrixXd(features, count),
+           Eigen::RowVectorXd::Zero(count),
+           Eigen::RowVectorXd::Zero(count),
+           {}};
   Index at = 0;
   for (const std::size_t s : shots) {
     const Shot& shot = problem.shots[s];
@@ -94,8 +102,8 @@ struct Division {
   std::vector<std::size_t> train, validation, test;
 };
 
-/// What the diagnosis' proof holds out is for the test; of the rest the last recording, or where there is one only its
-/// last quarter, stops the training.
+/// What the diagnosis' proof holds out is for the test; of the rest the last recording, or where
+/// there is one only its last quarter, stops the training.
 Division divide(const Problem& problem, const Split& split) {
   const auto within = [&](const Shot& shot, const Part& part) {
     const auto s = static_cast<std::size_t>(shot.source);
@@ -111,8 +119,8 @@ Division divide(const Problem& problem, const Split& split) {
   }
   if (out.train.empty()) return out;
   const int last = problem.shots[out.train.back()].source;
-  const auto of_last =
-      std::find_if(out.train.begin(), out.train.end(), [&](std::size_t i) { return problem.shots[i].source == last; });
+  const auto of_last = std::find_if(out.train.begin(), out.train.end(),
+                                    [&](std::size_t i) { return problem.shots[i].source == last; });
   const auto quarter = out.train.end() - static_cast<std::ptrdiff_t>(out.train.size() / 4);
   const auto from = of_last == out.train.begin() ? quarter : of_last;
   out.validation.assign(from, out.train.end());
@@ -120,7 +128,8 @@ Division divide(const Problem& problem, const Split& split) {
   return out;
 }
 
-void score(const Problem& problem, const Division& part, unsigned long seed, ResidualNetworkScore& out) {
+void score(const Problem& problem, const Division& part, unsigned long seed,
+           ResidualNetworkScore& out) {
   const std::vector<Prediction> predictions = nominal_predictions(problem);
   double before = 0.0, after = 0.0, noise = 0.0, count = 0.0;
   std::vector<double> gain(part.test.size(), 0.0);  // by shot, in noise units
@@ -132,7 +141,8 @@ void score(const Problem& problem, const Division& part, unsigned long seed, Res
     PerceptronOptions options;
     options.seed = seed;
     Perceptron network;
-    network.train(train.x, train.y, train.gate, validation.x, validation.y, validation.gate, options);
+    network.train(train.x, train.y, train.gate, validation.x, validation.y, validation.gate,
+                  options);
     out.epochs = std::max(out.epochs, network.best_epoch());
     const Eigen::RowVectorXd left = test.y - network.predict(test.x, test.gate);
     const auto n = static_cast<double>(left.size());
@@ -142,19 +152,25 @@ void score(const Problem& problem, const Division& part, unsigned long seed, Res
     Index from = 0;
     for (std::size_t s = 0; s < part.test.size(); ++s) {
       const Index rows = test.shot_ends[s] - from;
-      gain[s] += (test.y.segment(from, rows).squaredNorm() - left.segment(from, rows).squaredNorm()) / unit;
+      gain[s] +=
+          (test.y.segment(from, rows).squaredNorm() - left.segment(from, rows).squaredNorm()) /
+          unit;
       from = test.shot_ends[s];
     }
   }
   out.ran = count > 0.0;
   if (!out.ran) return;
-  out.explained = FitScore{std::sqrt(before / count), std::sqrt(after / count), std::sqrt(noise / count)}.explained();
-  out.mismatch = moving_block_lower_bound(gain, constants::kGainLevel, constants::kGainDraws, Random(seed)) > 0.0;
+  out.explained =
+      FitScore{std::sqrt(before / count), std::sqrt(after / count), std::sqrt(noise / count)}
+          .explained();
+  out.mismatch = moving_block_lower_bound(gain, constants::kGainLevel, constants::kGainDraws,
+                                          Random(seed)) > 0.0;
 }
 
 }  // namespace
 
-ResidualNetworkScore residual_network(const std::string& model_folder, const std::vector<std::string>& recordings,
+ResidualNetworkScore residual_network(const std::string& model_folder,
+                                      const std::vector<std::string>& recordings,
                                       unsigned long seed) {
   ResidualNetworkScore out;
   try {
@@ -168,7 +184,8 @@ ResidualNetworkScore residual_network(const std::string& model_folder, const std
     options.secondary = false;
     const Problem problem = make_problem(sources, loaded.gate.noise, options);
     const Division part = divide(problem, make_split(sources));
-    if (!part.train.empty() && !part.validation.empty() && !part.test.empty()) score(problem, part, seed, out);
+    if (!part.train.empty() && !part.validation.empty() && !part.test.empty())
+      score(problem, part, seed, out);
   } catch (const recording::InputError&) {
     out.ran = false;
   }

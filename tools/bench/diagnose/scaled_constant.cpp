@@ -66,7 +66,9 @@ const std::vector<Scalable> kScalable{
 };
 
 void scale(double* value, double factor) { *value *= factor; }
-void scale(int* value, double factor) { *value = std::max(1, static_cast<int>(std::lround(*value * factor))); }
+void scale(int* value, double factor) {
+  *value = std::max(1, static_cast<int>(std::lround(*value * factor)));
+}
 
 }  // namespace
 
@@ -79,11 +81,13 @@ std::vector<std::string> constant_names() {
 void scale_constant(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string name = assignment.substr(0, equals);
-  const double factor = equals == std::string::npos ? 0.0 : std::atof(assignment.c_str() + equals + 1);
-  const auto found =
-      std::find_if(kScalable.begin(), kScalable.end(), [&](const Scalable& s) { return name == s.name; });
+  const double factor =
+      equals == std::string::npos ? 0.0 : std::atof(assignment.c_str() + equals + 1);
+  const auto found = std::find_if(kScalable.begin(), kScalable.end(),
+                                  [&](const Scalable& s) { return name == s.name; });
   if (found == kScalable.end()) {
-    throw std::invalid_argument("no constant '" + name + "'; they stand in tools/diagnose/constants.h");
+    throw std::invalid_argument("no constant '" + name +
+                                "'; they stand in tools/diagnose/constants.h");
   }
   if (!(factor > 0.0) || !std::isfinite(factor)) {
     throw std::invalid_argument("'" + assignment + "': expected NAME=FACTOR with a factor above 0");

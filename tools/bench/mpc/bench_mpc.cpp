@@ -24,7 +24,9 @@ double ms(Nanoseconds t) { return 1e-6 * static_cast<double>(t); }
 TimeSummary summary_of(std::vector<double> t) {
   if (t.empty()) return {};
   std::sort(t.begin(), t.end());
-  const auto at = [&](double q) { return t[static_cast<std::size_t>(q * static_cast<double>(t.size() - 1))]; };
+  const auto at = [&](double q) {
+    return t[static_cast<std::size_t>(q * static_cast<double>(t.size() - 1))];
+  };
   return {at(0.5), at(0.99), t.back()};
 }
 double median_of(std::vector<double> t) { return summary_of(std::move(t)).p50; }
@@ -39,7 +41,9 @@ long preemptions() {
 host::ResidualNetwork plausible_network() {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
-  const auto fill = [&](auto& m, float scale) { m = m.NullaryExpr([&] { return scale * normal(random); }); };
+  const auto fill = [&](auto& m, float scale) {
+    m = m.NullaryExpr([&] { return scale * normal(random); });
+  };
   host::ResidualNetwork n;
   fill(n.W1, 0.15f), fill(n.W2, 0.12f), fill(n.W3, 0.12f), fill(n.b1, 0.1f), fill(n.b2, 0.1f);
   n.output_scale.setConstant(0.001f);                    // m, rad
@@ -51,14 +55,17 @@ host::ResidualNetwork plausible_network() {
 class Walk {
  public:
   explicit Walk(const BenchMpcOptions& o)
-      : motion(motion::MotionLibrary().load(o.motion)), reference(motion.reference().x), size_(o.disturbance) {}
+      : motion(motion::MotionLibrary().load(o.motion)),
+        reference(motion.reference().x),
+        size_(o.disturbance) {}
   mpc::PlanRequest next() {
     mpc::PlanRequest request;
     std::normal_distribution<double> normal;
     request.observed_tick = (count_ * mpc_ticks) % static_cast<int>(reference.size());
     request.plan_tick = request.observed_tick + mpc_ticks;
     model::Tangent d;
-    for (int i = 0; i < mpc::kNdx; ++i) d[i] = size_ * normal(random_) * (i < model::kNv ? 0.01 : 0.08);
+    for (int i = 0; i < mpc::kNdx; ++i)
+      d[i] = size_ * normal(random_) * (i < model::kNv ? 0.01 : 0.08);
     d[2] *= 0.3;
     request.x_observed = model::plus(reference[static_cast<std::size_t>(request.observed_tick)], d);
     ++count_;
@@ -81,7 +88,9 @@ class Peer {
       : walk_(walk),
         pool_(o.mpc.threads, o.mpc.pin_threads),
         phases_(o.mpc.horizon, o.mpc.dt_s, o.mpc.difference_step, pool_),
-        solver_({o.mpc.max_iterations, o.mpc.convergence, o.mpc.regularization, o.mpc.input_limit_rad}, phases_) {}
+        solver_(
+            {o.mpc.max_iterations, o.mpc.convergence, o.mpc.regularization, o.mpc.input_limit_rad},
+            phases_) {}
 
   mpc::SolveResult solve(int plan_tick, const model::State& x0) {
     mpc::ProblemContext& c = phases_.context();
@@ -92,7 +101,8 @@ class Peer {
       const int tick = plan_tick + k * walk_.mpc_ticks;
       std::copy_n(at(tick).data(), mpc::kNx, c.x_ref[k]);
       if (k < phases_.stages())
-        std::copy_n(at(tick + walk_.mpc_ticks / 2).data() + model::kXJoint, mpc::kNu, c.stage[k].u_fixed);
+        std::copy_n(at(tick + walk_.mpc_ticks / 2).data() + model::kXJoint, mpc::kNu,
+                    c.stage[k].u_fixed);
     }
     std::copy_n(walk_.motion.weights.state.data(), mpc::kNdx, c.state_weight);
     std::copy_n(walk_.motion.weights.input.data(), mpc::kNu, c.input_weight);
@@ -125,7 +135,8 @@ class Peer {
 /// Our planner stopped after 1, 2, .. iterations: when does it reach a given cost?
 class Stopped {
  public:
-  Stopped(const BenchMpcOptions& o, const host::AugmentedModel& model, const mpc::TrialContext& trial) {
+  Stopped(const BenchMpcOptions& o, const host::AugmentedModel& model,
+          const mpc::TrialContext& trial) {
     for (int n = 1; n <= o.mpc.max_iterations; ++n) {
       mpc::MpcSettings settings = o.mpc;
       settings.max_iterations = n;
@@ -133,7 +144,8 @@ class Stopped {
       planners_.back()->begin_trial(trial);
     }
   }
-  /// Time of the shortest plan whose cost is not above `cost` [ms]; the longest plan's when none is.
+  /// Time of the shortest plan whose cost is not above `cost` [ms]; the longest plan's when none
+  /// is.
   double time_to(double cost, const mpc::PlanRequest& request) {
     for (const auto& planner : planners_) {
       planner->plan(request, *plan_);
@@ -160,8 +172,8 @@ double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x
   std::vector<double> times;
   for (int i = 0; i < 2000; ++i) {
     const Nanoseconds start = mpc::steady_now();
-    model::step_batch(model.analytical, model.ground, xs.get(), &u, {.h = dt_s, .substeps = model.substeps}, next.get(),
-                      &contact, 1);
+    model::step_batch(model.analytical, model.ground, xs.get(), &u,
+                      {.h = dt_s, .substeps = model.substeps}, next.get(), &contact, 1);
     times.push_back(1e3 * ms(mpc::steady_now() - start) / model::kLanes);
   }
   return median_of(times);
@@ -172,8 +184,9 @@ double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x
 BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   BenchMpcResult r;
   if (!o.lanes.empty() && !model::select_batch_isa(o.lanes.c_str()))
-    throw std::invalid_argument(
-        fmt::format("--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable", o.lanes));
+    throw std::invalid_argument(fmt::format(
+        "--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable",
+        o.lanes));
   r.lanes = model::batch_isa();
   Walk walk(o);
   host::AugmentedModel model;
@@ -186,11 +199,13 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   upper.begin_trial(trial);
   std::unique_ptr<Peer> peer;
   std::unique_ptr<Stopped> stopped;
-  if (o.peer) peer = std::make_unique<Peer>(o, walk), stopped = std::make_unique<Stopped>(o, model, trial);
+  if (o.peer)
+    peer = std::make_unique<Peer>(o, walk), stopped = std::make_unique<Stopped>(o, model, trial);
 
   r.threads = o.mpc.threads;
   r.updates = o.updates;
-  std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize, ratios, same_cost_ratios;
+  std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize,
+      ratios, same_cost_ratios;
   mpc::PlanResult plan;
   for (int i = -20; i < o.updates; ++i) {  // the first ones warm caches and clock
     mpc::PlanRequest request = walk.next();
@@ -211,7 +226,8 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
     r.linearize_ms += ms(plan.timing.linearize) / o.updates;
     r.backward_ms += ms(plan.timing.backward) / o.updates;
     r.line_search_ms += ms(plan.timing.line_search) / o.updates;
-    if (peer && r.peer_updates < o.peer_updates && i % std::max(1, o.updates / o.peer_updates) == 0) {
+    if (peer && r.peer_updates < o.peer_updates &&
+        i % std::max(1, o.updates / o.peer_updates) == 0) {
       const mpc::SolveResult solved = peer->solve(request.plan_tick, plan.x_plan);
       ++r.peer_updates;
       peer_times.push_back(ms(solved.timing.total));
@@ -243,7 +259,9 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
 
 namespace {
 
-nlohmann::json to_json(const TimeSummary& t) { return {{"p50", t.p50}, {"p99", t.p99}, {"max", t.max}}; }
+nlohmann::json to_json(const TimeSummary& t) {
+  return {{"p50", t.p50}, {"p99", t.p99}, {"max", t.max}};
+}
 
 void print_json(const BenchMpcResult& r) {
   nlohmann::json j = {{"update_ms", to_json(r.update_ms)},
@@ -276,29 +294,39 @@ void print_json(const BenchMpcResult& r) {
 
 void print_table(const BenchMpcResult& r) {
   fmt::print("policy update, {} updates, {} thread(s), {}\n", r.updates, r.threads, r.lanes);
-  fmt::print("  update               p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.update_ms.p50, r.update_ms.p99,
-             r.update_ms.max);
-  fmt::print("  of these, {} that no other program interrupted: p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.undisturbed,
-             r.undisturbed_ms.p50, r.undisturbed_ms.p99, r.undisturbed_ms.max);
-  fmt::print("  iterations           mean {:.2f}, most {:.0f};  cost {:.3f} -> {:.3f} (medians)\n", r.iterations,
-             r.max_iterations, r.cost_before, r.cost_after);
+  fmt::print("  update               p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", r.update_ms.p50,
+             r.update_ms.p99, r.update_ms.max);
+  fmt::print(
+      "  of these, {} that no other program interrupted: p50 {:.2f}  p99 {:.2f}  max {:.2f} ms\n",
+      r.undisturbed, r.undisturbed_ms.p50, r.undisturbed_ms.p99, r.undisturbed_ms.max);
+  fmt::print("  iterations           mean {:.2f}, most {:.0f};  cost {:.3f} -> {:.3f} (medians)\n",
+             r.iterations, r.max_iterations, r.cost_before, r.cost_after);
   if (r.cut_short > 0)
-    fmt::print("  {} updates used up their time budget and returned the best plan found\n", r.cut_short);
-  fmt::print("  mean of an update    predict {:.3f}  linearise {:.3f}  backward {:.3f}  roll-outs {:.3f} ms\n",
-             r.predict_ms, r.linearize_ms, r.backward_ms, r.line_search_ms);
+    fmt::print("  {} updates used up their time budget and returned the best plan found\n",
+               r.cut_short);
+  fmt::print(
+      "  mean of an update    predict {:.3f}  linearise {:.3f}  backward {:.3f}  roll-outs {:.3f} "
+      "ms\n",
+      r.predict_ms, r.linearize_ms, r.backward_ms, r.line_search_ms);
   fmt::print("  one dynamics step    {:.3f} us a lane\n", r.dynamics_eval_us);
   if (r.peer_updates == 0) return;
-  fmt::print("peer: iLQG on MuJoCo, same horizon, cost, step lengths and stopping rule, {} updates in the same run\n",
-             r.peer_updates);
-  fmt::print("  update               p50 {:.1f}  p99 {:.1f}  max {:.1f} ms;  iterations {:.2f};  cost after {:.3f}\n",
-             r.peer_ms.p50, r.peer_ms.p99, r.peer_ms.max, r.peer_iterations, r.peer_cost_after);
-  fmt::print("  one dynamics step    {:.1f} us;  linearise {:.2f} ms\n", r.peer_step_us, r.peer_linearize_ms);
   fmt::print(
-      "  peer / sanso         both to convergence {:.1f};  sanso stopped at the peer's cost {:.1f} (medians of the "
+      "peer: iLQG on MuJoCo, same horizon, cost, step lengths and stopping rule, {} updates in "
+      "the same run\n",
+      r.peer_updates);
+  fmt::print(
+      "  update               p50 {:.1f}  p99 {:.1f}  max {:.1f} ms;  iterations {:.2f};  cost "
+      "after {:.3f}\n",
+      r.peer_ms.p50, r.peer_ms.p99, r.peer_ms.max, r.peer_iterations, r.peer_cost_after);
+  fmt::print("  one dynamics step    {:.1f} us;  linearise {:.2f} ms\n", r.peer_step_us,
+             r.peer_linearize_ms);
+  fmt::print(
+      "  peer / sanso         both to convergence {:.1f};  sanso stopped at the peer's cost "
+      "{:.1f} (medians of the "
       "ratios)\n",
       r.ratio, r.same_cost_ratio);
-  fmt::print("  the peer's cost, in its own model, was the lower one in {} of {} updates\n", r.peer_cheaper,
-             r.peer_updates);
+  fmt::print("  the peer's cost, in its own model, was the lower one in {} of {} updates\n",
+             r.peer_cheaper, r.peer_updates);
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ using model::Tangent;
 
 std::string inertial(const model::BodyInertia& b) {
   const double* I = b.inertia;  // xx xy xz yy yz zz; MJCF wants xx yy zz xy xz yz
-  return fmt::format(R"(<inertial pos="{} {} {}" mass="{}" fullinertia="{} {} {} {} {} {}"/>)", b.com[0], b.com[1],
-                     b.com[2], b.mass, I[0], I[3], I[5], I[1], I[2], I[4]);
+  return fmt::format(R"(<inertial pos="{} {} {}" mass="{}" fullinertia="{} {} {} {} {} {}"/>)",
+                     b.com[0], b.com[1], b.com[2], b.mass, I[0], I[3], I[5], I[1], I[2], I[4]);
 }
 
 std::string sole_points(int leg) {
@@ -30,8 +30,10 @@ std::string sole_points(int leg) {
   std::string out;
   for (const double x : {model::kSoleFront, model::kSoleBack})
     for (const double y : {model::kSoleOuter, model::kSoleInner})
-      out += fmt::format(R"(<geom type="sphere" size="{}" pos="{} {} {}" condim="3" friction="0.8 0.005 0.0001"/>)",
-                         kRadius, x, side * y, model::kSoleHeight + kRadius);
+      out += fmt::format(
+          R"(<geom type="sphere" size="{}" pos="{} {} {}" condim="3" friction="0.8 0.005 )"
+          R"(0.0001"/>)",
+          kRadius, x, side * y, model::kSoleHeight + kRadius);
   return out;
 }
 
@@ -42,9 +44,10 @@ std::string leg_bodies(const model::ModelParameters& theta, int leg, double h) {
     const model::ServoParameters& s = theta.servo[j];
     double axis[3] = {0, 0, 0};
     axis[g.axis] = g.sign;
-    out += fmt::format(R"(<body pos="{} {} {}">{}<joint name="j{}" type="hinge" axis="{} {} {}" armature="{}"/>)",
-                       g.origin[0], g.origin[1], g.origin[2], inertial(theta.body[j + 1]), j, axis[0], axis[1], axis[2],
-                       s.armature + h * s.damping + h * h * s.stiffness);
+    out += fmt::format(
+        R"(<body pos="{} {} {}">{}<joint name="j{}" type="hinge" axis="{} {} {}" armature="{}"/>)",
+        g.origin[0], g.origin[1], g.origin[2], inertial(theta.body[j + 1]), j, axis[0], axis[1],
+        axis[2], s.armature + h * s.damping + h * h * s.stiffness);
     close += "</body>";
   }
   return out + sole_points(leg) + close;
@@ -57,18 +60,23 @@ std::string peer_mjcf(const model::ModelParameters& theta, double h) {
   for (int j = 0; j < model::kNumJoints; ++j) {
     const model::ServoParameters& s = theta.servo[j];
     actuators += fmt::format(
-        R"(<general joint="j{}" gaintype="fixed" gainprm="{}" biastype="affine" biasprm="0 {} {}"/>)", j, s.stiffness,
-        -s.stiffness, -(s.damping + h * s.stiffness));
+        R"(<general joint="j{}" gaintype="fixed" gainprm="{}" biastype="affine" biasprm="0 {} )"
+        R"({}"/>)",
+        j, s.stiffness, -s.stiffness, -(s.damping + h * s.stiffness));
   }
   return fmt::format(
-      R"(<mujoco><compiler angle="radian"/><option timestep="{}" cone="pyramidal" gravity="0 0 -9.81"/><worldbody>)"
+      R"(<mujoco><compiler angle="radian"/><option timestep="{}" cone="pyramidal" gravity="0 0 )"
+      R"(-9.81"/><worldbody>)"
       R"(<geom type="plane" size="10 10 1" condim="3" friction="0.8 0.005 0.0001"/>)"
       R"(<body><freejoint/>{}{}{}</body></worldbody><actuator>{}</actuator></mujoco>)",
       h, inertial(theta.body[0]), leg_bodies(theta, 0, h), leg_bodies(theta, 1, h), actuators);
 }
 
 MujocoPhases::MujocoPhases(int horizon, double dt_s, double difference_step, mpc::SpinPool& pool)
-    : horizon_(horizon), difference_step_(difference_step), pool_(pool), context_(std::make_unique<mpc::ProblemContext>()) {
+    : horizon_(horizon),
+      difference_step_(difference_step),
+      pool_(pool),
+      context_(std::make_unique<mpc::ProblemContext>()) {
   const std::string xml = peer_mjcf(model::nominal_parameters(), dt_s);
   auto files = std::make_unique<mjVFS>();
   mj_defaultVFS(files.get());
@@ -77,7 +85,8 @@ MujocoPhases::MujocoPhases(int horizon, double dt_s, double difference_step, mpc
   char error[500] = "";
   model_ = mj_loadXML("peer.xml", files.get(), error, sizeof error);
   mj_deleteVFS(files.get());
-  if (model_ == nullptr) throw std::runtime_error(std::string("the peer's model was refused by MuJoCo: ") + error);
+  if (model_ == nullptr)
+    throw std::runtime_error(std::string("the peer's model was refused by MuJoCo: ") + error);
   for (int i = 0; i < pool.threads(); ++i) {
     data_.push_back(mj_makeData(model_));
     A_.emplace_back(mpc::kNdx * mpc::kNdx);
@@ -94,7 +103,8 @@ void MujocoPhases::set(mjData* data, const double* x, int stage, const double* u
   std::copy_n(x, model::kNq, data->qpos);
   std::copy_n(x + model::kNq, model::kNv, data->qvel);
   for (int i = 0; i < mpc::kNu; ++i) data->ctrl[i] = context_->stage[stage].u_fixed[i] + u_upper[i];
-  std::fill_n(data->qacc_warmstart, model::kNv, 0.0);  // the same start for every evaluation: a function of x and u
+  // the same start for every evaluation: a function of x and u
+  std::fill_n(data->qacc_warmstart, model::kNv, 0.0);
 }
 
 void MujocoPhases::step(const double* x, const double* u, double* x_next, int thread) {
@@ -108,7 +118,8 @@ void MujocoPhases::step(const double* x, const double* u, double* x_next, int th
   std::copy_n(data->qvel, model::kNv, x_next + model::kNq);
 }
 
-void MujocoPhases::linearize(const mpc::Trajectory& nominal, mpc::StageDerivatives* derivatives, mpc::StageCost* costs) {
+void MujocoPhases::linearize(const mpc::Trajectory& nominal, mpc::StageDerivatives* derivatives,
+                             mpc::StageCost* costs) {
   pool_.run(stages(), [&](int stage, int thread) {
     linearize_stage(nominal, stage, thread, derivatives[stage]);
     mpc::cost_model(*context_, stage, nominal.x[stage], nominal.u[stage], costs[stage]);
@@ -116,24 +127,29 @@ void MujocoPhases::linearize(const mpc::Trajectory& nominal, mpc::StageDerivativ
   mpc::cost_model(*context_, stages(), nominal.x[stages()], nullptr, costs[stages()]);
 }
 
-void MujocoPhases::linearize_stage(const mpc::Trajectory& nominal, int stage, int thread, mpc::StageDerivatives& out) {
+void MujocoPhases::linearize_stage(const mpc::Trajectory& nominal, int stage, int thread,
+                                   mpc::StageDerivatives& out) {
   const auto t = static_cast<std::size_t>(thread);
   set(data_[t], nominal.x[stage], stage, nominal.u[stage]);
-  mjd_transitionFD(model_, data_[t], difference_step_, 0, A_[t].data(), B_[t].data(), nullptr, nullptr);
+  mjd_transitionFD(model_, data_[t], difference_step_, 0, A_[t].data(), B_[t].data(), nullptr,
+                   nullptr);
   for (int i = 0; i < mpc::kNdx; ++i) {
-    for (int j = 0; j < mpc::kNdx; ++j) out.AB[i][j] = A_[t][static_cast<std::size_t>(i * mpc::kNdx + j)];
-    for (int j = 0; j < mpc::kNu; ++j) out.AB[i][mpc::kNdx + j] = B_[t][static_cast<std::size_t>(i * mpc::kNu + j)];
+    for (int j = 0; j < mpc::kNdx; ++j)
+      out.AB[i][j] = A_[t][static_cast<std::size_t>(i * mpc::kNdx + j)];
+    for (int j = 0; j < mpc::kNu; ++j)
+      out.AB[i][mpc::kNdx + j] = B_[t][static_cast<std::size_t>(i * mpc::kNu + j)];
     out.F[i] = 0;
   }
 }
 
-void MujocoPhases::roll_out(const mpc::LinePolicy& policy, const double* steps, mpc::LaneTrajectories& out) {
+void MujocoPhases::roll_out(const mpc::LinePolicy& policy, const double* steps,
+                            mpc::LaneTrajectories& out) {
   pool_.run(mpc::kLineSearchLanes,
             [&](int lane, int thread) { roll_out_lane(policy, steps[lane], lane, thread, out); });
 }
 
-void MujocoPhases::roll_out_lane(const mpc::LinePolicy& policy, double step_length, int lane, int thread,
-                                 mpc::LaneTrajectories& out) {
+void MujocoPhases::roll_out_lane(const mpc::LinePolicy& policy, double step_length, int lane,
+                                 int thread, mpc::LaneTrajectories& out) {
   mjData* data = data_[static_cast<std::size_t>(thread)];
   const mpc::Trajectory& nominal = *policy.nominal;
   State x = Eigen::Map<const State>(nominal.x[0]);

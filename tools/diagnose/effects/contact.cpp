@@ -1,5 +1,5 @@
-// Ground contact: C1 to C6 of the method page. A fixed base stands on nothing: listed so that a diagnosis can say that
-// they were not tested; none has a simulation here.
+// Ground contact: C1 to C6 of the method page. A fixed base stands on nothing: listed so that a
+// diagnosis can say that they were not tested; none has a simulation here.
 #include "tools/diagnose/effects/families.h"
 
 namespace sanso::diagnose {
@@ -34,7 +34,8 @@ std::vector<Effect> contact_effects() {
           .family = F,
           .port = P,
           .scope = S,
-          .parameters = {{"stiffness", "log", 0, -2.3, 2.3, 0.5}, {"damping", "log", 0, -2.3, 2.3, 0.5}},
+          .parameters = {{"stiffness", "log", 0, -2.3, 2.3, 0.5},
+                         {"damping", "log", 0, -2.3, 2.3, 0.5}},
           .residuals = R,
           .needs = kGround,
           .cluster = "G",

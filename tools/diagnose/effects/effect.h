@@ -1,5 +1,6 @@
-// One hypothesis about missing physics: a small struct that changes simulation parameters at one port, and everything a
-// diagnosis must know about it. At its null value it changes nothing, bit for bit.
+// One hypothesis about missing physics: a small struct that changes simulation parameters at one
+// port, and everything a diagnosis must know about it. At its null value it changes nothing, bit
+// for bit.
 #pragma once
 
 #include <functional>
@@ -13,14 +14,24 @@
 namespace sanso::diagnose {
 
 enum class Family { friction, transmission, mass, electrical, timing, sensor, contact, external };
-enum class Port { clock, command_path, firmware, electrical, transmission, rigid_body, contact, external, sensor };
+enum class Port {
+  clock,
+  command_path,
+  firmware,
+  electrical,
+  transmission,
+  rigid_body,
+  contact,
+  external,
+  sensor
+};
 enum class Scope { joint, link, robot };  // what `where` names: joints, links, nothing
 std::string_view to_string(Family family);
 std::string_view to_string(Port port);
 std::string_view to_string(Scope scope);
 
-/// Bounds and typical sizes in the library are those of an XM430-W350 (4.1 N m, 4.8 rad/s). For another joint they are
-/// multiplied by what the joint is in comparison.
+/// Bounds and typical sizes in the library are those of an XM430-W350 (4.1 N m, 4.8 rad/s). For
+/// another joint they are multiplied by what the joint is in comparison.
 enum class Unit {
   none,
   torque,
@@ -39,18 +50,24 @@ enum class Unit {
   force
 };
 
-/// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it; never scaled.
+/// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it;
+/// never scaled.
 inline constexpr double kOff = 1e6;
 
-/// What a parameter says, for the search of where a fit begins: no derivative leads to an order or a place from afar.
+/// What a parameter says, for the search of where a fit begins: no derivative leads to an order or
+/// a place from afar.
 enum class Role {
-  size,      // how much
-  order,     // periods in a turn: tried one by one around the probed ones
-  delay,     // of a signal that is sampled or held, so that its derivative misses the jumps: tried in halving steps
+  size,   // how much
+  order,  // periods in a turn: tried one by one around the probed ones
+  // of a signal that is sampled or held, so that its derivative misses the jumps: tried in halving
+  // steps
+  delay,
   instant,   // of a recording, from which on: tried on a grid
   event,     // of a recording, at which something short begins: tried where errors stand alone
   duration,  // of an event: its edges are tried in halving steps
-  position,  // of the joint: a probe's sign says from which end of its motion; tried on a grid between the ends
+  // of the joint: a probe's sign says from which end of its motion; tried on a grid between the
+  // ends
+  position,
 };
 
 struct EffectParameter {
@@ -65,10 +82,19 @@ struct EffectParameter {
 };
 
 /// Residuals of the method page (3.3) that an effect changes.
-enum Residual : unsigned { kR1 = 1, kR2 = 2, kR3 = 4, kR4 = 8, kR5 = 16, kR6 = 32, kR7 = 64, kR8 = 128 };
+enum Residual : unsigned {
+  kR1 = 1,
+  kR2 = 2,
+  kR3 = 4,
+  kR4 = 8,
+  kR5 = 16,
+  kR6 = 32,
+  kR7 = 64,
+  kR8 = 128
+};
 
-/// What an effect's torque at its own joint is a function of, alone. Two effects of one kind at one joint are terms of a
-/// series that describes any such torque, and so no causes.
+/// What an effect's torque at its own joint is a function of, alone. Two effects of one kind at one
+/// joint are terms of a series that describes any such torque, and so no causes.
 enum Term : unsigned { kOfAngle = 1, kOfAcceleration = 2 };
 
 /// Kinds of missing information that make an effect untestable.
@@ -84,7 +110,8 @@ enum Need : unsigned {
   kImu = 256,         // imu columns on a floating base
 };
 
-/// Something a person can do to separate this effect from its look-alikes; settings come before motions.
+/// Something a person can do to separate this effect from its look-alikes; settings come before
+/// motions.
 struct Experiment {
   enum class Kind { setting, channel, motion } kind;
   std::string_view what;
@@ -99,20 +126,25 @@ struct Effect {
   Port port{};
   Scope scope{};
   std::vector<EffectParameter> parameters{};
-  bool smooth = true;   // derivatives at the null say something; otherwise only probes do
-  bool random = false;  // chance decides what it does to a recording: judged by scatter, its first parameter the size
-  unsigned terms = 0;         // Term bits; of a link: where its joint hangs on the base
-  std::vector<std::vector<double>> probes{};    // parameter vectors (library units) whose signature is looked for
-  int sign = 0;                                 // +1: only values above the null are possible, -1: only below, 0: both
+  bool smooth = true;  // derivatives at the null say something; otherwise only probes do
+  // chance decides what it does to a recording: judged by scatter, its first parameter the size
+  bool random = false;
+  unsigned terms = 0;  // Term bits; of a link: where its joint hangs on the base
+  // parameter vectors (library units) whose signature is looked for
+  std::vector<std::vector<double>> probes{};
+  // +1: only values above the null are possible, -1: only below, 0: both
+  int sign = 0;
   unsigned residuals = kR2;                     // Residual bits it must change
   unsigned needs = 0;                           // Need bits
   std::string_view cluster{};                   // letters A..J of look-alikes
   std::vector<std::string_view> confounders{};  // ids
-  std::vector<std::string_view> contains{};     // ids of effects that this one is, for some of its parameters
-  std::vector<std::string_view> regimes{};      // where in the motion it shows
-  std::string_view signature{};                 // in words, for the report
+  // ids of effects that this one is, for some of its parameters
+  std::vector<std::string_view> contains{};
+  std::vector<std::string_view> regimes{};  // where in the motion it shows
+  std::string_view signature{};             // in words, for the report
   std::vector<Experiment> experiments{};
-  /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() == parameters.size().
+  /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
+  /// parameters.size().
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
 
   bool testable_on_fixed_base() const { return (needs & (kGround | kImu)) == 0; }

@@ -23,8 +23,8 @@ std::vector<Effect> electrical_effects() {
           .residuals = R,
           .needs = kPositionLoop,
           .cluster = "AH",
-          .confounders = {"torque_constant", "battery_drift", "link_mass", "supply_sag", "current_limit",
-                          "thermal_derating"},
+          .confounders = {"torque_constant", "battery_drift", "link_mass", "supply_sag",
+                          "current_limit", "thermal_derating"},
           .regimes = {"high load", "standstill", "near command step"},
           .signature = "static error in proportion to load, in all regimes",
           .experiments = {kHalveGain, kLogDuty},
@@ -38,14 +38,15 @@ std::vector<Effect> electrical_effects() {
           .family = F,
           .port = Port::firmware,
           .scope = S,
-          .parameters = {{"damping", "N m s/rad", 0, 0, 2, 0.1, Unit::viscous}, {"filter", "s", 0, 0, 0.03, 0.005}},
+          .parameters = {{"damping", "N m s/rad", 0, 0, 2, 0.1, Unit::viscous},
+                         {"filter", "s", 0, 0, 0.03, 0.005}},
           .probes = {{0.1, 0}, {0, 0.005}},
           .sign = 1,
           .residuals = R,
           .needs = kPositionLoop,
           .cluster = "BC",
-          .confounders = {"viscous_friction", "torque_constant", "command_delay", "sensor_delay", "joint_compliance",
-                          "servo_profile"},
+          .confounders = {"viscous_friction", "torque_constant", "command_delay", "sensor_delay",
+                          "joint_compliance", "servo_profile"},
           .regimes = {"near command step", "high speed"},
           .signature = "shows in steps",
           .experiments = {kTorqueOff, kLogDuty, kSteps},
@@ -59,13 +60,15 @@ std::vector<Effect> electrical_effects() {
           .id = "servo_i_gain",
           .code = "E3",
           .name = "I gain or feed-forward of the servo",
-          .form = "P gain times (integral int(error) + feed_forward d goal/dt); while the output is limited the integral "
-                  "goes on up to windup",
+          .form =
+              "P gain times (integral int(error) + feed_forward d goal/dt); while the output is "
+              "limited the integral "
+              "goes on up to windup",
           .family = F,
           .port = Port::firmware,
           .scope = S,
-          // what an integral does at full output is the firmware's choice: stop, stop where it alone asks for full
-          // output, or wind up
+          // what an integral does at full output is the firmware's choice: stop, stop where it
+          // alone asks for full output, or wind up
           .parameters = {{"integral", "1/s", 0, 0, 20, 1},
                          {"feed_forward", "s", 0, 0, 0.1, 0.01},
                          {"windup", "of full", 0, 0, kOff, 1, Unit::none, true}},
@@ -147,13 +150,15 @@ std::vector<Effect> electrical_effects() {
           .residuals = R,
           .needs = kMotorModel,
           .cluster = "H",
-          .confounders = {"supply_sag", "servo_p_gain", "thermal_derating", "battery_drift", "voltage_limit"},
+          .confounders = {"supply_sag", "servo_p_gain", "thermal_derating", "battery_drift",
+                          "voltage_limit"},
           .regimes = {"|i| near limit", "high load"},
           .signature = "a plateau that does not depend on speed",
           .experiments = {kRaiseSupply, kLogCurrent},
           .apply =
               [](SimParams& p, int j, Theta x) {
-                if (x[0] < kOff) joint(p, j).current_limit = std::min(joint(p, j).current_limit, x[0]);
+                if (x[0] < kOff)
+                  joint(p, j).current_limit = std::min(joint(p, j).current_limit, x[0]);
               },
       },
       {
@@ -184,13 +189,14 @@ std::vector<Effect> electrical_effects() {
           .family = F,
           .port = Port::electrical,
           .scope = Scope::robot,
-          .parameters = {{"level", "-", 0, -0.2, 0.2, 0.05}, {"slope", "1/min", 0, -0.1, 0.1, 0.01}},
+          .parameters = {{"level", "-", 0, -0.2, 0.2, 0.05},
+                         {"slope", "1/min", 0, -0.1, 0.1, 0.01}},
           .probes = {{0.05, 0}, {0, 0.02}},
           .residuals = R,
           .needs = kPositionLoop,
           .cluster = "AH",
-          .confounders = {"servo_p_gain", "torque_constant", "link_mass", "thermal_friction", "thermal_derating",
-                          "supply_sag"},
+          .confounders = {"servo_p_gain", "torque_constant", "link_mass", "thermal_friction",
+                          "thermal_derating", "supply_sag"},
           .regimes = {"late", "voltage low"},
           .signature = "slow",
           .experiments = {kLogVoltage, kRaiseSupply},
@@ -257,7 +263,8 @@ std::vector<Effect> electrical_effects() {
           .residuals = R,
           .needs = kPositionLoop,
           .cluster = "B",
-          .confounders = {"command_delay", "sensor_delay", "servo_d_gain", "joint_compliance", "voltage_limit"},
+          .confounders = {"command_delay", "sensor_delay", "servo_d_gain", "joint_compliance",
+                          "voltage_limit"},
           .regimes = {"near command step", "high speed"},
           .signature = "triangular lag behind the goal",
           .experiments = {kSteps},

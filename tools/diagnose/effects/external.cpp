@@ -29,7 +29,8 @@ std::vector<Effect> external_effects() {
           .id = "external_push",
           .code = "X2",
           .name = "a push",
-          .form = "force (x, y, z) in base axes at the link's centre of mass during [from, from + duration]",
+          .form = "force (x, y, z) in base axes at the link's centre of mass during [from, from + "
+                  "duration]",
           .family = F,
           .port = P,
           .scope = Scope::link,
@@ -45,7 +46,8 @@ std::vector<Effect> external_effects() {
           .confounders = {"payload", "tether", "restitution"},
           .regimes = {"isolated in time"},
           .signature = "isolated in time, not repeated",
-          .experiments = {{Experiment::Kind::setting, "repeat the same motion: a push does not come again"}},
+          .experiments = {{Experiment::Kind::setting,
+                           "repeat the same motion: a push does not come again"}},
           .apply =
               [](SimParams& p, int j, Theta x) {
                 if (x[0] != 0.0 || x[1] != 0.0 || x[2] != 0.0)
@@ -73,19 +75,22 @@ std::vector<Effect> external_effects() {
           .experiments = {kTilt, kPostures},
           .apply =
               [](SimParams& p, int j, Theta x) {
-                if (x[0] != 0.0 || x[1] != 0.0 || x[2] != 0.0) p.forces.push_back({j, {x[0], x[1], x[2]}});
+                if (x[0] != 0.0 || x[1] != 0.0 || x[2] != 0.0)
+                  p.forces.push_back({j, {x[0], x[1], x[2]}});
               },
       },
       {
           .id = "joint_stop",
           .code = "X4",
           .name = "joint stop or self-collision",
-          .form = "-stiffness (q - position) - loss sqrt(stiffness inertia) dq beyond `position`, side +1 above, -1 below",
+          .form = "-stiffness (q - position) - loss sqrt(stiffness inertia) dq beyond `position`, "
+                  "side +1 above, -1 below",
           .family = F,
           .port = P,
           .scope = Scope::joint,
           .parameters = {{"stiffness", "N m/rad", 0, 0, 500, 1, Unit::stiffness},
-                         {"position", "rad", 1, -3.2, 3.2, 0.05, Unit::angle, false, Role::position},
+                         {"position", "rad", 1, -3.2, 3.2, 0.05, Unit::angle, false,
+                          Role::position},
                          {"side", "+1 or -1", 1, -1, 1, 1, Unit::none, true},
                          {"loss", "-", 0, 0, 2, 0.2}},
           .smooth = false,

@@ -16,7 +16,8 @@ int place_of(const Effect& effect, const RobotTree& tree, const std::string& nam
 }
 
 void apply(const EffectInstance& instance, SimParams& params) {
-  if (!instance.effect->apply) return;  // effects of the ground: nothing to simulate on a fixed base
+  // effects of the ground: nothing to simulate on a fixed base
+  if (!instance.effect->apply) return;
   if (instance.effect->scope == Scope::robot) {
     instance.effect->apply(params, -1, instance.theta);
     return;
@@ -36,8 +37,11 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
       throw recording::InputError(file, entry.line, "effect." + key, defect, value, expected);
     };
     const Effect* effect = find_effect(entry.id);
-    if (effect == nullptr) fail("id", "unknown effect", entry.id, "an id of the table in docs/model-folder.md");
-    if (!effect->apply) fail("id", "effect not simulated on a fixed base", entry.id, "an effect without ground or IMU");
+    if (effect == nullptr)
+      fail("id", "unknown effect", entry.id, "an id of the table in docs/model-folder.md");
+    if (!effect->apply)
+      fail("id", "effect not simulated on a fixed base", entry.id,
+           "an effect without ground or IMU");
     EffectInstance instance{effect, entry.where, effect->null()};
     if ((effect->scope == Scope::robot) != entry.where.empty()) {
       fail("where", "wrong place", std::to_string(entry.where.size()) + " names",
@@ -46,14 +50,17 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
     }
     for (const std::string& name : entry.where) {
       if (place_of(*effect, model.tree, name) < 0) {
-        fail("where", "unknown place", name, "a moving " + std::string(to_string(effect->scope)) + " of the URDF");
+        fail("where", "unknown place", name,
+             "a moving " + std::string(to_string(effect->scope)) + " of the URDF");
       }
     }
     for (const auto& [name, value] : entry.parameters) {
-      const auto p = std::find_if(effect->parameters.begin(), effect->parameters.end(),
-                                  [&name = name](const EffectParameter& q) { return q.name == name; });
+      const auto p =
+          std::find_if(effect->parameters.begin(), effect->parameters.end(),
+                       [&name = name](const EffectParameter& q) { return q.name == name; });
       if (p == effect->parameters.end())
-        fail(name, "unknown parameter", name, "a parameter of " + entry.id + " (docs/model-folder.md)");
+        fail(name, "unknown parameter", name,
+             "a parameter of " + entry.id + " (docs/model-folder.md)");
       instance.theta[static_cast<std::size_t>(p - effect->parameters.begin())] = value;
     }
     instances.push_back(std::move(instance));

@@ -19,8 +19,8 @@ struct EffectInstance {
 /// Changes `params`. Names must be known (instances_of checks them).
 void apply(const EffectInstance& instance, SimParams& params);
 
-/// The [[effect]] entries of a model, checked: id, places, parameter names, bounds-free. Parameters not written keep
-/// their null. Throws recording::InputError.
+/// The [[effect]] entries of a model, checked: id, places, parameter names, bounds-free. Parameters
+/// not written keep their null. Throws recording::InputError.
 std::vector<EffectInstance> instances_of(const ModelFolder& model);
 
 /// What model.toml will hold for an instance.
@@ -29,7 +29,8 @@ EffectEntry entry_of(const EffectInstance& instance);
 /// make_params and every [[effect]] of the model: what a model folder means.
 SimParams params_with_effects(const ModelFolder& model);
 
-/// Index of the joint that a joint's or link's name stands for; -1 for the base, -2 when there is none.
+/// Index of the joint that a joint's or link's name stands for; -1 for the base, -2 when there is
+/// none.
 int place_of(const Effect& effect, const RobotTree& tree, const std::string& name);
 
 }  // namespace sanso::diagnose

@@ -33,7 +33,8 @@ Seen seen_in(std::span<const Drive> drives, std::size_t j) {
     seen.command = std::max(seen.command, robust_peak(data.command));
     std::vector<double> speeds;
     double low = INFINITY, high = -INFINITY;
-    for (std::size_t k = 0, step = std::max<std::size_t>(1, drive.rows() / 2000); k + step < drive.rows(); k += step) {
+    for (std::size_t k = 0, step = std::max<std::size_t>(1, drive.rows() / 2000);
+         k + step < drive.rows(); k += step) {
       const double dt = drive.t[k + step] - drive.t[k];
       speeds.push_back((data.q[k + step] - data.q[k]) / std::max(dt, 0.02));  // slower than noise
     }
@@ -81,14 +82,16 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
     } else if (s.actuator == Actuator::position_pd && limit < kNone) {
       torque = limit;
     } else {
-      torque = kReserve * std::max(peak_gravity[j], inertia * seen.speed / 0.1);  // to speed within 0.1 s
+      // to speed within 0.1 s
+      torque = kReserve * std::max(peak_gravity[j], inertia * seen.speed / 0.1);
     }
     JointScale scale;
     scale.torque = std::max(torque, 1e-6) / kTorque;
     scale.speed = std::max(speed, 1e-3) / kSpeed;
     // a strong drive has a heavy rotor, however light the link it turns
     scale.inertia = std::max(inertia / kInertia, scale.torque);
-    if (joint.prismatic) scale.angle = std::max(seen.range, 1e-3) / 2.0;  // a revolute joint's range is about 2 rad
+    // a revolute joint's range is about 2 rad
+    if (joint.prismatic) scale.angle = std::max(seen.range, 1e-3) / 2.0;
     if (s.actuator == Actuator::dc_servo) scale.current = s.voltage / s.resistance / kCurrent;
     const Vec3& c = joint.body.com;
     const double arm = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
@@ -98,7 +101,8 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
   return scales;
 }
 
-std::string why_untestable(const Effect& effect, const SimParams& params, std::span<const Drive> drives, int where) {
+std::string why_untestable(const Effect& effect, const SimParams& params,
+                           std::span<const Drive> drives, int where) {
   if (effect.needs & kGround) return "the base is fixed: nothing touches the ground";
   if (effect.needs & kImu) return "the base is fixed: its IMU sees no motion";
   if ((effect.needs & kTwoJoints) && params.size() < 2) return "one joint only";
@@ -110,16 +114,20 @@ std::string why_untestable(const Effect& effect, const SimParams& params, std::s
   };
   const auto actuator = [&](std::size_t j) { return params.joints[j].nominal.actuator; };
   const auto recorded = [&](auto member, std::size_t j) {
-    return std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return !(d.joints[j].*member).empty(); });
+    return std::any_of(drives.begin(), drives.end(),
+                       [&](const Drive& d) { return !(d.joints[j].*member).empty(); });
   };
-  if ((effect.needs & kMotorModel) && !any([&](std::size_t j) { return actuator(j) == Actuator::dc_servo; })) {
+  if ((effect.needs & kMotorModel) &&
+      !any([&](std::size_t j) { return actuator(j) == Actuator::dc_servo; })) {
     return "needs a motor model (actuator dc_servo)";
   }
-  if ((effect.needs & kPositionLoop) &&
-      !any([&](std::size_t j) { return actuator(j) == Actuator::dc_servo || actuator(j) == Actuator::position_pd; })) {
+  if ((effect.needs & kPositionLoop) && !any([&](std::size_t j) {
+        return actuator(j) == Actuator::dc_servo || actuator(j) == Actuator::position_pd;
+      })) {
     return "the actuator has no position loop";
   }
-  if ((effect.needs & kCommand) && !any([&](std::size_t j) { return actuator(j) != Actuator::passive; })) {
+  if ((effect.needs & kCommand) &&
+      !any([&](std::size_t j) { return actuator(j) != Actuator::passive; })) {
     return "the joint has no actuator";
   }
   if ((effect.needs & kTorqueLimit) && !any([&](std::size_t j) {
@@ -128,10 +136,12 @@ std::string why_untestable(const Effect& effect, const SimParams& params, std::s
       })) {
     return "the model states no torque_limit";
   }
-  if ((effect.needs & kVelocity) && !any([&](std::size_t j) { return recorded(&JointData::dq, j); }))
+  if ((effect.needs & kVelocity) &&
+      !any([&](std::size_t j) { return recorded(&JointData::dq, j); }))
     return "no dq: column";
-  if ((effect.needs & kTemperature) &&
-      !any([&](std::size_t j) { return recorded(&JointData::temp, j) || actuator(j) == Actuator::dc_servo; })) {
+  if ((effect.needs & kTemperature) && !any([&](std::size_t j) {
+        return recorded(&JointData::temp, j) || actuator(j) == Actuator::dc_servo;
+      })) {
     return "no temp: column and no motor model to estimate heating";
   }
   return {};

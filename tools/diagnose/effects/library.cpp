@@ -6,13 +6,14 @@
 namespace sanso::diagnose {
 
 std::string_view to_string(Family family) {
-  constexpr std::array<std::string_view, 8> names{"friction", "transmission", "mass",    "electrical",
-                                                  "timing",   "sensor",       "contact", "external"};
+  constexpr std::array<std::string_view, 8> names{
+      "friction", "transmission", "mass", "electrical", "timing", "sensor", "contact", "external"};
   return names[static_cast<std::size_t>(family)];
 }
 std::string_view to_string(Port port) {
-  constexpr std::array<std::string_view, 9> names{
-      "clock", "command path", "firmware", "electrical", "transmission", "rigid body", "contact", "external", "sensor"};
+  constexpr std::array<std::string_view, 9> names{"clock",      "command path", "firmware",
+                                                  "electrical", "transmission", "rigid body",
+                                                  "contact",    "external",     "sensor"};
   return names[static_cast<std::size_t>(port)];
 }
 std::string_view to_string(Scope scope) {
@@ -29,8 +30,8 @@ std::vector<double> Effect::null() const {
 const std::vector<Effect>& library() {
   static const std::vector<Effect> all = [] {
     std::vector<Effect> effects;
-    for (auto chapter : {friction_effects, transmission_effects, mass_effects, electrical_effects, timing_effects,
-                         sensor_effects, contact_effects, external_effects}) {
+    for (auto chapter : {friction_effects, transmission_effects, mass_effects, electrical_effects,
+                         timing_effects, sensor_effects, contact_effects, external_effects}) {
       for (Effect& effect : chapter()) effects.push_back(std::move(effect));
     }
     return effects;
@@ -88,7 +89,8 @@ double scaled_value(double value, double factor) { return value == kOff ? kOff :
 EffectParameter scaled(const EffectParameter& parameter, const JointScale& scale) {
   EffectParameter p = parameter;
   const double factor = scale.of(p.scale);
-  for (double* value : {&p.null, &p.low, &p.high, &p.typical}) *value = scaled_value(*value, factor);
+  for (double* value : {&p.null, &p.low, &p.high, &p.typical})
+    *value = scaled_value(*value, factor);
   return p;
 }
 

@@ -7,7 +7,8 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Rotation by small angles about two axes perpendicular to `axis` (exact rotation by their resultant).
+/// Rotation by small angles about two axes perpendicular to `axis` (exact rotation by their
+/// resultant).
 Vec3 tilted(const Vec3& axis, double about_1, double about_2) {
   // two unit vectors perpendicular to the axis, fixed by the axis alone
   const Vec3 helper = std::abs(axis[0]) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
@@ -20,7 +21,8 @@ Vec3 tilted(const Vec3& axis, double about_1, double about_2) {
     return v;
   };
   const Vec3 e1 = unit(cross(axis, helper)), e2 = cross(axis, e1);
-  const Vec3 moved{axis[0] + about_1 * e1[0] + about_2 * e2[0], axis[1] + about_1 * e1[1] + about_2 * e2[1],
+  const Vec3 moved{axis[0] + about_1 * e1[0] + about_2 * e2[0],
+                   axis[1] + about_1 * e1[1] + about_2 * e2[1],
                    axis[2] + about_1 * e1[2] + about_2 * e2[2]};
   return unit(moved);
 }
@@ -31,11 +33,11 @@ void add_inertia(SimParams& p, int j, double share) {
     for (double& i : b.about_com) i *= 1.0 + share;
     return;
   }
-  // as a share of the body's inertia about its joint, alike about all axes: a body without own inertia can still gain
-  // some
+  // as a share of the body's inertia about its joint, alike about all axes: a body without own
+  // inertia can still gain some
   const Vec3& c = b.com;
-  const double about_joint =
-      b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) + (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
+  const double about_joint = b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) +
+                             (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
   for (std::size_t k : {0u, 4u, 8u}) b.about_com[k] += share * about_joint;
 }
 
@@ -70,7 +72,8 @@ std::vector<Effect> mass_effects() {
           .probes = {{0.1}},
           .residuals = R,
           .cluster = "A",
-          .confounders = {"servo_p_gain", "torque_constant", "battery_drift", "payload", "link_com"},
+          .confounders = {"servo_p_gain", "torque_constant", "battery_drift", "payload",
+                          "link_com"},
           .regimes = {"high load", "accelerating"},
           .signature = "gravity and inertia together",
           .experiments = {kAddPayload, kTilt},
@@ -88,7 +91,8 @@ std::vector<Effect> mass_effects() {
           .family = F,
           .port = P,
           .scope = L,
-          // a link reaches from its joint to about twice the distance of its centre of mass (scaled to 0.1 m)
+          // a link reaches from its joint to about twice the distance of its centre of mass (scaled
+          // to 0.1 m)
           .parameters = {{"x", "m", 0, -0.1, 0.1, 0.005, Unit::length},
                          {"y", "m", 0, -0.1, 0.1, 0.005, Unit::length},
                          {"z", "m", 0, -0.1, 0.1, 0.005, Unit::length}},
@@ -96,7 +100,8 @@ std::vector<Effect> mass_effects() {
           .probes = {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}},
           .residuals = R,
           .cluster = "E",
-          .confounders = {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring", "link_mass"},
+          .confounders = {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring",
+                          "link_mass"},
           .regimes = {"standstill", "high load"},
           .signature = "static error that follows the posture",
           .experiments = {kTilt, kPostures},
@@ -140,7 +145,10 @@ std::vector<Effect> mass_effects() {
                          {"from", "s", 0, 0, 1e4, 1, Unit::none, true, Role::instant}},
           .smooth = false,
           .terms = kOfAngle | kOfAcceleration,
-          .probes = {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}},
+          .probes = {{0.1, 0, 0, -0.1, 0},
+                     {0.1, 0, 0, 0.1, 0},
+                     {0.1, 0.1, 0, 0, 0},
+                     {0.1, -0.1, 0, 0, 0}},
           .sign = 1,
           .residuals = R,
           .cluster = "J",
@@ -151,7 +159,8 @@ std::vector<Effect> mass_effects() {
           .experiments = {kTilt},
           .apply =
               [](SimParams& p, int j, Theta x) {
-                if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
+                if (x[0] != 0.0)
+                  p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
               },
       },
       {

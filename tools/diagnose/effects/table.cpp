@@ -31,13 +31,14 @@ std::string effect_table_markdown() {
       "| id | what it does | where | parameters: unit; null; bounds | documented twins |\n"
       "|---|---|---|---|---|\n";
   for (const Effect& effect : library()) {
-    out += "| `" + std::string(effect.id) + "` (" + std::string(effect.code) + ") | " + std::string(effect.name) +
-           ": `" + cell(effect.form) + "` | " + std::string(to_string(effect.scope)) + " | ";
+    out += "| `" + std::string(effect.id) + "` (" + std::string(effect.code) + ") | " +
+           std::string(effect.name) + ": `" + cell(effect.form) + "` | " +
+           std::string(to_string(effect.scope)) + " | ";
     if (!effect.apply) out += "not simulated on a fixed base; ";
     for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
       const EffectParameter& p = effect.parameters[k];
-      out += std::string(k == 0 ? "" : " · ") + "`" + std::string(p.name) + "` " + cell(p.unit) + "; " + shown(p.null) +
-             "; " + shown(p.low) + " to " + shown(p.high);
+      out += std::string(k == 0 ? "" : " · ") + "`" + std::string(p.name) + "` " + cell(p.unit) +
+             "; " + shown(p.null) + "; " + shown(p.low) + " to " + shown(p.high);
     }
     out += " | ";
     std::string_view between;
@@ -53,11 +54,11 @@ std::string effect_table_markdown() {
 std::string settings_table_markdown() {
   std::string out = "| key | unit | default | range |\n|---|---|---|---|\n";
   const JointSettings defaults;
-  JointSettings::visit(defaults,
-                       [&](std::string_view key, double value, std::string_view unit, double low, double high) {
-                         out += "| `" + std::string(key) + "` | " + std::string(unit) + " | " + shown(value) + " | " +
-                                shown(low) + " to " + shown(high) + " |\n";
-                       });
+  JointSettings::visit(defaults, [&](std::string_view key, double value, std::string_view unit,
+                                     double low, double high) {
+    out += "| `" + std::string(key) + "` | " + std::string(unit) + " | " + shown(value) + " | " +
+           shown(low) + " to " + shown(high) + " |\n";
+  });
   return out;
 }
 

@@ -25,8 +25,8 @@ std::vector<Effect> timing_effects() {
           .residuals = R,
           .needs = kCommand,
           .cluster = "B",
-          .confounders = {"sensor_delay", "servo_d_gain", "servo_profile", "joint_compliance", "sample_hold",
-                          "backlash"},
+          .confounders = {"sensor_delay", "servo_d_gain", "servo_profile", "joint_compliance",
+                          "sample_hold", "backlash"},
           .regimes = {"near command step", "high speed"},
           .signature = "grows with the goal's speed; phase linear in frequency",
           .experiments = {kChirp, kTorqueOff},
@@ -45,7 +45,8 @@ std::vector<Effect> timing_effects() {
           .sign = 1,
           .residuals = R | kR1,
           .cluster = "B",
-          .confounders = {"command_delay", "servo_d_gain", "servo_profile", "joint_compliance", "velocity_filter"},
+          .confounders = {"command_delay", "servo_d_gain", "servo_profile", "joint_compliance",
+                          "velocity_filter"},
           .regimes = {"high speed", "accelerating"},
           .signature = "like the command's, but also where no command changes",
           .experiments = {kTorqueOff, kOutsideSensor},
@@ -69,8 +70,10 @@ std::vector<Effect> timing_effects() {
           .regimes = {"high speed"},
           .signature = "stair case",
           .experiments = {kSteps},
-          .apply = [](SimParams& p, int j,
-                      Theta x) { joint(p, j).hold_cycles = std::max(1, static_cast<int>(std::lround(x[0]))); },
+          .apply =
+              [](SimParams& p, int j, Theta x) {
+                joint(p, j).hold_cycles = std::max(1, static_cast<int>(std::lround(x[0])));
+              },
       },
       {
           .id = "timing_jitter",
@@ -88,7 +91,8 @@ std::vector<Effect> timing_effects() {
           .regimes = {"high speed"},
           .signature = "scatter grows with speed, mean zero",
           .experiments = {kChirp},
-          .apply = [](SimParams& p, int j, Theta x) { joint(p, j).jitter = std::hypot(joint(p, j).jitter, x[0]); },
+          .apply = [](SimParams& p, int j,
+                      Theta x) { joint(p, j).jitter = std::hypot(joint(p, j).jitter, x[0]); },
       },
       {
           .id = "packet_loss",
@@ -108,8 +112,10 @@ std::vector<Effect> timing_effects() {
           .regimes = {"high speed"},
           .signature = "repeats and bursts",
           .experiments = {kSteps},
-          .apply = [](SimParams& p, int j,
-                      Theta x) { joint(p, j).loss = 1.0 - (1.0 - joint(p, j).loss) * (1.0 - x[0]); },
+          .apply =
+              [](SimParams& p, int j, Theta x) {
+                joint(p, j).loss = 1.0 - (1.0 - joint(p, j).loss) * (1.0 - x[0]);
+              },
       },
       {
           .id = "bus_skew",

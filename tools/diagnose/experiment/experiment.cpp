@@ -1,7 +1,7 @@
 #include "tools/diagnose/experiment/experiment.h"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -41,41 +41,56 @@ std::vector<MenuEntry> menu(const Problem& problem) {
       for (JointParams& joint : s.nominal.joints) change(joint);
     };
   };
-  const bool loop = std::any_of(nominal.joints.begin(), nominal.joints.end(), [](const JointParams& j) {
-    return j.nominal.actuator == Actuator::dc_servo || j.nominal.actuator == Actuator::position_pd;
-  });
-  const bool servo = std::any_of(nominal.joints.begin(), nominal.joints.end(),
-                                 [](const JointParams& j) { return j.nominal.actuator == Actuator::dc_servo; });
+  const bool loop =
+      std::any_of(nominal.joints.begin(), nominal.joints.end(), [](const JointParams& j) {
+        return j.nominal.actuator == Actuator::dc_servo ||
+               j.nominal.actuator == Actuator::position_pd;
+      });
+  const bool servo =
+      std::any_of(nominal.joints.begin(), nominal.joints.end(),
+                  [](const JointParams& j) { return j.nominal.actuator == Actuator::dc_servo; });
   if (loop) {
-    out.push_back({"halve the P gain and repeat the motions", "setting", each([](JointParams& j) { j.nominal.p_gain *= 0.5, j.nominal.kp *= 0.5; })});
-    out.push_back({"double the P gain and repeat the motions", "setting", each([](JointParams& j) { j.nominal.p_gain *= 2.0, j.nominal.kp *= 2.0; })});
+    out.push_back({"halve the P gain and repeat the motions", "setting",
+                   each([](JointParams& j) { j.nominal.p_gain *= 0.5, j.nominal.kp *= 0.5; })});
+    out.push_back({"double the P gain and repeat the motions", "setting",
+                   each([](JointParams& j) { j.nominal.p_gain *= 2.0, j.nominal.kp *= 2.0; })});
   }
   if (servo) {
-    out.push_back({"raise the supply by a tenth and repeat the motions", "setting", each([](JointParams& j) { j.nominal.voltage *= 1.1; })});
-    out.push_back({"switch the torque off and let the joints swing from the recorded postures", "setting", [](Source& s) {
-                     for (JointData& joint : s.drive.joints) std::fill(joint.command.begin(), joint.command.end(), NAN);
+    out.push_back({"raise the supply by a tenth and repeat the motions", "setting",
+                   each([](JointParams& j) { j.nominal.voltage *= 1.1; })});
+    out.push_back({"switch the torque off and let the joints swing from the recorded postures",
+                   "setting", [](Source& s) {
+                     for (JointData& joint : s.drive.joints)
+                       std::fill(joint.command.begin(), joint.command.end(), NAN);
                    }});
   }
   const TreeJoint& last = nominal.tree.joints.back();
   const double mass = 0.3 * std::max(last.body.mass, 0.05);
-  out.push_back({fmt::format("fasten {:.2g} kg at the centre of mass of {} and repeat the motions", mass, last.link), "setting",
-                 [mass](Source& s) { s.nominal.tree.joints.back().body.mass += mass; }});
+  out.push_back({fmt::format("fasten {:.2g} kg at the centre of mass of {} and repeat the motions",
+                             mass, last.link),
+                 "setting", [mass](Source& s) { s.nominal.tree.joints.back().body.mass += mass; }});
   out.push_back({"tilt the base by 20 degrees and repeat the motions", "setting", [](Source& s) {
                    const Vec3 g = s.nominal.gravity;
                    const double c = std::cos(0.349), si = std::sin(0.349);
                    s.nominal.gravity = {c * g[0] + si * g[2], g[1], -si * g[0] + c * g[2]};
                  }});
   if (loop) {
-    out.push_back({"the same motions with half the amplitude", "motion", [](Source& s) { scale_commands(s, 0.5, 1.0); }});
-    out.push_back({"the same motions at half the speed", "motion", [](Source& s) { scale_commands(s, 1.0, 0.5); }});
-    out.push_back({"the same motions at 1.5 times the speed", "motion", [](Source& s) { scale_commands(s, 1.0, 1.5); }});
+    out.push_back({"the same motions with half the amplitude", "motion",
+                   [](Source& s) { scale_commands(s, 0.5, 1.0); }});
+    out.push_back({"the same motions at half the speed", "motion",
+                   [](Source& s) { scale_commands(s, 1.0, 0.5); }});
+    out.push_back({"the same motions at 1.5 times the speed", "motion",
+                   [](Source& s) { scale_commands(s, 1.0, 1.5); }});
   }
   return out;
 }
 
-/// Whitened difference of two models in this experiment that `rival`'s parameters and the nuisances cannot imitate, squared.
-double separation(const Problem& problem, const Library& library, const Model& chosen, const Model& rival) {
-  const Eigen::VectorXd r_chosen = prediction_error(problem, library, chosen), r_rival = prediction_error(problem, library, rival);
+/// Whitened difference of two models in this experiment that `rival`'s parameters and the nuisances
+/// cannot imitate, squared.
+double separation(const Problem& problem, const Library& library, const Model& chosen,
+                  const Model& rival) {
+  const Eigen::VectorXd r_chosen = prediction_error(problem, library, chosen),
+                        r_rival = prediction_error(problem, library, rival);
   const Surroundings around = make_surroundings(problem, library, rival);
   const FitResult linear = fit(around, rival, 0);
   Eigen::MatrixXd columns(r_chosen.size(), linear.J.cols() + 1);
@@ -94,7 +109,8 @@ Problem small(const Problem& problem) {
   constexpr std::size_t kShots = 16;
   if (out.shots.size() > kShots) {
     std::vector<Shot> kept;
-    for (std::size_t i = 0; i < kShots; ++i) kept.push_back(out.shots[i * out.shots.size() / kShots]);
+    for (std::size_t i = 0; i < kShots; ++i)
+      kept.push_back(out.shots[i * out.shots.size() / kShots]);
     out.shots = kept;
   }
   out.size = 0;
@@ -104,7 +120,8 @@ Problem small(const Problem& problem) {
 
 }  // namespace
 
-std::optional<NextExperiment> next_experiment(const Problem& problem, const Library& library, const Selection& selection,
+std::optional<NextExperiment> next_experiment(const Problem& problem, const Library& library,
+                                              const Selection& selection,
                                               const std::vector<Finding>& findings) {
   std::vector<Model> rivals;
   NextExperiment best;
@@ -116,7 +133,10 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Libr
     if (findings[i].one_of.size() < 2) continue;
     for (const Alternative& a : named[i]->alternatives) {
       const std::string& name = library.candidates[static_cast<std::size_t>(a.candidate)].effect;
-      if (std::find(findings[i].one_of.begin(), findings[i].one_of.end(), name) != findings[i].one_of.end() && rivals.size() < 3) rivals.push_back(a.fit.model);
+      if (std::find(findings[i].one_of.begin(), findings[i].one_of.end(), name) !=
+              findings[i].one_of.end() &&
+          rivals.size() < 3)
+        rivals.push_back(a.fit.model);
     }
     for (const std::string& name : findings[i].one_of) best.separates.push_back(name);
   }
@@ -140,13 +160,16 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Libr
       }
     }
     double least = INFINITY;  // the worst pair decides
-    for (const Model& rival : rivals) least = std::min(least, 0.5 * separation(changed, library, selection.final.model, rival));
+    for (const Model& rival : rivals)
+      least = std::min(least, 0.5 * separation(changed, library, selection.final.model, rival));
     nats[static_cast<std::size_t>(e)] = least / std::max(seconds, 1e-9);
   });
   std::size_t pick = 0;
   for (std::size_t e = 1; e < entries.size(); ++e) {
-    // a setting wins over a motion unless the motion is clearly better: it changes what a motion cannot
-    const double handicap = entries[e].kind == "motion" && entries[pick].kind == "setting" ? 1.5 : 1.0;
+    // a setting wins over a motion unless the motion is clearly better: it changes what a motion
+    // cannot
+    const double handicap =
+        entries[e].kind == "motion" && entries[pick].kind == "setting" ? 1.5 : 1.0;
     if (nats[e] > handicap * nats[pick]) pick = e;
   }
   if (nats[pick] < 1e-3) return std::nullopt;

@@ -31,15 +31,16 @@ std::vector<double> without_glitches(std::span<const double> x, int* replaced) {
 
 namespace {
 
-/// First row where the step to the next finite value is `size` (within 5 %); -1: none. A wrap is a jump of one sample,
-/// several times larger than anything next to it.
+/// First row where the step to the next finite value is `size` (within 5 %); -1: none. A wrap is a
+/// jump of one sample, several times larger than anything next to it.
 long first_jump(std::span<const double> x, double size) {
   double previous = NAN, before = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!std::isfinite(x[i])) continue;
     if (std::isfinite(previous)) {
       const double step = x[i] - previous;
-      if (std::abs(std::abs(step) - size) < 0.05 * size && std::abs(step) > 4.0 * std::abs(before)) {
+      if (std::abs(std::abs(step) - size) < 0.05 * size &&
+          std::abs(step) > 4.0 * std::abs(before)) {
         return static_cast<long>(i);
       }
       before = step;
@@ -49,7 +50,8 @@ long first_jump(std::span<const double> x, double size) {
   return -1;
 }
 
-/// Signed 16-bit register logged as unsigned: the channel leaps by 65536 of its own quanta, or is larger than it can be.
+/// Signed 16-bit register logged as unsigned: the channel leaps by 65536 of its own quanta, or is
+/// larger than it can be.
 void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defect>& out) {
   const double quantum = quantisation_step(c.values);
   if (quantum > 0.0) {
@@ -57,9 +59,10 @@ void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defe
     if (high - low > 60000.0 * quantum) {
       const long row = first_jump(c.values, high - low);
       if (row >= 0) {
-        out.push_back({r.file, c.name, row, defect::k16BitWrap,
-                       fmt::format("jumps by {:.6g} = {:.0f} register steps; log the register as signed", high - low,
-                                   (high - low) / quantum)});
+        out.push_back(
+            {r.file, c.name, row, defect::k16BitWrap,
+             fmt::format("jumps by {:.6g} = {:.0f} register steps; log the register as signed",
+                         high - low, (high - low) / quantum)});
         return;
       }
     }
@@ -68,10 +71,11 @@ void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defe
   for (std::size_t i = 0; i < c.values.size(); ++i) {
     const double v = std::abs(c.values[i]);
     if (!(v > 1.2)) continue;
-    // 65536 counts are 74 times full scale for 885 counts a unit, 64 for 1000; a percentage or raw count is smaller or has
-    // no empty space between
+    // 65536 counts are 74 times full scale for 885 counts a unit, 64 for 1000; a percentage or raw
+    // count is smaller or has no empty space between
     const bool leap = v > 20.0 && quantile(c.values, 0.5) < 0.2 * v;
-    out.push_back({r.file, c.name, static_cast<long>(i), leap ? defect::k16BitWrap : defect::kWrongUnit,
+    out.push_back({r.file, c.name, static_cast<long>(i),
+                   leap ? defect::k16BitWrap : defect::kWrongUnit,
                    fmt::format("duty {:.4g}; expected -1..1", c.values[i])});
     return;
   }
@@ -86,8 +90,10 @@ std::vector<Defect> check_wraps(const GateRecording& r, const std::vector<GateJo
     if (q != nullptr && !joint.prismatic) {
       const long row = first_jump(q->values, 2.0 * std::numbers::pi);
       if (row >= 0) {
-        out.push_back({r.file, q->name, row, defect::kEncoderWrap,
-                       "the angle jumps by one turn in one sample; unwrap it (add or subtract 2 pi from there on)"});
+        out.push_back(
+            {r.file, q->name, row, defect::kEncoderWrap,
+             "the angle jumps by one turn in one sample; unwrap it (add or subtract 2 pi from "
+             "there on)"});
       }
     }
     for (const char* kind : {"pwm:", "i:", "tau:", "dq:", "q:"}) {
@@ -102,9 +108,11 @@ namespace {
 
 double range_of(std::span<const double> x) { return quantile(x, 1.0) - quantile(x, 0.0); }
 
-/// Runs of exactly `extreme`, entered and left at speed while the command (when there is one) moved on. A mechanical stop also
-/// holds a position, but it is left slowly; a servo at rest does not move either, but then its command rests too.
-int flat_tops(std::span<const double> x, std::span<const double> u, double extreme, double fast, long* first) {
+/// Runs of exactly `extreme`, entered and left at speed while the command (when there is one) moved
+/// on. A mechanical stop also holds a position, but it is left slowly; a servo at rest does not
+/// move either, but then its command rests too.
+int flat_tops(std::span<const double> x, std::span<const double> u, double extreme, double fast,
+              long* first) {
   constexpr std::size_t kRun = 5, kSpan = 3;
   int runs = 0;
   for (std::size_t i = kSpan + 1; i + 1 < x.size(); ++i) {
@@ -112,9 +120,12 @@ int flat_tops(std::span<const double> x, std::span<const double> u, double extre
     std::size_t end = i;
     while (end < x.size() && x[end] == extreme) ++end;
     if (end - i < kRun || end + kSpan >= x.size()) continue;
-    // mean speed over the samples before and after the run (the crossing sample itself is cut short)
-    const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan, exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
-    std::size_t changes = 0;  // rows in which the command moves: a held goal makes a flat top of its own
+    // mean speed over the samples before and after the run (the crossing sample itself is cut
+    // short)
+    const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan,
+                 exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
+    // rows in which the command moves: a held goal makes a flat top of its own
+    std::size_t changes = 0;
     for (std::size_t k = i; k < end && !u.empty(); ++k) changes += u[k] != u[k - 1];
     const bool rests = !u.empty() && 2 * changes < end - i;
     if (!(entry > fast) || !(exit > fast) || rests) continue;
@@ -133,14 +144,19 @@ std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<Gat
     const GateChannel* u = r.find("u:" + joint.name);
     if (q == nullptr || finite_values(q->values).size() < kMinimumRows) continue;
     std::vector<double> steps;
-    for (std::size_t i = 1; i < q->values.size(); ++i) steps.push_back(std::abs(q->values[i] - q->values[i - 1]));
+    for (std::size_t i = 1; i < q->values.size(); ++i)
+      steps.push_back(std::abs(q->values[i] - q->values[i - 1]));
     const double fast = std::max(0.4 * quantile(steps, 0.9), 0.5 * quantisation_step(q->values));
     for (const double extreme : {quantile(q->values, 0.0), quantile(q->values, 1.0)}) {
       long first = -1;
-      const int runs = flat_tops(q->values, u != nullptr ? u->values : std::span<const double>{}, extreme, fast, &first);
+      const int runs = flat_tops(q->values, u != nullptr ? u->values : std::span<const double>{},
+                                 extreme, fast, &first);
       if (runs < kRunsNeeded) continue;
-      out.push_back({r.file, q->name, first, defect::kClipped,
-                     fmt::format("{} flat tops at {:.6g}, entered and left at speed; raise the logger's range", runs, extreme)});
+      out.push_back(
+          {r.file, q->name, first, defect::kClipped,
+           fmt::format(
+               "{} flat tops at {:.6g}, entered and left at speed; raise the logger's range", runs,
+               extreme)});
       break;
     }
   }
@@ -160,9 +176,11 @@ class Hang {
     last_ = t;
   }
   double seconds() const { return last_ - start_; }
-  /// Long against what friction or play can hold: the command stayed half its range away for half a second, or the
-  /// velocity channel says that the joint went `distance`.
-  bool proven(double distance) const { return seconds() > 1.0 && (away_ > 0.5 || travel_ > distance); }
+  /// Long against what friction or play can hold: the command stayed half its range away for half a
+  /// second, or the velocity channel says that the joint went `distance`.
+  bool proven(double distance) const {
+    return seconds() > 1.0 && (away_ > 0.5 || travel_ > distance);
+  }
 
  private:
   double start_, u_start_, last_ = 0.0, travel_ = 0.0, away_ = 0.0;
@@ -177,19 +195,26 @@ std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJo
     const GateChannel* u = r.find("u:" + joint.name);
     const GateChannel* dq = r.find("dq:" + joint.name);
     if (q == nullptr || (u == nullptr && dq == nullptr)) continue;
-    const double command_range = u != nullptr ? std::max(range_of(u->values), 20.0 * quantisation_step(q->values)) : INFINITY;
-    const double distance = joint.prismatic ? 0.02 : 0.2;  // m, rad: far above any velocity channel's resting noise
+    const double command_range =
+        u != nullptr ? std::max(range_of(u->values), 20.0 * quantisation_step(q->values))
+                     : INFINITY;
+    // m, rad: far above any velocity channel's resting noise
+    const double distance = joint.prismatic ? 0.02 : 0.2;
     double value = NAN;
     Hang hang(0.0, NAN);
     for (std::size_t i = 1; i < q->values.size(); ++i) {
       const double x = q->values[i], goal = u != nullptr ? u->values[i] : NAN;
       if (!std::isfinite(x)) continue;
       if (x != value) value = x, hang = Hang(r.t[i], goal);
-      hang.add(r.t[i], goal, dq != nullptr ? dq->values[i] : NAN, r.t[i] - r.t[i - 1], command_range);
+      hang.add(r.t[i], goal, dq != nullptr ? dq->values[i] : NAN, r.t[i] - r.t[i - 1],
+               command_range);
       if (!hang.proven(distance)) continue;
-      out.push_back({r.file, q->name, static_cast<long>(i), defect::kStuck,
-                     fmt::format("exactly {:.6g} for {:.2g} s while command or velocity moved on; the sensor or the logger hangs",
-                                 x, hang.seconds())});
+      out.push_back(
+          {r.file, q->name, static_cast<long>(i), defect::kStuck,
+           fmt::format(
+               "exactly {:.6g} for {:.2g} s while command or velocity moved on; the sensor or the "
+               "logger hangs",
+               x, hang.seconds())});
       break;
     }
   }

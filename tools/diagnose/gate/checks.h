@@ -1,16 +1,20 @@
-// The single checks of the gate; each returns the defects it finds. All limits stand here, with their reasons.
+// The single checks of the gate; each returns the defects it finds. All limits stand here, with
+// their reasons.
 #pragma once
 
 #include "tools/diagnose/gate/gate.h"
 
 namespace sanso::diagnose::gate {
 
-// chosen: a recording of 10 s at 1 kHz with 60 channels is 10 MB; a GiB is a mistake (a bag of images, an endless log)
+// chosen: a recording of 10 s at 1 kHz with 60 channels is 10 MB; a GiB is a mistake (a bag of
+// images, an endless log)
 inline constexpr std::size_t kMaximumFileBytes = std::size_t{1} << 30;
-inline constexpr std::size_t kMinimumRows = 50;   // fewer cannot hold one shot and its hold-out
-inline constexpr double kMinimumSeconds = 0.5;    // one shot
-inline constexpr double kGapPeriods = 10.0;       // legal: single lost samples (packet loss up to 30 % makes runs of ~8)
-inline constexpr double kGapSeconds = 0.1;        // and long against what a servo does between two samples
+inline constexpr std::size_t kMinimumRows = 50;  // fewer cannot hold one shot and its hold-out
+inline constexpr double kMinimumSeconds = 0.5;   // one shot
+// legal: single lost samples (packet loss up to 30 % makes runs of ~8)
+inline constexpr double kGapPeriods = 10.0;
+// and long against what a servo does between two samples
+inline constexpr double kGapSeconds = 0.1;
 inline constexpr double kDegree = 57.29577951308232;
 
 std::vector<Defect> check_size(const GateRecording& r);
@@ -26,7 +30,8 @@ std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings);
 /// Median sampling interval [s].
 double sampling_interval(std::span<const double> t);
 
-/// x without isolated single-sample outliers (median of five where a sample leaves it by more than 8 robust deviations).
+/// x without isolated single-sample outliers (median of five where a sample leaves it by more than
+/// 8 robust deviations).
 std::vector<double> without_glitches(std::span<const double> x, int* replaced = nullptr);
 
 }  // namespace sanso::diagnose::gate

@@ -10,8 +10,8 @@
 namespace sanso::diagnose::gate {
 namespace {
 
-/// Largest correlation of position with the command delayed by 0 .. 0.4 s, on changes over 0.2 s (what a tracking servo
-/// must show, whatever its delay, friction or load).
+/// Largest correlation of position with the command delayed by 0 .. 0.4 s, on changes over 0.2 s
+/// (what a tracking servo must show, whatever its delay, friction or load).
 double tracking(const GateRecording& r, const GateChannel& q, const GateChannel& u) {
   const double interval = std::max(sampling_interval(r.t), 1e-6);
   const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.2 / interval));
@@ -19,7 +19,8 @@ double tracking(const GateRecording& r, const GateChannel& q, const GateChannel&
   for (double lag = 0.0; lag <= 0.4; lag += 0.05) {
     const auto shift = static_cast<std::size_t>(lag / interval);
     std::vector<double> dq, du;
-    for (std::size_t i = shift + stride; i < q.values.size(); i += std::max<std::size_t>(1, stride / 4)) {
+    for (std::size_t i = shift + stride; i < q.values.size();
+         i += std::max<std::size_t>(1, stride / 4)) {
       dq.push_back(q.values[i] - q.values[i - stride]);
       du.push_back(u.values[i - shift] - u.values[i - shift - stride]);
     }
@@ -30,7 +31,8 @@ double tracking(const GateRecording& r, const GateChannel& q, const GateChannel&
 }
 
 bool is_copy(const GateChannel& q, const GateChannel& u) {
-  // equal to the last digit in nearly every moving row, at the same row or a fixed shift of up to 3 rows
+  // equal to the last digit in nearly every moving row, at the same row or a fixed shift of up to 3
+  // rows
   for (std::size_t shift = 0; shift <= 3; ++shift) {
     std::size_t moving = 0, equal = 0;
     for (std::size_t i = shift + 1; i < q.values.size(); ++i) {
@@ -44,11 +46,14 @@ bool is_copy(const GateChannel& q, const GateChannel& u) {
 }
 
 /// The model's joint that follows another joint's command, and the other way round.
-void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints, std::vector<Defect>& out) {
+void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
+                 std::vector<Defect>& out) {
   constexpr double kFollows = 0.7, kDoesNot = 0.4;
   const std::size_t n = joints.size();
   std::vector<std::vector<double>> follows(n, std::vector<double>(n, 0.0));
-  const auto channel = [&](const char* kind, std::size_t j) { return r.find(kind + joints[j].name); };
+  const auto channel = [&](const char* kind, std::size_t j) {
+    return r.find(kind + joints[j].name);
+  };
   std::vector<bool> own_fails(n, false);
   for (std::size_t j = 0; j < n; ++j) {
     const GateChannel* q = channel("q:", j);
@@ -63,36 +68,43 @@ void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints, s
       const double ij = tracking(r, *channel("q:", i), *channel("u:", j));
       const double ji = tracking(r, *channel("q:", j), *channel("u:", i));
       if (ij > kFollows && ji > kFollows) {
-        out.push_back({r.file, "q:" + joints[i].name, -1, defect::kSwapped,
-                       fmt::format("q:{} follows u:{} and q:{} follows u:{} (correlation {:.2f}, {:.2f})", joints[i].name,
-                                   joints[j].name, joints[j].name, joints[i].name, ij, ji)});
+        out.push_back(
+            {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
+             fmt::format("q:{} follows u:{} and q:{} follows u:{} (correlation {:.2f}, {:.2f})",
+                         joints[i].name, joints[j].name, joints[j].name, joints[i].name, ij, ji)});
       }
     }
   }
 }
 
-/// The same by velocity: d(q_i)/dt equals dq_j and not dq_i (for torque-controlled robots, or swapped position columns).
-void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& joints, std::vector<Defect>& out) {
+/// The same by velocity: d(q_i)/dt equals dq_j and not dq_i (for torque-controlled robots, or
+/// swapped position columns).
+void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
+                          std::vector<Defect>& out) {
   const auto derivative_matches = [&](std::size_t i, std::size_t j) {
     const GateChannel* q = r.find("q:" + joints[i].name);
     const GateChannel* dq = r.find("dq:" + joints[j].name);
     if (q == nullptr || dq == nullptr) return 0.0;
-    const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.03 / std::max(sampling_interval(r.t), 1e-6)));
+    const auto stride = std::max<std::size_t>(
+        1, static_cast<std::size_t>(0.03 / std::max(sampling_interval(r.t), 1e-6)));
     std::vector<double> a, b;
     for (std::size_t k = stride; k + stride < q->values.size(); k += stride) {
-      a.push_back((q->values[k + stride] - q->values[k - stride]) / (r.t[k + stride] - r.t[k - stride]));
+      a.push_back((q->values[k + stride] - q->values[k - stride]) /
+                  (r.t[k + stride] - r.t[k - stride]));
       b.push_back(dq->values[k]);
     }
     return correlation(a, b);
   };
   for (std::size_t i = 0; i < joints.size(); ++i) {
     for (std::size_t j = i + 1; j < joints.size(); ++j) {
-      if (std::abs(derivative_matches(i, i)) > 0.4 || std::abs(derivative_matches(j, j)) > 0.4) continue;
+      if (std::abs(derivative_matches(i, i)) > 0.4 || std::abs(derivative_matches(j, j)) > 0.4)
+        continue;
       const double ij = derivative_matches(i, j), ji = derivative_matches(j, i);
       if (ij > 0.7 && ji > 0.7) {
-        out.push_back({r.file, "q:" + joints[i].name, -1, defect::kSwapped,
-                       fmt::format("d(q:{})/dt is dq:{} and the other way round (correlation {:.2f}, {:.2f})", joints[i].name,
-                                   joints[j].name, ij, ji)});
+        out.push_back(
+            {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
+             fmt::format("d(q:{})/dt is dq:{} and the other way round (correlation {:.2f}, {:.2f})",
+                         joints[i].name, joints[j].name, ij, ji)});
       }
     }
   }
@@ -107,15 +119,20 @@ std::vector<Defect> check_commands(const GateRecording& r, const std::vector<Gat
     const GateChannel* u = r.find("u:" + joint.name);
     if (q == nullptr || u == nullptr) continue;
     if (is_copy(*q, *u)) {
-      out.push_back({r.file, u->name, -1, defect::kCommandIsCopy,
-                     "the goal equals the measured position to the last digit; record what was sent to the servo"});
+      out.push_back(
+          {r.file, u->name, -1, defect::kCommandIsCopy,
+           "the goal equals the measured position to the last digit; record what was sent to the "
+           "servo"});
       continue;
     }
     const double follows = tracking(r, *q, *u);
     if (follows < -0.7) {
-      out.push_back({r.file, q->name, -1, defect::kWrongSign,
-                     fmt::format("the position moves against the command (correlation {:.2f}); flip the sign of one of them",
-                                 follows)});
+      out.push_back(
+          {r.file, q->name, -1, defect::kWrongSign,
+           fmt::format(
+               "the position moves against the command (correlation {:.2f}); flip the sign of one "
+               "of them",
+               follows)});
     }
   }
   check_swaps(r, joints, out);

@@ -1,5 +1,7 @@
-// Step 0, the data gate: is this a recording at all, of this robot, in these units? Fail-closed: one defect refuses the data.
-// Works on plain columns, so that it can judge data of any origin; knows no physics beyond the joint list.
+// Step 0, the data gate: is this a recording at all, of this robot, in these units? Fail-closed:
+// one defect refuses the data.
+// Works on plain columns, so that it can judge data of any origin; knows no physics beyond the
+// joint list.
 #pragma once
 
 #include <cstddef>
@@ -34,7 +36,8 @@ struct GateJoint {
   double voltage = 0.0;             // nominal supply, V
 };
 
-/// A reason to refuse. `row` is the file's data row (0 = first after the header) where it shows first; -1: whole column.
+/// A reason to refuse. `row` is the file's data row (0 = first after the header) where it shows
+/// first; -1: whole column.
 struct Defect {
   std::string file, channel;
   long row = -1;
@@ -69,32 +72,35 @@ inline constexpr const char* kNoMotion = "no motion";
 /// Measurement noise of a channel, from the recording itself.
 struct NoiseLevel {
   std::string channel;
-  double quantum = 0.0;             // quantisation step; 0: none found
-  double sigma = 0.0;               // standard deviation of one sample, quantisation included
-  std::vector<double> colour;       // AR(4) coefficients in standstill; empty: not enough standstill
+  double quantum = 0.0;  // quantisation step; 0: none found
+  double sigma = 0.0;    // standard deviation of one sample, quantisation included
+  // AR(4) coefficients in standstill; empty: not enough standstill
+  std::vector<double> colour;
 };
 
 /// What a joint's motion offers to a diagnosis.
 struct Excitation {
   std::string joint;
-  double range = 0.0;         // rad
-  double speed_rms = 0.0;     // rad/s
-  int reversals = 0;          // changes of direction larger than 5 noise levels
-  bool moves = false;         // false: effects of this joint are untestable in these data
+  double range = 0.0;      // rad
+  double speed_rms = 0.0;  // rad/s
+  int reversals = 0;       // changes of direction larger than 5 noise levels
+  bool moves = false;      // false: effects of this joint are untestable in these data
 };
 
 struct GateReport {
-  std::vector<Defect> defects;      // not empty: refused
-  std::vector<std::string> notes;   // legal, but worth knowing: jitter, glitches, repeats
-  std::vector<NoiseLevel> noise;    // the first recording's channels, pooled over recordings
+  std::vector<Defect> defects;     // not empty: refused
+  std::vector<std::string> notes;  // legal, but worth knowing: jitter, glitches, repeats
+  std::vector<NoiseLevel> noise;   // the first recording's channels, pooled over recordings
   std::vector<Excitation> excitation;
   bool refused() const { return !defects.empty(); }
 };
 
 /// Judges all recordings of one call together (copies and swaps are seen across files).
-GateReport inspect(const std::vector<GateRecording>& recordings, const std::vector<GateJoint>& joints);
+GateReport inspect(const std::vector<GateRecording>& recordings,
+                   const std::vector<GateJoint>& joints);
 
-/// Files that cannot be a recording are refused before they are read: missing, empty, larger than kMaximumFileBytes.
+/// Files that cannot be a recording are refused before they are read: missing, empty, larger than
+/// kMaximumFileBytes.
 std::vector<Defect> inspect_file(const std::string& path);
 
 }  // namespace sanso::diagnose

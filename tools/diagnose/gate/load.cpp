@@ -9,7 +9,8 @@ namespace sanso::diagnose {
 
 GateRecording gate_view(const recording::Recording& recording) {
   GateRecording view{recording.file, recording.condition, recording.t, {}};
-  for (const recording::Channel& c : recording.channels) view.channels.push_back({c.name, c.values});
+  for (const recording::Channel& c : recording.channels)
+    view.channels.push_back({c.name, c.values});
   return view;
 }
 
@@ -41,14 +42,16 @@ Defect defect_of(const recording::InputError& error) {
       {"cannot open", defect::kUnreadable},      {"binary data", defect::kUnreadable},
       {"no positions", defect::kMissingChannel}, {"no command column", defect::kMissingChannel},
   };
-  Defect d{error.file, error.channel, error.line > 1 ? error.line - 2 : -1, error.defect, error.what()};
+  Defect d{error.file, error.channel, error.line > 1 ? error.line - 2 : -1, error.defect,
+           error.what()};
   for (const auto& [theirs, ours] : names) {
     if (error.defect == theirs) d.defect = ours;
   }
   return d;
 }
 
-LoadedRecordings load_recordings(const std::vector<std::string>& files, const std::vector<GateJoint>& joints) {
+LoadedRecordings load_recordings(const std::vector<std::string>& files,
+                                 const std::vector<GateJoint>& joints) {
   LoadedRecordings loaded;
   for (const std::string& file : files) {
     std::vector<Defect> defects = inspect_file(file);
@@ -61,13 +64,16 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files, const st
     }
     std::move(defects.begin(), defects.end(), std::back_inserter(loaded.gate.defects));
   }
-  if (loaded.recordings.empty() && !files.empty()) return loaded;  // nothing left to judge, and each file has its reason
+  // nothing left to judge, and each file has its reason
+  if (loaded.recordings.empty() && !files.empty()) return loaded;
   std::vector<GateRecording> views;
   for (const recording::Recording& r : loaded.recordings) views.push_back(gate_view(r));
   GateReport report = inspect(views, joints);
   // unreadable files first: they explain what else is missing
-  report.defects.insert(report.defects.begin(), loaded.gate.defects.begin(), loaded.gate.defects.end());
-  if (files.empty()) report.defects.push_back({"", "", -1, defect::kEmpty, "no recording was given"});
+  report.defects.insert(report.defects.begin(), loaded.gate.defects.begin(),
+                        loaded.gate.defects.end());
+  if (files.empty())
+    report.defects.push_back({"", "", -1, defect::kEmpty, "no recording was given"});
   loaded.gate = std::move(report);
   return loaded;
 }

@@ -1,4 +1,5 @@
-// From files to judged recordings: reads them, translates reader errors into defects, runs the gate.
+// From files to judged recordings: reads them, translates reader errors into defects, runs the
+// gate.
 #pragma once
 
 #include <string>
@@ -17,15 +18,18 @@ GateRecording gate_view(const recording::Recording& recording);
 /// What the gate must know of the model's joints.
 std::vector<GateJoint> gate_joints(const ModelFolder& model);
 
-/// A reader's error as a defect of the gate's names where one fits, else under the reader's own name.
+/// A reader's error as a defect of the gate's names where one fits, else under the reader's own
+/// name.
 Defect defect_of(const recording::InputError& error);
 
 struct LoadedRecordings {
-  std::vector<recording::Recording> recordings;  // all files, in the order given; incomplete when `gate` refuses
+  // all files, in the order given; incomplete when `gate` refuses
+  std::vector<recording::Recording> recordings;
   GateReport gate;
 };
 
 /// Reads and judges all files. Never throws for bad input: the reasons stand in `gate.defects`.
-LoadedRecordings load_recordings(const std::vector<std::string>& files, const std::vector<GateJoint>& joints);
+LoadedRecordings load_recordings(const std::vector<std::string>& files,
+                                 const std::vector<GateJoint>& joints);
 
 }  // namespace sanso::diagnose

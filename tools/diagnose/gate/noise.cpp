@@ -12,7 +12,8 @@ double quantisation_step(std::span<const double> x) {
   const std::vector<double> v = finite_values(x);
   if (v.size() < 20) return 0.0;
   const auto [low, high] = std::minmax_element(v.begin(), v.end());
-  const double resolution = 1e-6 * (*high - *low);  // differences below this are rounding of the number format
+  // differences below this are rounding of the number format
+  const double resolution = 1e-6 * (*high - *low);
   if (resolution <= 0.0) return 0.0;
   std::vector<double> steps;
   for (std::size_t i = 1; i < v.size(); ++i) {
@@ -37,10 +38,14 @@ double quantisation_step(std::span<const double> x) {
     ++considered;
     if (std::abs(d / step - std::round(d / step)) < 0.08) ++multiples;
   }
-  return static_cast<double>(multiples) >= 0.95 * static_cast<double>(std::max<std::size_t>(considered, 1)) ? step : 0.0;
+  return static_cast<double>(multiples) >=
+                 0.95 * static_cast<double>(std::max<std::size_t>(considered, 1))
+             ? step
+             : 0.0;
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x, std::size_t window) {
+std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x,
+                                                              std::size_t window) {
   std::vector<double> motion;
   for (std::size_t start = 0; start + window <= x.size(); start += window) {
     double sum = 0.0;
@@ -60,13 +65,15 @@ NoiseLevel noise_level(const std::string& channel, std::span<const double> x) {
   level.channel = channel;
   const std::vector<double> v = finite_values(x);
   level.quantum = quantisation_step(v);
-  constexpr std::size_t kWindow = 40;  // long against the differences' support, short against a motion
+  // long against the differences' support, short against a motion
+  constexpr std::size_t kWindow = 40;
   double sum = 0.0;
   std::size_t count = 0;
   std::vector<double> standstill;
   for (const auto& [first, last] : calm_windows(v, kWindow)) {
     std::vector<double> second;
-    for (std::size_t i = first + 1; i + 1 < last; ++i) second.push_back(v[i + 1] - 2 * v[i] + v[i - 1]);
+    for (std::size_t i = first + 1; i + 1 < last; ++i)
+      second.push_back(v[i + 1] - 2 * v[i] + v[i - 1]);
     // robust within the window: one glitch must not decide
     const double limit = 6.0 * std::max(robust_sigma(second), level.quantum);
     for (double d : second) {
@@ -76,9 +83,11 @@ NoiseLevel noise_level(const std::string& channel, std::span<const double> x) {
     standstill.insert(standstill.end(), v.begin() + static_cast<std::ptrdiff_t>(first),
                       v.begin() + static_cast<std::ptrdiff_t>(last));
   }
-  const double from_differences = count > 0 ? std::sqrt(sum / (6.0 * static_cast<double>(count))) : 0.0;
+  const double from_differences =
+      count > 0 ? std::sqrt(sum / (6.0 * static_cast<double>(count))) : 0.0;
   level.sigma = std::max(from_differences, level.quantum / std::sqrt(12.0));
-  if (standstill.size() >= 4 * kWindow) level.colour = fit_autoregression(standstill, 4).coefficients;
+  if (standstill.size() >= 4 * kWindow)
+    level.colour = fit_autoregression(standstill, 4).coefficients;
   return level;
 }
 

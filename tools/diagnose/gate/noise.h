@@ -7,14 +7,17 @@
 
 namespace sanso::diagnose {
 
-/// Quantisation step: the largest step of which at least 95 % of all differences are multiples; 0 when there is none
-/// coarser than the number format (1e-6 of the range).
+/// Quantisation step: the largest step of which at least 95 % of all differences are multiples; 0
+/// when there is none coarser than the number format (1e-6 of the range).
 double quantisation_step(std::span<const double> x);
 
-/// Rows of the calmest quarter of windows (smallest mean |difference|), as [first, last) pairs: standstill if there is any.
-std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x, std::size_t window);
+/// Rows of the calmest quarter of windows (smallest mean |difference|), as [first, last) pairs:
+/// standstill if there is any.
+std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x,
+                                                              std::size_t window);
 
-/// Standard deviation from second differences in calm windows (var = 6 sigma^2), never below quantum / sqrt(12).
+/// Standard deviation from second differences in calm windows (var = 6 sigma^2), never below
+/// quantum / sqrt(12).
 NoiseLevel noise_level(const std::string& channel, std::span<const double> x);
 
 }  // namespace sanso::diagnose

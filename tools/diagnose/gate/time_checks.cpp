@@ -14,11 +14,13 @@ std::vector<Defect> inspect_file(const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   if (error) return {{path, "", -1, defect::kUnreadable, "cannot be opened: " + error.message()}};
-  if (size == 0) return {{path, "", -1, defect::kEmpty, "0 bytes; expected a header line and rows (docs/model-folder.md)"}};
+  if (size == 0)
+    return {{path, "", -1, defect::kEmpty,
+             "0 bytes; expected a header line and rows (docs/model-folder.md)"}};
   if (size > gate::kMaximumFileBytes) {
     return {{path, "", -1, defect::kTooLarge,
-             fmt::format("{} MB; at most {} MB are read: cut it into recordings of one motion each", size >> 20,
-                         gate::kMaximumFileBytes >> 20)}};
+             fmt::format("{} MB; at most {} MB are read: cut it into recordings of one motion each",
+                         size >> 20, gate::kMaximumFileBytes >> 20)}};
   }
   return {};
 }
@@ -32,11 +34,12 @@ double sampling_interval(std::span<const double> t) {
 }
 
 std::vector<Defect> check_size(const GateRecording& r) {
-  if (r.t.empty()) return {{r.file, "t", -1, defect::kHeaderOnly, "no data rows; expected at least 50"}};
+  if (r.t.empty())
+    return {{r.file, "t", -1, defect::kHeaderOnly, "no data rows; expected at least 50"}};
   if (r.t.size() < kMinimumRows || r.t.back() - r.t.front() < kMinimumSeconds) {
     return {{r.file, "t", -1, defect::kTooShort,
-             fmt::format("{} rows, {:.3g} s; expected at least {} rows and {} s", r.t.size(), r.t.back() - r.t.front(),
-                         kMinimumRows, kMinimumSeconds)}};
+             fmt::format("{} rows, {:.3g} s; expected at least {} rows and {} s", r.t.size(),
+                         r.t.back() - r.t.front(), kMinimumRows, kMinimumSeconds)}};
   }
   return {};
 }
@@ -54,15 +57,19 @@ std::vector<Defect> check_time(const GateRecording& r) {
     if (i == 0) continue;
     const double step = r.t[i] - r.t[i - 1];
     if (step < 0.0 && !backwards) {
-      out.push_back({r.file, "t", row, defect::kBackwards,
-                     fmt::format("t goes from {} to {}; expected increasing seconds", r.t[i - 1], r.t[i])});
+      out.push_back(
+          {r.file, "t", row, defect::kBackwards,
+           fmt::format("t goes from {} to {}; expected increasing seconds", r.t[i - 1], r.t[i])});
       backwards = true;
     } else if (step == 0.0 && !duplicate) {
-      out.push_back({r.file, "t", row, defect::kDuplicateTime, fmt::format("t = {} twice", r.t[i])});
+      out.push_back(
+          {r.file, "t", row, defect::kDuplicateTime, fmt::format("t = {} twice", r.t[i])});
       duplicate = true;
     } else if (step > std::max(kGapPeriods * interval, kGapSeconds) && !gap) {
-      out.push_back({r.file, "t", row, defect::kGap,
-                     fmt::format("{:.3g} s without a row (usual step {:.3g} s); split the file there", step, interval)});
+      out.push_back(
+          {r.file, "t", row, defect::kGap,
+           fmt::format("{:.3g} s without a row (usual step {:.3g} s); split the file there", step,
+                       interval)});
       gap = true;
     }
   }
@@ -77,14 +84,16 @@ std::vector<Defect> check_required(const GateRecording& r, const std::vector<Gat
     any_position |= q != nullptr && finite_values(q->values).size() >= kMinimumRows;
   }
   if (!any_position) {
-    out.push_back({r.file, joints.empty() ? "q:" : "q:" + joints.front().name, -1, defect::kMissingChannel,
+    out.push_back({r.file, joints.empty() ? "q:" : "q:" + joints.front().name, -1,
+                   defect::kMissingChannel,
                    "no position column of any joint of the model; expected e.g. q:" +
                        (joints.empty() ? std::string("joint") : joints.front().name)});
   }
   for (const GateChannel& c : r.channels) {
     for (std::size_t i = 0; i < c.values.size(); ++i) {
       if (std::isinf(c.values[i])) {
-        out.push_back({r.file, c.name, static_cast<long>(i), defect::kNotANumber, "infinite value"});
+        out.push_back(
+            {r.file, c.name, static_cast<long>(i), defect::kNotANumber, "infinite value"});
         break;
       }
     }
@@ -94,7 +103,8 @@ std::vector<Defect> check_required(const GateRecording& r, const std::vector<Gat
 
 std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings) {
   std::vector<Defect> out;
-  // the positions decide: a copy with another name, shifted clock or another condition is still the same motion
+  // the positions decide: a copy with another name, shifted clock or another condition is still the
+  // same motion
   const auto same = [](const GateRecording& a, const GateRecording& b) {
     if (a.t.size() != b.t.size() || a.t.empty()) return false;
     bool compared = false;
@@ -114,7 +124,8 @@ std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings) {
     for (std::size_t k = 0; k < i; ++k) {
       if (!same(recordings[i], recordings[k])) continue;
       out.push_back({recordings[i].file, "", -1, defect::kCopyOfFile,
-                     "every position equals " + recordings[k].file + "; a copy proves nothing, leave it out"});
+                     "every position equals " + recordings[k].file +
+                         "; a copy proves nothing, leave it out"});
       break;
     }
   }

@@ -1,4 +1,5 @@
-// Units, by consistency between channels and with what the machine can do. Never by a guess about one number.
+// Units, by consistency between channels and with what the machine can do. Never by a guess about
+// one number.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +15,9 @@
 namespace sanso::diagnose::gate {
 namespace {
 
-bool near_factor(double ratio, double factor) { return ratio > 0.75 * factor && ratio < 1.33 * factor; }
+bool near_factor(double ratio, double factor) {
+  return ratio > 0.75 * factor && ratio < 1.33 * factor;
+}
 
 std::string name_of_factor(double ratio) {
   if (near_factor(ratio, kDegree)) return "degrees instead of radians";
@@ -22,7 +25,8 @@ std::string name_of_factor(double ratio) {
   return fmt::format("a unit {:.3g} times too small", ratio);
 }
 
-/// Slope of y on x through the medians' spread: scale ratio of two channels that should be equal; 0 when they do not agree.
+/// Slope of y on x through the medians' spread: scale ratio of two channels that should be equal; 0
+/// when they do not agree.
 double scale_ratio(std::span<const double> x, std::span<const double> y) {
   if (std::abs(correlation(x, y)) < 0.7) return 0.0;
   const double sx = standard_deviation(x), sy = standard_deviation(y);
@@ -34,21 +38,25 @@ void check_time_unit(const GateRecording& r, std::vector<Defect>& out) {
   // a controller slower than 2 Hz or faster than 100 kHz does not control a robot joint
   if (interval > 0.5) {
     out.push_back({r.file, "t", -1, defect::kWrongUnit,
-                   fmt::format("{:.4g} s between samples; is t in milliseconds? expected seconds", interval)});
+                   fmt::format("{:.4g} s between samples; is t in milliseconds? expected seconds",
+                               interval)});
   } else if (interval > 0.0 && interval < 1e-5) {
-    out.push_back({r.file, "t", -1, defect::kWrongUnit, fmt::format("{:.4g} s between samples; expected seconds", interval)});
+    out.push_back({r.file, "t", -1, defect::kWrongUnit,
+                   fmt::format("{:.4g} s between samples; expected seconds", interval)});
   }
 }
 
 /// Position against velocity: the integral of dq must span what q spans.
-void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q, std::vector<Defect>& out) {
+void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
+                         std::vector<Defect>& out) {
   const GateChannel* dq = r.find("dq:" + joint.name);
   if (dq == nullptr) return;
   const std::vector<double> position = without_glitches(q.values);
   std::vector<double> difference, velocity;
   // over stretches of ~50 ms: longer than the quantisation of either channel, shorter than a swing
   const double interval = sampling_interval(r.t);
-  const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.05 / std::max(interval, 1e-6)));
+  const auto stride =
+      std::max<std::size_t>(1, static_cast<std::size_t>(0.05 / std::max(interval, 1e-6)));
   for (std::size_t i = 0; i + stride < position.size(); i += stride) {
     double sum = 0.0;
     std::size_t n = 0;
@@ -67,29 +75,35 @@ void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const G
   } else if (ratio > 20.0 || ratio < 1.0 / 20.0) {
     const bool q_large = ratio > 1.0;
     out.push_back({r.file, q_large ? q.name : dq->name, -1, defect::kWrongUnit,
-                   fmt::format("d(q)/dt is {:.4g} times dq: {}", ratio, name_of_factor(q_large ? ratio : 1.0 / ratio))});
+                   fmt::format("d(q)/dt is {:.4g} times dq: {}", ratio,
+                               name_of_factor(q_large ? ratio : 1.0 / ratio))});
   }
 }
 
 /// Position against command: same unit, or the slope betrays it.
-void check_command_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q, std::vector<Defect>& out) {
+void check_command_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
+                        std::vector<Defect>& out) {
   const GateChannel* u = r.find("u:" + joint.name);
   if (u == nullptr) return;
   const double ratio = scale_ratio(u->values, q.values);
   if (ratio == 0.0 || (ratio < 20.0 && ratio > 1.0 / 20.0)) return;
   const bool q_large = ratio > 1.0;
   out.push_back({r.file, q_large ? q.name : u->name, -1, defect::kWrongUnit,
-                 fmt::format("q moves {:.4g} times as far as u: {}", ratio, name_of_factor(q_large ? ratio : 1.0 / ratio))});
+                 fmt::format("q moves {:.4g} times as far as u: {}", ratio,
+                             name_of_factor(q_large ? ratio : 1.0 / ratio))});
 }
 
-/// Against the machine: joint limits, reachable speed, and the encoder's own step (360 / 2^k degrees).
-bool check_position_scale(const GateRecording& r, const GateJoint& joint, const GateChannel& q, std::vector<Defect>& out) {
+/// Against the machine: joint limits, reachable speed, and the encoder's own step (360 / 2^k
+/// degrees).
+bool check_position_scale(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
+                          std::vector<Defect>& out) {
   if (joint.prismatic) {
     const double span = joint.upper - joint.lower;
     const double range = quantile(q.values, 1.0) - quantile(q.values, 0.0);
     if (span > 0.0 && range > 20.0 * span) {
       out.push_back({r.file, q.name, -1, defect::kWrongUnit,
-                     fmt::format("moves over {:.4g}, limits allow {:.4g} m; is it in millimetres?", range, span)});
+                     fmt::format("moves over {:.4g}, limits allow {:.4g} m; is it in millimetres?",
+                                 range, span)});
       return true;
     }
     return false;
@@ -111,7 +125,8 @@ bool check_position_scale(const GateRecording& r, const GateJoint& joint, const 
   if (span > 0.0 && span < 4.0 * std::numbers::pi && range > 3.0 * span) {
     why = fmt::format("moves over {:.4g}, limits allow {:.4g} rad", range, span);
   } else if (joint.speed_limit > 0.0 && fast > 5.0 * joint.speed_limit) {
-    why = fmt::format("reaches {:.4g} per second, the motor at most {:.4g} rad/s", fast, joint.speed_limit);
+    why = fmt::format("reaches {:.4g} per second, the motor at most {:.4g} rad/s", fast,
+                      joint.speed_limit);
   } else if (degree_steps) {
     why = fmt::format("steps of {:.6g} are an encoder's steps in degrees", quantum);
   } else {
@@ -122,14 +137,16 @@ bool check_position_scale(const GateRecording& r, const GateJoint& joint, const 
 }
 
 /// Electrical channels against the data sheet: a factor of 20 is no tolerance.
-void check_magnitude(const GateRecording& r, const std::string& channel, double expected, const char* unit,
-                     std::vector<Defect>& out) {
+void check_magnitude(const GateRecording& r, const std::string& channel, double expected,
+                     const char* unit, std::vector<Defect>& out) {
   const GateChannel* c = r.find(channel);
   if (c == nullptr || expected <= 0.0) return;
-  const double high = std::max(std::abs(quantile(c->values, 0.99)), std::abs(quantile(c->values, 0.01)));
+  const double high =
+      std::max(std::abs(quantile(c->values, 0.99)), std::abs(quantile(c->values, 0.01)));
   if (std::isfinite(high) && high > 20.0 * expected) {
     out.push_back({r.file, channel, -1, defect::kWrongUnit,
-                   fmt::format("reaches {:.4g}; the model allows {:.4g} {}: thousandths?", high, expected, unit)});
+                   fmt::format("reaches {:.4g}; the model allows {:.4g} {}: thousandths?", high,
+                               expected, unit)});
   }
 }
 
@@ -151,7 +168,8 @@ std::vector<Defect> check_units(const GateRecording& r, const std::vector<GateJo
     check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", out);
     const GateChannel* temperature = r.find("temp:" + joint.name);
     if (temperature != nullptr && quantile(temperature->values, 0.5) > 200.0) {
-      out.push_back({r.file, temperature->name, -1, defect::kWrongUnit, "above 200; expected degrees Celsius, not kelvin"});
+      out.push_back({r.file, temperature->name, -1, defect::kWrongUnit,
+                     "above 200; expected degrees Celsius, not kelvin"});
     }
   }
   if (!joints.empty()) check_magnitude(r, "volt", joints.front().voltage, "V", out);

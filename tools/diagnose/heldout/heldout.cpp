@@ -13,7 +13,8 @@ bool inside(const Problem& problem, const Shot& shot, const Part& part) {
   const auto s = static_cast<std::size_t>(shot.source);
   const std::vector<double>& t = problem.sources[s].drive.t;
   const double length = std::max(t.back() - t.front(), 1e-9);
-  const double from = (t[shot.window.first] - t.front()) / length, until = (t[shot.window.last] - t.front()) / length;
+  const double from = (t[shot.window.first] - t.front()) / length,
+               until = (t[shot.window.last] - t.front()) / length;
   return from >= part.from[s] - 1e-9 && until <= part.until[s] + 1e-9;
 }
 
@@ -30,12 +31,13 @@ Split make_split(const std::vector<Source>& sources) {
   for (std::size_t i = 0; i < n; ++i) conditions[sources[i].condition].push_back(i);
   std::vector<std::size_t> held;
   if (conditions.size() > 1) {
-    const auto smallest = std::min_element(conditions.begin(), conditions.end(), [](const auto& a, const auto& b) {
-      return a.second.size() < b.second.size();
-    });
+    const auto smallest = std::min_element(
+        conditions.begin(), conditions.end(),
+        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     held = smallest->second;
   } else if (n >= 2) {
-    for (std::size_t i = n - 1; held.size() < std::max<std::size_t>(1, n / 3); i -= std::min<std::size_t>(i, 3))
+    for (std::size_t i = n - 1; held.size() < std::max<std::size_t>(1, n / 3);
+         i -= std::min<std::size_t>(i, 3))
       held.push_back(i);
   }
   for (std::size_t i : held) {
@@ -70,12 +72,12 @@ Problem restricted(const Problem& problem, const Part& part) {
   return out.shots.empty() ? problem : out;
 }
 
-std::map<std::string, std::map<std::string, FitScore>> heldout_scores(const std::vector<Source>& sources,
-                                                                      const std::vector<NoiseLevel>& noise,
-                                                                      const Library& library, const Model& patched,
-                                                                      const Part& heldout) {
+std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
+    const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+    const Library& library, const Model& patched, const Part& heldout) {
   std::map<std::string, std::map<std::string, FitScore>> out;
-  for (const auto& [name, seconds] : {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
+  for (const auto& [name, seconds] :
+       {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
     ProblemOptions options;
     options.shot_seconds = seconds;
     options.maximum_rows = 4 * constants::kMaximumRows;
@@ -97,8 +99,8 @@ std::map<std::string, std::map<std::string, FitScore>> heldout_scores(const std:
       const double scale = channel.sigma * channel.sigma;
       out[name]["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
           std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
-      all_before += scale * b, all_after += scale * a, all_noise += channel.noise * channel.noise * rows,
-          all_rows += rows;
+      all_before += scale * b, all_after += scale * a,
+          all_noise += channel.noise * channel.noise * rows, all_rows += rows;
     }
     out[name]["all"] = {std::sqrt(all_before / all_rows), std::sqrt(all_after / all_rows),
                         std::sqrt(all_noise / all_rows)};

@@ -1,5 +1,6 @@
-// `sanso identify`: fits the settings that model.toml holds (friction, rotor inertia, gain, delay, zero) to recordings,
-// all at once, and says for each whether the data determine it. Names no cause: that is what `sanso diagnose` is for.
+// `sanso identify`: fits the settings that model.toml holds (friction, rotor inertia, gain, delay,
+// zero) to recordings, all at once, and says for each whether the data determine it. Names no
+// cause: that is what `sanso diagnose` is for.
 #pragma once
 
 #include <functional>
@@ -15,23 +16,27 @@ struct IdentifiedParameter {
   std::string joint, effect, parameter, unit;
   double nominal = 0.0;  // value of the effect at which nothing changes
   double value = 0.0;
-  double sigma = 0.0;       // standard deviation, errors' correlation included
-  bool determined = false;  // differs from the nominal by more than two standard deviations; only these are kept
+  double sigma = 0.0;  // standard deviation, errors' correlation included
+  // differs from the nominal by more than two standard deviations; only these are kept
+  bool determined = false;
   bool at_bound = false;
 };
 
 struct Identification {
   std::vector<IdentifiedParameter> parameters;
-  ModelFolder model;        // nominal with the determined parameters folded in
-  double error_left = 1.0;  // share of the prediction error's energy (0.5 s) left on data not used for the fit
+  ModelFolder model;  // nominal with the determined parameters folded in
+  // share of the prediction error's energy (0.5 s) left on data not used for the fit
+  double error_left = 1.0;
 };
 
 using IdentifyProgress = std::function<void(const std::string&)>;
 
 /// `loaded` must not be refused. Throws recording::InputError.
-Identification identify(const ModelFolder& model, const LoadedRecordings& loaded, const IdentifyProgress& progress);
+Identification identify(const ModelFolder& model, const LoadedRecordings& loaded,
+                        const IdentifyProgress& progress);
 
 /// Exit code 0 done, 2 refused. Writes `out` (a model folder) only when everything went well.
-int run_identify(const std::string& model_folder, const std::vector<std::string>& files, const std::string& out);
+int run_identify(const std::string& model_folder, const std::vector<std::string>& files,
+                 const std::string& out);
 
 }  // namespace sanso::diagnose

@@ -9,9 +9,11 @@
 namespace sanso::diagnose {
 namespace {
 
-/// The recorded motion is that of the sensors' clock: commands have to arrive later by the sensors' delay.
+/// The recorded motion is that of the sensors' clock: commands have to arrive later by the sensors'
+/// delay.
 SimParams in_sensor_time(SimParams params) {
-  for (JointParams& joint : params.joints) joint.command_delay += joint.nominal.sensor_delay_s + joint.sensor_delay;
+  for (JointParams& joint : params.joints)
+    joint.command_delay += joint.nominal.sensor_delay_s + joint.sensor_delay;
   return params;
 }
 
@@ -19,14 +21,15 @@ const std::vector<double>& given(const ReplayTorques& replay, Signal signal) {
   return signal == Signal::pwm ? replay.duty : signal == Signal::i ? replay.current : replay.motor;
 }
 
-void add_source(const Problem& problem, const Library& library, const Model& model, std::size_t index,
-                Eigen::VectorXd& out) {
+void add_source(const Problem& problem, const Library& library, const Model& model,
+                std::size_t index, Eigen::VectorXd& out) {
   const Source& source = problem.sources[index];
   SimParams params = source.nominal;
   library.apply(model, params);
   SimOptions options;
   options.max_step_s = constants::kSearchStep;
-  const ReplayTorques replay = replay_torques(in_sensor_time(std::move(params)), source.drive, source.motion, options);
+  const ReplayTorques replay =
+      replay_torques(in_sensor_time(std::move(params)), source.drive, source.motion, options);
   for (const Shot& shot : problem.shots) {
     if (shot.source != static_cast<int>(index)) continue;
     for (std::size_t c = 0; c < problem.channels.size(); ++c) {
@@ -35,10 +38,11 @@ void add_source(const Problem& problem, const Library& library, const Model& mod
       const std::vector<double>& law = given(replay, channel.signal);
       for (std::size_t k = 0; k < shot.rows; ++k) {
         const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
-        const double difference =
-            measured(source, channel, row) - law[static_cast<std::size_t>(channel.joint) * replay.rows + row];
+        const double difference = measured(source, channel, row) -
+                                  law[static_cast<std::size_t>(channel.joint) * replay.rows + row];
         if (std::isfinite(difference))
-          out[static_cast<Eigen::Index>(shot.offset + c * shot.rows + k)] = difference / channel.floor;
+          out[static_cast<Eigen::Index>(shot.offset + c * shot.rows + k)] =
+              difference / channel.floor;
       }
     }
   }
@@ -46,7 +50,9 @@ void add_source(const Problem& problem, const Library& library, const Model& mod
 
 }  // namespace
 
-bool is_effort(Signal signal) { return signal == Signal::tau || signal == Signal::i || signal == Signal::pwm; }
+bool is_effort(Signal signal) {
+  return signal == Signal::tau || signal == Signal::i || signal == Signal::pwm;
+}
 
 Eigen::VectorXd effort_error(const Problem& problem, const Library& library, const Model& model) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.size));
@@ -54,7 +60,8 @@ Eigen::VectorXd effort_error(const Problem& problem, const Library& library, con
                                [](const Observed& c) { return is_effort(c.signal); });
   if (!any) return out;
   parallel_for(static_cast<int>(problem.sources.size()), [&](int i) {
-    add_source(problem, library, model, static_cast<std::size_t>(i), out);  // every source writes its own shots
+    // every source writes its own shots
+    add_source(problem, library, model, static_cast<std::size_t>(i), out);
   });
   return out;
 }

@@ -51,17 +51,19 @@ IncidenceRow row_of(const std::string& name, const Sums& sums) {
   return row;
 }
 
-/// `with` less the effects that `without` does not have: what differs is the effect itself, none of the calibrations
-/// that are fitted anew without it.
+/// `with` less the effects that `without` does not have: what differs is the effect itself, none of
+/// the calibrations that are fitted anew without it.
 Model less_the_effect(const Model& without, const Model& with) {
   Model out = with;
   std::erase_if(out.effects, [&](const Chosen& c) { return !without.has(c.candidate); });
   return out;
 }
 
-/// Torque, current and duty: replaces the simulated changes by those of the servo's law where the joints really were.
-void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without, const Model& with,
-                                          Eigen::VectorXd& measured, Eigen::VectorXd& promised) {
+/// Torque, current and duty: replaces the simulated changes by those of the servo's law where the
+/// joints really were.
+void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without,
+                                          const Model& with, Eigen::VectorXd& measured,
+                                          Eigen::VectorXd& promised) {
   const Problem& problem = *around.problem;
   const Eigen::VectorXd error = effort_error(problem, *around.library, without);
   const Eigen::VectorXd change = error - effort_error(problem, *around.library, with);
@@ -78,13 +80,13 @@ void judge_efforts_at_the_measured_motion(const Surroundings& around, const Mode
 
 }  // namespace
 
-std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes, const FitResult& without,
-                                    const FitResult& with) {
+std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes,
+                                    const FitResult& without, const FitResult& with) {
   const Problem& problem = *around.problem;
   Eigen::VectorXd measured = around.starts.project(without.r);
   Eigen::VectorXd promised = around.starts.project(without.r - with.r);
-  judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model), with.model, measured,
-                                       promised);
+  judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model),
+                                       with.model, measured, promised);
   std::map<std::string, Sums> table;
   double total = 0.0;
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {
@@ -108,7 +110,8 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
         if (channel.signal != Signal::q) continue;
         const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
         for (std::size_t g = 0; g < regimes.names.size(); ++g) {
-          if (regimes.in(shot.source, channel.joint, g, row)) add("position, " + regimes.names[g], dr, dd);
+          if (regimes.in(shot.source, channel.joint, g, row))
+            add("position, " + regimes.names[g], dr, dd);
         }
       }
     }
@@ -116,7 +119,8 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
   std::vector<IncidenceRow> out;
   for (const auto& [name, sums] : table) {
     const IncidenceRow row = row_of(name, sums);
-    // the servo's law is trusted to its channel's floor only: less than that a row on average is no promise
+    // the servo's law is trusted to its channel's floor only: less than that a row on average is no
+    // promise
     const double least = sums.effort ? sums.rows : 0.02 * total;
     const bool told = row.predicted > 5.0 && row.predicted * row.predicted > least;
     if (told) out.push_back(row);
@@ -127,8 +131,10 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
 std::string refuted_by(const std::vector<IncidenceRow>& rows) {
   for (const IncidenceRow& row : rows) {
     if (row.high < 0.5)
-      return fmt::format("{}: {:.0f} % of the promised change happened", row.residual, 100 * row.slope);
-    if (row.low > 2.0) return fmt::format("{}: {:.1f} times the promised change happened", row.residual, row.slope);
+      return fmt::format("{}: {:.0f} % of the promised change happened", row.residual,
+                         100 * row.slope);
+    if (row.low > 2.0)
+      return fmt::format("{}: {:.1f} times the promised change happened", row.residual, row.slope);
   }
   return "";
 }

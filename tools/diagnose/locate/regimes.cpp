@@ -14,8 +14,8 @@ constexpr double kReversal = 0.04, kStandstill = 0.1, kBreakaway = 0.06, kAfterS
 
 /// Limits that are shared by all recordings of a joint, so that a regime means the same in each.
 struct JointScale {
-  double rest_speed = 0.0;           // below: standing
-  double slow = 0.0, fast = 0.0;     // terciles of the moving speed
+  double rest_speed = 0.0;        // below: standing
+  double slow = 0.0, fast = 0.0;  // terciles of the moving speed
   double low_load = 0.0, high_load = 0.0;
   double low_volt = 0.0, high_volt = 0.0, low_temp = 0.0, high_temp = 0.0;
 };
@@ -26,19 +26,22 @@ struct Row {
 
 class JointRegimes {
  public:
-  JointRegimes(const Source& source, std::size_t j, const ReplayTorques& torques) : source_(source), j_(j) {
+  JointRegimes(const Source& source, std::size_t j, const ReplayTorques& torques)
+      : source_(source), j_(j) {
     const std::size_t rows = source.drive.rows();
     rows_.resize(rows);
     const JointData& data = source.drive.joints[j];
     for (std::size_t k = 0; k < rows; ++k) {
       const auto value = [&](const std::vector<double>& v) { return k < v.size() ? v[k] : NAN; };
-      rows_[k] = {source.drive.t[k], source.motion.q[j][k], source.motion.dq[j][k], value(data.command),
-                  torques.motor[j * rows + k], value(source.drive.volt), value(data.temp), torques.duty[j * rows + k]};
+      rows_[k] = {source.drive.t[k],   source.motion.q[j][k],       source.motion.dq[j][k],
+                  value(data.command), torques.motor[j * rows + k], value(source.drive.volt),
+                  value(data.temp),    torques.duty[j * rows + k]};
     }
   }
   const std::vector<Row>& rows() const { return rows_; }
 
-  void fill(const JointScale& scale, std::vector<std::vector<char>>& mask, const std::vector<std::string>& names) const {
+  void fill(const JointScale& scale, std::vector<std::vector<char>>& mask,
+            const std::vector<std::string>& names) const {
     mask.assign(names.size(), std::vector<char>(rows_.size(), 0));
     const auto set = [&](const char* name, std::size_t row, bool value) {
       const auto at = std::find(names.begin(), names.end(), name);
@@ -71,7 +74,8 @@ class JointRegimes {
       set("high voltage", k, scale.low_volt < scale.high_volt && r.volt >= scale.high_volt);
       set("cold", k, scale.low_temp < scale.high_temp && r.temp <= scale.low_temp);
       set("hot", k, scale.low_temp < scale.high_temp && r.temp >= scale.high_temp);
-      set("first minute", k, rows_.back().t - rows_.front().t > 90.0 && r.t - rows_.front().t < 60.0);
+      set("first minute", k,
+          rows_.back().t - rows_.front().t > 90.0 && r.t - rows_.front().t < 60.0);
     }
   }
 
@@ -79,14 +83,20 @@ class JointRegimes {
   template <class Set>
   void mark_reversals(const JointScale& scale, const Set& set) const {
     for (std::size_t k = 1; k < rows_.size(); ++k) {
-      if (rows_[k].dq * rows_[k - 1].dq > 0.0 || std::abs(rows_[k].dq - rows_[k - 1].dq) < 1e-9) continue;
-      // a change of sign that leads somewhere: speed outside the standing band within 5 times the reversal time
+      if (rows_[k].dq * rows_[k - 1].dq > 0.0 || std::abs(rows_[k].dq - rows_[k - 1].dq) < 1e-9)
+        continue;
+      // a change of sign that leads somewhere: speed outside the standing band within 5 times the
+      // reversal time
       bool before = false, after = false;
-      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < 5 * kReversal;) before |= std::abs(rows_[i].dq) > scale.rest_speed;
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < 5 * kReversal; ++i) after |= std::abs(rows_[i].dq) > scale.rest_speed;
+      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < 5 * kReversal;)
+        before |= std::abs(rows_[i].dq) > scale.rest_speed;
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < 5 * kReversal; ++i)
+        after |= std::abs(rows_[i].dq) > scale.rest_speed;
       if (!before || !after) continue;
-      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < kReversal;) set("reversal", i, true);
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kReversal; ++i) set("reversal", i, true);
+      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < kReversal;)
+        set("reversal", i, true);
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kReversal; ++i)
+        set("reversal", i, true);
     }
   }
   template <class Set>
@@ -96,7 +106,9 @@ class JointRegimes {
       while (end < rows_.size() && std::abs(rows_[end].dq) <= scale.rest_speed) ++end;
       if (end > k && rows_[end - 1].t - rows_[k].t > kStandstill) {
         for (std::size_t i = k; i < end; ++i) set("standstill", i, true);
-        for (std::size_t i = end; i < rows_.size() && rows_[i].t - rows_[end - 1].t < kBreakaway; ++i) set("breakaway", i, true);
+        for (std::size_t i = end; i < rows_.size() && rows_[i].t - rows_[end - 1].t < kBreakaway;
+             ++i)
+          set("breakaway", i, true);
       }
       k = std::max(end, k + 1);
     }
@@ -104,11 +116,13 @@ class JointRegimes {
   template <class Set>
   void mark_steps(const Set& set) const {
     std::vector<double> changes;
-    for (std::size_t k = 1; k < rows_.size(); ++k) changes.push_back(std::abs(rows_[k].command - rows_[k - 1].command));
+    for (std::size_t k = 1; k < rows_.size(); ++k)
+      changes.push_back(std::abs(rows_[k].command - rows_[k - 1].command));
     const double usual = quantile(changes, 0.95);
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (!(std::abs(rows_[k].command - rows_[k - 1].command) > 6.0 * usual + 1e-6)) continue;
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kAfterStep; ++i) set("after a command step", i, true);
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kAfterStep; ++i)
+        set("after a command step", i, true);
     }
   }
 
@@ -142,22 +156,29 @@ JointScale scale_of(const std::vector<JointRegimes>& recordings) {
 
 Regimes find_regimes(const Problem& problem) {
   Regimes out;
-  out.names = {"reversal", "standstill", "breakaway", "low speed", "middle speed", "high speed", "forwards", "backwards",
-               "after a command step", "saturated", "driving", "back-driven", "low load", "high load", "near a limit",
-               "torque off", "low voltage", "high voltage", "cold", "hot", "first minute"};
+  out.names = {"reversal",   "standstill",   "breakaway",
+               "low speed",  "middle speed", "high speed",
+               "forwards",   "backwards",    "after a command step",
+               "saturated",  "driving",      "back-driven",
+               "low load",   "high load",    "near a limit",
+               "torque off", "low voltage",  "high voltage",
+               "cold",       "hot",          "first minute"};
   const std::size_t sources = problem.sources.size(), n = problem.joints.size();
   out.mask.assign(sources, std::vector<std::vector<std::vector<char>>>(n));
   std::vector<ReplayTorques> torques(sources);
   parallel_for(static_cast<int>(sources), [&](int s) {
     const Source& source = problem.sources[static_cast<std::size_t>(s)];
-    torques[static_cast<std::size_t>(s)] = replay_torques(source.nominal, source.drive, source.motion);
+    torques[static_cast<std::size_t>(s)] =
+        replay_torques(source.nominal, source.drive, source.motion);
   });
   parallel_for(static_cast<int>(n), [&](int j) {
     const auto joint = static_cast<std::size_t>(j);
     std::vector<JointRegimes> recordings;
-    for (std::size_t s = 0; s < sources; ++s) recordings.emplace_back(problem.sources[s], joint, torques[s]);
+    for (std::size_t s = 0; s < sources; ++s)
+      recordings.emplace_back(problem.sources[s], joint, torques[s]);
     const JointScale scale = scale_of(recordings);
-    for (std::size_t s = 0; s < sources; ++s) recordings[s].fill(scale, out.mask[s][joint], out.names);
+    for (std::size_t s = 0; s < sources; ++s)
+      recordings[s].fill(scale, out.mask[s][joint], out.names);
   });
   return out;
 }

@@ -1,4 +1,5 @@
-// What a joint is doing at a row: the regimes of the location map (method 3.5). A row can be in several.
+// What a joint is doing at a row: the regimes of the location map (method 3.5). A row can be in
+// several.
 #pragma once
 
 #include <string>
@@ -12,11 +13,13 @@ struct Regimes {
   std::vector<std::string> names;
   std::vector<std::vector<std::vector<std::vector<char>>>> mask;  // [source][joint][regime][row]
   bool in(int source, int joint, std::size_t regime, std::size_t row) const {
-    return mask[static_cast<std::size_t>(source)][static_cast<std::size_t>(joint)][regime][row] != 0;
+    return mask[static_cast<std::size_t>(source)][static_cast<std::size_t>(joint)][regime][row] !=
+           0;
   }
 };
 
-/// Regimes of every row from the smoothed motion, the commands and the torques that the nominal model replays.
+/// Regimes of every row from the smoothed motion, the commands and the torques that the nominal
+/// model replays.
 Regimes find_regimes(const Problem& problem);
 
 }  // namespace sanso::diagnose

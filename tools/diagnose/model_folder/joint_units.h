@@ -1,4 +1,5 @@
-// Units are written for turning joints throughout; a sliding joint has m for rad, N for N m, kg for kg m^2.
+// Units are written for turning joints throughout; a sliding joint has m for rad, N for N m, kg for
+// kg m^2.
 #pragma once
 
 #include <string>
@@ -7,7 +8,8 @@
 
 namespace sanso::diagnose {
 
-/// The unit or axis title as it reads at a joint: "rad/s" -> "m/s", "missing torque [N m]" -> "missing force [N]".
+/// The unit or axis title as it reads at a joint: "rad/s" -> "m/s", "missing torque [N m]" ->
+/// "missing force [N]".
 inline std::string at_joint(std::string text, bool slides) {
   constexpr std::pair<std::string_view, std::string_view> sliding[] = {
       {"kg m^2", "kg"}, {"N m", "N"}, {"rad", "m"}, {"torque", "force"}};

@@ -18,14 +18,16 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 
 void read_joint(const TomlTable& table, JointSettings& settings) {
   std::vector<std::string_view> known{"actuator"};
-  JointSettings::visit(settings, [&](std::string_view key, double& value, std::string_view, double low, double high) {
+  JointSettings::visit(settings, [&](std::string_view key, double& value, std::string_view,
+                                     double low, double high) {
     known.push_back(key);
     if (const auto read = table.number(key, low, high)) value = *read;
   });
   table.allow_only(known);
   if (const auto name = table.string("actuator")) {
     const auto actuator = recording::actuator_from(*name);
-    if (!actuator) table.fail("actuator", "unknown actuator", *name, "torque, position_pd, dc_servo or passive");
+    if (!actuator)
+      table.fail("actuator", "unknown actuator", *name, "torque, position_pd, dc_servo or passive");
     settings.actuator = *actuator;
   }
 }
@@ -34,7 +36,8 @@ void read_robot(const TomlTable& table, ModelFolder& model) {
   table.allow_only({"urdf", "base", "gravity"});
   model.urdf_file = table.string("urdf").value_or(model.urdf_file);
   const std::string base = table.string("base").value_or("fixed");
-  if (base != "fixed" && base != "floating") table.fail("base", "unknown base", base, "fixed or floating");
+  if (base != "fixed" && base != "floating")
+    table.fail("base", "unknown base", base, "fixed or floating");
   model.floating = base == "floating";
   if (const auto g = table.numbers("gravity", 3)) model.gravity = {(*g)[0], (*g)[1], (*g)[2]};
 }
@@ -42,8 +45,8 @@ void read_robot(const TomlTable& table, ModelFolder& model) {
 void read_ground(const TomlTable& table, ModelFolder& model) {
   table.allow_only({"kind", "friction"});
   model.ground_kind = table.string("kind").value_or(model.ground_kind);
-  if (model.ground_kind != "plane" && model.ground_kind != "ramp" && model.ground_kind != "jump_ramp" &&
-      model.ground_kind != "heights") {
+  if (model.ground_kind != "plane" && model.ground_kind != "ramp" &&
+      model.ground_kind != "jump_ramp" && model.ground_kind != "heights") {
     table.fail("kind", "unknown ground", model.ground_kind, "plane, ramp, jump_ramp or heights");
   }
   model.ground_friction = table.number("friction", 0.0, 10.0).value_or(model.ground_friction);
@@ -90,7 +93,8 @@ void read_joints(const TomlTable& top, ModelFolder& model) {
   if (!joints) return;
   for (const std::string& name : joints->keys()) {
     const int index = model.tree.index_of(name);
-    if (index < 0) joints->fail(name, "unknown joint", name, "a joint of the URDF: " + joint_names(model.tree));
+    if (index < 0)
+      joints->fail(name, "unknown joint", name, "a joint of the URDF: " + joint_names(model.tree));
     read_joint(*joints->table(name), model.joints[static_cast<std::size_t>(index)]);
   }
 }
@@ -110,26 +114,30 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
   out.close();
   std::error_code error;
   if (out) std::filesystem::rename(temporary, path, error);
-  if (!out || error) throw InputError(path.string(), 0, "", "cannot write", "", "a writable folder with free space");
+  if (!out || error)
+    throw InputError(path.string(), 0, "", "cannot write", "", "a writable folder with free space");
 }
 
-void append_joint(std::ostringstream& out, const JointSettings& settings, const JointSettings* only_different_from) {
+void append_joint(std::ostringstream& out, const JointSettings& settings,
+                  const JointSettings* only_different_from) {
   const auto* base = only_different_from;
   if (base == nullptr || base->actuator != settings.actuator) {
     out << "actuator = " << recording::toml_quoted(recording::to_string(settings.actuator)) << "\n";
   }
   std::vector<double> base_values;
   if (base != nullptr) {
-    JointSettings::visit(
-        *base, [&](std::string_view, double v, std::string_view, double, double) { base_values.push_back(v); });
+    JointSettings::visit(*base, [&](std::string_view, double v, std::string_view, double, double) {
+      base_values.push_back(v);
+    });
   }
   std::size_t k = 0;
-  JointSettings::visit(settings, [&](std::string_view key, double value, std::string_view unit, double, double) {
-    if (base == nullptr || base_values[k] != value) {
-      out << key << " = " << recording::toml_number(value) << "  # " << unit << "\n";
-    }
-    ++k;
-  });
+  JointSettings::visit(
+      settings, [&](std::string_view key, double value, std::string_view unit, double, double) {
+        if (base == nullptr || base_values[k] != value) {
+          out << key << " = " << recording::toml_number(value) << "  # " << unit << "\n";
+        }
+        ++k;
+      });
 }
 
 }  // namespace
@@ -147,7 +155,8 @@ ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std:
 ModelFolder read_model_folder(const std::string& folder) {
   const std::filesystem::path path = folder;
   if (!std::filesystem::is_directory(path)) {
-    throw InputError(folder, 0, "", "no such folder", "", "a folder with model.toml and robot.urdf");
+    throw InputError(folder, 0, "", "no such folder", "",
+                     "a folder with model.toml and robot.urdf");
   }
   const std::string toml_path = (path / "model.toml").string();
   const TomlTable top = TomlTable::read(toml_path);
@@ -166,8 +175,9 @@ std::string model_toml(const ModelFolder& model) {
   using recording::toml_quoted;
   std::ostringstream out;
   out << "format = 1\n\n[robot]\nurdf = " << toml_quoted(model.urdf_file) << "\nbase = \""
-      << (model.floating ? "floating" : "fixed") << "\"\ngravity = [" << toml_number(model.gravity[0]) << ", "
-      << toml_number(model.gravity[1]) << ", " << toml_number(model.gravity[2]) << "]  # m/s^2, world axes\n\n"
+      << (model.floating ? "floating" : "fixed") << "\"\ngravity = ["
+      << toml_number(model.gravity[0]) << ", " << toml_number(model.gravity[1]) << ", "
+      << toml_number(model.gravity[2]) << "]  # m/s^2, world axes\n\n"
       << "[control]\nperiod_s = " << toml_number(model.period_s) << "\n\n[joint_default]\n";
   append_joint(out, model.joint_default, nullptr);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
@@ -181,7 +191,8 @@ std::string model_toml(const ModelFolder& model) {
   }
   for (const EffectEntry& effect : model.effects) {
     out << "\n[[effect]]\nid = " << toml_quoted(effect.id) << "\nwhere = [";
-    for (std::size_t k = 0; k < effect.where.size(); ++k) out << (k == 0 ? "" : ", ") << toml_quoted(effect.where[k]);
+    for (std::size_t k = 0; k < effect.where.size(); ++k)
+      out << (k == 0 ? "" : ", ") << toml_quoted(effect.where[k]);
     out << "]\n";
     for (const auto& [name, value] : effect.parameters) {
       out << recording::toml_key(name) << " = " << toml_number(value) << "\n";

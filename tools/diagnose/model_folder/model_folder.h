@@ -1,4 +1,5 @@
-// A model folder: robot.urdf and model.toml (docs/model-folder.md). Reading is strict, writing reads back the same.
+// A model folder: robot.urdf and model.toml (docs/model-folder.md). Reading is strict, writing
+// reads back the same.
 #pragma once
 
 #include <array>
@@ -16,7 +17,8 @@ namespace sanso::diagnose {
 using recording::Actuator;
 using recording::JointSettings;
 
-/// One [[effect]] as written. Names of parameters are checked by the effect library (effects/from_model.h).
+/// One [[effect]] as written. Names of parameters are checked by the effect library
+/// (effects/from_model.h).
 struct EffectEntry {
   std::string id;
   std::vector<std::string> where;
@@ -24,7 +26,8 @@ struct EffectEntry {
   int line = 0;
 };
 
-/// A weight that was put on for one recording; apart from its link, whose own mass may be what is in question.
+/// A weight that was put on for one recording; apart from its link, whose own mass may be what is
+/// in question.
 struct AttachedBody {
   int joint = 0;
   BodyInertia body;  // in the joint's frame
@@ -36,7 +39,8 @@ struct ModelFolder {
   std::string urdf;                      // its text
   bool floating = false;
   std::array<double, 3> gravity{0.0, 0.0, -9.81};  // m/s^2, world axes
-  double period_s = 0.01;                          // command period; held from sample to sample in recordings
+  // command period; held from sample to sample in recordings
+  double period_s = 0.01;
   JointSettings joint_default;
   std::vector<JointSettings> joints;  // resolved, one for every joint of `tree`, same order
   std::string ground_kind = "plane";
@@ -52,10 +56,12 @@ ModelFolder read_model_folder(const std::string& folder);
 ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name);
 
 std::string model_toml(const ModelFolder& model);
-/// Writes robot.urdf and model.toml into `folder` (created when missing), each by rename, so never half.
+/// Writes robot.urdf and model.toml into `folder` (created when missing), each by rename, so never
+/// half.
 void write_model_folder(const ModelFolder& model, const std::string& folder);
 
-/// The model as it was during this recording: the sidecar's settings and payloads applied. Throws InputError.
+/// The model as it was during this recording: the sidecar's settings and payloads applied. Throws
+/// InputError.
 ModelFolder with_overrides(const ModelFolder& model, const recording::Recording& recording);
 
 }  // namespace sanso::diagnose

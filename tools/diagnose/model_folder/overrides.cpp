@@ -10,12 +10,14 @@ using recording::Override;
 
 void set(JointSettings& settings, const Override& o) {
   if (o.key == "actuator") {
-    settings.actuator = recording::actuator_from(o.text).value_or(settings.actuator);  // checked by the reader
+    // checked by the reader
+    settings.actuator = recording::actuator_from(o.text).value_or(settings.actuator);
     return;
   }
-  JointSettings::visit(settings, [&](std::string_view key, double& value, std::string_view, double, double) {
-    if (key == o.key) value = o.numbers.at(0);
-  });
+  JointSettings::visit(settings,
+                       [&](std::string_view key, double& value, std::string_view, double, double) {
+                         if (key == o.key) value = o.numbers.at(0);
+                       });
 }
 
 void apply(const Override& o, const std::string& file, ModelFolder& model) {
@@ -29,7 +31,8 @@ void apply(const Override& o, const std::string& file, ModelFolder& model) {
   } else {
     const std::string name = o.table.substr(o.table.find('.') + 1);
     const int index = model.tree.index_of(name);
-    if (index < 0) throw InputError(file, o.line, o.table, "unknown joint", name, "a joint of the model's URDF");
+    if (index < 0)
+      throw InputError(file, o.line, o.table, "unknown joint", name, "a joint of the model's URDF");
     set(model.joints[static_cast<std::size_t>(index)], o);
   }
 }
@@ -37,11 +40,13 @@ void apply(const Override& o, const std::string& file, ModelFolder& model) {
 void attach(const recording::Payload& payload, const std::string& file, ModelFolder& model) {
   const auto place = model.tree.links.find(payload.link);
   if (place == model.tree.links.end()) {
-    throw InputError(file, 0, "payload.link", "unknown link", payload.link, "a link of the model's URDF");
+    throw InputError(file, 0, "payload.link", "unknown link", payload.link,
+                     "a link of the model's URDF");
   }
   if (place->second.joint < 0) return;  // on the fixed base it changes nothing
   const BodyInertia point{payload.mass, payload.com, {}};
-  model.payloads.push_back({place->second.joint, moved(point, place->second.R_joint_link, place->second.p_joint_link)});
+  model.payloads.push_back(
+      {place->second.joint, moved(point, place->second.R_joint_link, place->second.p_joint_link)});
 }
 
 }  // namespace
@@ -49,7 +54,8 @@ void attach(const recording::Payload& payload, const std::string& file, ModelFol
 ModelFolder with_overrides(const ModelFolder& model, const recording::Recording& recording) {
   ModelFolder changed = model;
   const std::string sidecar = recording.stem() + ".toml";
-  // first what holds for every joint, then what names one: the order of the tables in a file does not matter
+  // first what holds for every joint, then what names one: the order of the tables in a file does
+  // not matter
   for (const Override& o : recording.overrides) {
     if (!o.table.starts_with("joint.")) apply(o, sidecar, changed);
   }

@@ -40,11 +40,13 @@ void add_body(BodyInertia& whole, const BodyInertia& part) {
   const double mass = whole.mass + part.mass;
   if (mass <= 0.0) return;
   Vec3 com{};
-  for (std::size_t k = 0; k < 3; ++k) com[k] = (whole.mass * whole.com[k] + part.mass * part.com[k]) / mass;
+  for (std::size_t k = 0; k < 3; ++k)
+    com[k] = (whole.mass * whole.com[k] + part.mass * part.com[k]) / mass;
   // parallel axes: each body's inertia moves to the common centre of mass
   const Mat3 shift_whole = point_inertia(whole.mass, minus(whole.com, com));
   const Mat3 shift_part = point_inertia(part.mass, minus(part.com, com));
-  for (std::size_t k = 0; k < 9; ++k) whole.about_com[k] += part.about_com[k] + shift_whole[k] + shift_part[k];
+  for (std::size_t k = 0; k < 9; ++k)
+    whole.about_com[k] += part.about_com[k] + shift_whole[k] + shift_part[k];
   whole.mass = mass;
   whole.com = com;
 }

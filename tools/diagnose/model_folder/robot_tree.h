@@ -1,5 +1,7 @@
-// A robot on a fixed base as a tree of one-degree-of-freedom joints: what robot.urdf says, fixed joints merged away.
-// Plain numbers only, so that an effect can change any of them; the equations of motion are in sim/tree_dynamics.h.
+// A robot on a fixed base as a tree of one-degree-of-freedom joints: what robot.urdf says, fixed
+// joints merged away.
+// Plain numbers only, so that an effect can change any of them; the equations of motion are in
+// sim/tree_dynamics.h.
 #pragma once
 
 #include <array>
@@ -23,10 +25,12 @@ struct BodyInertia {
 
 /// Adds `part` to `whole`, both in the same axes and from the same origin.
 void add_body(BodyInertia& whole, const BodyInertia& part);
-/// The same body seen from a frame in which its link sits at p with rotation R (link axes into that frame).
+/// The same body seen from a frame in which its link sits at p with rotation R (link axes into that
+/// frame).
 BodyInertia moved(const BodyInertia& body, const Mat3& R, const Vec3& p);
 
-/// A joint and the link behind it. Frames: the joint frame has the link's origin; at q = 0 it is fixed in the parent.
+/// A joint and the link behind it. Frames: the joint frame has the link's origin; at q = 0 it is
+/// fixed in the parent.
 struct TreeJoint {
   std::string name;
   std::string link;
@@ -36,9 +40,10 @@ struct TreeJoint {
   Vec3 p_parent_joint{0, 0, 0};  // m, in parent axes
   Vec3 axis{0, 0, 1};            // unit vector, joint axes
   BodyInertia body;
-  double lower = 0.0, upper = 0.0;  // position limits of the URDF, rad or m; lower >= upper: none given
-  double effort = 0.0;              // N m or N; 0 = none given
-  double speed = 0.0;               // rad/s or m/s; 0 = none given
+  // position limits of the URDF, rad or m; lower >= upper: none given
+  double lower = 0.0, upper = 0.0;
+  double effort = 0.0;  // N m or N; 0 = none given
+  double speed = 0.0;   // rad/s or m/s; 0 = none given
 };
 
 /// Where a URDF link (also one merged away) sits: fixed to the link of joint `joint` (-1 = base).

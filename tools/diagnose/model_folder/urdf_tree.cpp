@@ -1,4 +1,5 @@
-// URDF text to RobotTree. The XML is read by urdfdom; what the simulator cannot do is refused by name.
+// URDF text to RobotTree. The XML is read by urdfdom; what the simulator cannot do is refused by
+// name.
 #include <cmath>
 
 #include "host/model/urdf_text.h"
@@ -23,7 +24,8 @@ class TreeBuilder {
   TreeBuilder(const urdf::ModelInterface& model, std::string file) : file_(std::move(file)) {
     tree_.name = model.getName();
     add_link(*model.getRoot(), -1, kIdentity3, {0, 0, 0});
-    if (tree_.joints.empty()) fail("", "no movable joint", "", "at least one revolute, continuous or prismatic joint");
+    if (tree_.joints.empty())
+      fail("", "no movable joint", "", "at least one revolute, continuous or prismatic joint");
   }
   RobotTree take() { return std::move(tree_); }
 
@@ -42,7 +44,8 @@ class TreeBuilder {
     for (const auto& child : link.child_joints) add_joint(*child, link, joint, R, p);
   }
 
-  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R, const Vec3& p) {
+  void add_joint(const urdf::Joint& joint, const urdf::Link& link, int parent, const Mat3& R,
+                 const Vec3& p) {
     const auto& origin = joint.parent_to_joint_origin_transform;
     const Mat3 R_parent_joint = product(R, rotation(origin.rotation));
     const Vec3 p_parent_joint = p + rotated(R, vector(origin.position));
@@ -52,10 +55,12 @@ class TreeBuilder {
       return;
     }
     const bool prismatic = joint.type == urdf::Joint::PRISMATIC;
-    if (!prismatic && joint.type != urdf::Joint::REVOLUTE && joint.type != urdf::Joint::CONTINUOUS) {
+    if (!prismatic && joint.type != urdf::Joint::REVOLUTE &&
+        joint.type != urdf::Joint::CONTINUOUS) {
       fail(joint.name, "joint type not supported", "", "revolute, continuous, prismatic or fixed");
     }
-    if (tree_.size() >= kMaxJoints) fail(joint.name, "too many joints", "", "at most 20 movable joints");
+    if (tree_.size() >= kMaxJoints)
+      fail(joint.name, "too many joints", "", "at most 20 movable joints");
     TreeJoint t;
     t.name = joint.name;
     t.link = child.name;
@@ -65,7 +70,8 @@ class TreeBuilder {
     t.p_parent_joint = p_parent_joint;
     t.axis = unit_axis(joint);
     if (joint.limits) {
-      if (joint.type != urdf::Joint::CONTINUOUS) t.lower = joint.limits->lower, t.upper = joint.limits->upper;
+      if (joint.type != urdf::Joint::CONTINUOUS)
+        t.lower = joint.limits->lower, t.upper = joint.limits->upper;
       t.effort = joint.limits->effort;
       t.speed = joint.limits->velocity;
     }
@@ -76,7 +82,8 @@ class TreeBuilder {
   Vec3 unit_axis(const urdf::Joint& joint) const {
     Vec3 a = vector(joint.axis);
     const double n = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-    if (!(n > 1e-9) || !std::isfinite(n)) fail(joint.name, "axis of no length", "", "a unit vector");
+    if (!(n > 1e-9) || !std::isfinite(n))
+      fail(joint.name, "axis of no length", "", "a unit vector");
     for (double& c : a) c /= n;
     return a;
   }
@@ -84,10 +91,12 @@ class TreeBuilder {
   BodyInertia inertia(const urdf::Link& link) const {
     const urdf::Inertial& in = *link.inertial;
     const Mat3 I{in.ixx, in.ixy, in.ixz, in.ixy, in.iyy, in.iyz, in.ixz, in.iyz, in.izz};
-    bool good = std::isfinite(in.mass) && in.mass >= 0.0 && in.ixx >= 0.0 && in.iyy >= 0.0 && in.izz >= 0.0;
+    bool good =
+        std::isfinite(in.mass) && in.mass >= 0.0 && in.ixx >= 0.0 && in.iyy >= 0.0 && in.izz >= 0.0;
     for (double value : I) good = good && std::isfinite(value);
     if (!good)
-      fail(link.name, "impossible inertia", std::to_string(in.mass), "finite values, mass and diagonal not negative");
+      fail(link.name, "impossible inertia", std::to_string(in.mass),
+           "finite values, mass and diagonal not negative");
     return moved({in.mass, {0, 0, 0}, I}, rotation(in.origin.rotation), vector(in.origin.position));
   }
 

@@ -1,4 +1,5 @@
-// The command around the method: progress lines, signals, files that are never half written, exit codes.
+// The command around the method: progress lines, signals, files that are never half written, exit
+// codes.
 #include <fmt/format.h>
 
 #include <csignal>
@@ -30,7 +31,8 @@ void write_all(const Diagnosis& d, const std::string& out) {
   const std::filesystem::path folder(out);
   if (d.patched) write_model_folder(*d.patched, (folder / "model").string());
   write_file(folder / "report.html", diagnosis_report(d));
-  write_file(folder / "verdict.json", verdict_json(d.verdict));  // last: it says that the others are there
+  // last: it says that the others are there
+  write_file(folder / "verdict.json", verdict_json(d.verdict));
 }
 
 void print_summary(const Verdict& v) {
@@ -38,24 +40,29 @@ void print_summary(const Verdict& v) {
   fmt::print("answer     {}: {}\n", to_string(v.status), v.answer);
   if (v.status == VerdictStatus::refused) {
     for (const Defect& d : v.refused) {
-      fmt::print("refused    {} {}{}: {}: {}\n", d.file, d.channel, d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
+      fmt::print("refused    {} {}{}: {}: {}\n", d.file, d.channel,
+                 d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
     }
     return;
   }
   for (const Finding& f : v.findings) {
     for (const auto& [name, p] : f.parameters) {
-      fmt::print("           {}.{} = {:.4g} {} [{:.4g}, {:.4g}]{}\n", f.effect, name, p.value, p.unit, p.low, p.high,
-                 p.at_bound ? " (at the library's bound)" : "");
+      fmt::print("           {}.{} = {:.4g} {} [{:.4g}, {:.4g}]{}\n", f.effect, name, p.value,
+                 p.unit, p.low, p.high, p.at_bound ? " (at the library's bound)" : "");
     }
     for (const Rival& r : f.rivals) {
-      if (r.said_wrong.empty()) fmt::print("not        {}: {:.1f} standard errors behind on held-out data\n", r.effect, r.behind_in_se);
-      else fmt::print("not        {}: {}\n", r.effect, r.said_wrong);
+      if (r.said_wrong.empty())
+        fmt::print("not        {}: {:.1f} standard errors behind on held-out data\n", r.effect,
+                   r.behind_in_se);
+      else
+        fmt::print("not        {}: {}\n", r.effect, r.said_wrong);
     }
   }
   for (const auto& [horizon, scores] : v.heldout) {
     const auto all = scores.find("all");
     if (all == scores.end()) continue;
-    fmt::print("held out   {} s: {:.4g} -> {:.4g} (noise {:.2g})\n", horizon, all->second.nominal, all->second.patched, all->second.noise);
+    fmt::print("held out   {} s: {:.4g} -> {:.4g} (noise {:.2g})\n", horizon, all->second.nominal,
+               all->second.patched, all->second.noise);
   }
   if (v.next_experiment) fmt::print("next       {}\n", v.next_experiment->what);
 }
@@ -72,8 +79,10 @@ int run_diagnose(const DiagnoseOptions& options) {
       if (!options.quiet) std::fprintf(stderr, "diagnose: %s\n", line.c_str());
     });
     if (!options.out.empty()) write_all(d, options.out);
-    if (options.json) fmt::print("{}", verdict_json(d.verdict));
-    else print_summary(d.verdict);
+    if (options.json)
+      fmt::print("{}", verdict_json(d.verdict));
+    else
+      print_summary(d.verdict);
     if (d.verdict.status == VerdictStatus::refused) return 2;
     return d.verdict.mismatch ? 1 : 0;
   } catch (const Interrupted&) {

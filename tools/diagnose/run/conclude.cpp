@@ -13,16 +13,20 @@
 namespace sanso::diagnose {
 namespace {
 
-const Candidate& candidate(const Library& library, int i) { return library.candidates[static_cast<std::size_t>(i)]; }
+const Candidate& candidate(const Library& library, int i) {
+  return library.candidates[static_cast<std::size_t>(i)];
+}
 
-std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const std::vector<double>& theta,
+std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
+                                                      const std::vector<double>& theta,
                                                       const Accepted& entry) {
   std::map<std::string, VerdictParameter> out;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
     VerdictParameter v{theta[i], theta[i], theta[i], p.unit, false};
     if (c.random && i == 0) v.at_bound = theta[i] >= p.high * (1.0 - 1e-6);
-    if (c.random && i == 0) v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
+    if (c.random && i == 0)
+      v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
     if (!p.structural) {
       v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
       v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
@@ -35,12 +39,12 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c, const 
 
 /// A rival that is the chosen effect for some of its parameters is no other explanation.
 bool contains(const Candidate& larger, const Candidate& chosen) {
-  return larger.where == chosen.where &&
-         std::find(larger.contains.begin(), larger.contains.end(), chosen.effect) != larger.contains.end();
+  return larger.where == chosen.where && std::find(larger.contains.begin(), larger.contains.end(),
+                                                   chosen.effect) != larger.contains.end();
 }
 
-/// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the terms of a series
-/// are no causes.
+/// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the
+/// terms of a series are no causes.
 void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidate*>& candidates,
                 const std::vector<TreeJoint>& tree) {
   for (std::size_t i = 0; i < findings.size(); ++i) {
@@ -57,7 +61,9 @@ void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidat
 std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
   const IncidenceRow* best = nullptr;
   for (const IncidenceRow& row : rows) {
-    if (row.residual.rfind("position, ", 0) == 0 && (best == nullptr || row.predicted > best->predicted)) best = &row;
+    if (row.residual.rfind("position, ", 0) == 0 &&
+        (best == nullptr || row.predicted > best->predicted))
+      best = &row;
   }
   return best == nullptr ? "everywhere" : best->residual.substr(10);
 }
@@ -67,8 +73,9 @@ std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
 unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
   const Effect* effect = find_effect(c.effect);
   if (effect == nullptr || c.joints.empty()) return 0;
-  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(),
-                                   [&](int j) { return tree[static_cast<std::size_t>(j)].parent < 0; });
+  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(), [&](int j) {
+    return tree[static_cast<std::size_t>(j)].parent < 0;
+  });
   return effect->scope == Scope::link && !on_base ? 0 : effect->terms;
 }
 
@@ -84,7 +91,8 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
   return asked;
 }
 
-std::vector<Finding> findings_of(const Library& library, const Selection& selection, const Regimes& regimes) {
+std::vector<Finding> findings_of(const Library& library, const Selection& selection,
+                                 const Regimes& regimes) {
   std::vector<Finding> out;
   std::vector<const Candidate*> candidates;  // by finding
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
@@ -155,7 +163,8 @@ double remaining_share(const Problem& problem, const Selection& selection) {
 
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection) {
   const Screening& screening = selection.first;
-  std::map<std::string, double> best_signature;  // effect -> noise levels that its largest probe makes
+  // effect -> noise levels that its largest probe makes
+  std::map<std::string, double> best_signature;
   for (const ProbeScore& probe : screening.probes) {
     const Candidate& c = candidate(library, probe.candidate);
     double& best = best_signature[c.effect];
@@ -168,14 +177,16 @@ void add_limits(Verdict& verdict, const Library& library, const Selection& selec
     if (smallest > c.parameters[0].high - c.parameters[0].low) continue;
     std::string where;
     for (const std::string& w : c.where) where += (where.empty() ? "" : ", ") + w;
-    verdict.detectable.push_back(
-        {c.effect, where.empty() ? "robot" : where, c.parameters[0].name, c.parameters[0].unit, smallest});
+    verdict.detectable.push_back({c.effect, where.empty() ? "robot" : where, c.parameters[0].name,
+                                  c.parameters[0].unit, smallest});
   }
   for (const auto& [effect, signature] : best_signature) {
     if (signature >= constants::kTestable) continue;
     verdict.untestable.push_back(
-        {effect, fmt::format("a typical size changes these recordings by {:.2g} noise levels only (needs {})",
-                             signature, constants::kTestable)});
+        {effect,
+         fmt::format(
+             "a typical size changes these recordings by {:.2g} noise levels only (needs {})",
+             signature, constants::kTestable)});
   }
 }
 

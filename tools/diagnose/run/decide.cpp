@@ -11,17 +11,19 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Some candidate stood out in the first screening: the error is no noise, whether or not a name passed the later
-/// gates.
+/// Some candidate stood out in the first screening: the error is no noise, whether or not a name
+/// passed the later gates.
 bool detected(const Selection& selection) {
   return std::any_of(selection.first.probes.begin(), selection.first.probes.end(),
                      [](const ProbeScore& p) { return p.p_family < constants::kFamilyWise; });
 }
 
-/// The joint whose remaining error is most surely physics: predictable, and larger than noise makes it.
+/// The joint whose remaining error is most surely physics: predictable, and larger than noise makes
+/// it.
 const Predictability* most_predictable(const std::vector<Predictability>& left) {
   const Predictability* best = nullptr;
-  const double level = constants::kFamilyWise / static_cast<double>(std::max<std::size_t>(1, left.size()));
+  const double level =
+      constants::kFamilyWise / static_cast<double>(std::max<std::size_t>(1, left.size()));
   for (const Predictability& p : left) {
     // p resolves to 1 / (kBootstrap + 1); with many joints the smallest p is all one can ask for
     const bool significant = p.p <= std::max(level, 1.0 / (constants::kBootstrap + 1.0) + 1e-12);
@@ -54,20 +56,23 @@ std::string sentence(const Finding& f) {
   return text;
 }
 
-/// Effects that stay in the model as a description though a residual speaks against them; empty: none.
+/// Effects that stay in the model as a description though a residual speaks against them; empty:
+/// none.
 std::string stand_ins(const Library& library, const Selection& selection) {
   std::string text;
   for (const Accepted& entry : selection.accepted) {
     if (entry.contradicted.empty()) continue;
-    text += (text.empty() ? "" : "; ") + library.candidates[static_cast<std::size_t>(entry.candidate)].title() + " (" +
+    text += (text.empty() ? "" : "; ") +
+            library.candidates[static_cast<std::size_t>(entry.candidate)].title() + " (" +
             entry.contradicted + ")";
   }
   return text;
 }
 
 /// What of the data stays without a name, and how that shows; empty: nothing beyond noise.
-std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& problem, const Selection& selection,
-                                       const Remains& left, const std::string& location) {
+std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& problem,
+                                       const Selection& selection, const Remains& left,
+                                       const std::string& location) {
   Unexplained u;
   u.energy_share = remaining_share(problem, selection);
   u.regime = location;
@@ -90,10 +95,12 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
     return u;
   }
   // however loud the effects that have a name were: what is left besides is no noise
-  const double level = position_error_level(*selection.around, selection.final.r, selection.expected_scatter);
+  const double level =
+      position_error_level(*selection.around, selection.final.r, selection.expected_scatter);
   const bool inadequate = level > constants::kAdequate && detected(selection);
-  const bool stopped = std::any_of(verdict.findings.begin(), verdict.findings.end(),
-                                   [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
+  const bool stopped =
+      std::any_of(verdict.findings.begin(), verdict.findings.end(),
+                  [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
   const bool described = std::any_of(selection.accepted.begin(), selection.accepted.end(),
                                      [](const Accepted& a) { return !a.contradicted.empty(); });
   // held-out predictions improved beyond chance: something is there, if not what was tried
@@ -107,8 +114,9 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
 VerdictStatus status_of(const Verdict& verdict) {
   if (verdict.unexplained) return VerdictStatus::present_unnamed;
   if (verdict.findings.empty()) return VerdictStatus::absent;
-  const bool several = std::any_of(verdict.findings.begin(), verdict.findings.end(),
-                                   [](const Finding& f) { return f.status == VerdictStatus::one_of; });
+  const bool several =
+      std::any_of(verdict.findings.begin(), verdict.findings.end(),
+                  [](const Finding& f) { return f.status == VerdictStatus::one_of; });
   return several ? VerdictStatus::one_of : VerdictStatus::confirmed;
 }
 
@@ -116,8 +124,8 @@ std::string answer(const Verdict& verdict) {
   if (verdict.status == VerdictStatus::absent)
     return "No mismatch found beyond noise and the nominal model's tolerances.";
   if (verdict.findings.empty()) {
-    return "Physics is missing, but no name of the library passes every gate: " + verdict.unexplained->where + " (" +
-           verdict.unexplained->regime + ").";
+    return "Physics is missing, but no name of the library passes every gate: " +
+           verdict.unexplained->where + " (" + verdict.unexplained->regime + ").";
   }
   std::string text = "Missing: ";
   for (std::size_t i = 0; i < verdict.findings.size(); ++i)
@@ -129,14 +137,15 @@ std::string answer(const Verdict& verdict) {
 
 }  // namespace
 
-void decide(Verdict& verdict, const Problem& problem, const Library& library, const Selection& selection,
-            const Remains& left, const std::string& location) {
+void decide(Verdict& verdict, const Problem& problem, const Library& library,
+            const Selection& selection, const Remains& left, const std::string& location) {
   const Predictability* torque = most_predictable(left.torque);
-  verdict.notes.push_back(
-      fmt::format("left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, predictable {:.0f} %",
-                  100 * remaining_share(problem, selection),
-                  position_error_level(*selection.around, selection.final.r, selection.expected_scatter),
-                  torque != nullptr ? 100 * torque->explained : 0.0));
+  verdict.notes.push_back(fmt::format(
+      "left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, "
+      "predictable {:.0f} %",
+      100 * remaining_share(problem, selection),
+      position_error_level(*selection.around, selection.final.r, selection.expected_scatter),
+      torque != nullptr ? 100 * torque->explained : 0.0));
   verdict.unexplained = unexplained(verdict, problem, selection, left, location);
   verdict.status = status_of(verdict);
   verdict.mismatch = verdict.status != VerdictStatus::absent;

@@ -28,7 +28,8 @@ std::string data_hash(const recording::Recording& r) {
   std::uint64_t h = 1469598103934665603ULL;
   const auto mix = [&](const std::vector<double>& values) {
     const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (std::size_t i = 0; i < values.size() * sizeof(double); ++i) h = (h ^ bytes[i]) * 1099511628211ULL;
+    for (std::size_t i = 0; i < values.size() * sizeof(double); ++i)
+      h = (h ^ bytes[i]) * 1099511628211ULL;
   };
   mix(r.t);
   for (const recording::Channel& c : r.channels) mix(c.values);
@@ -38,7 +39,8 @@ std::string data_hash(const recording::Recording& r) {
 /// The model's effects and calibrations as entries of model.toml.
 ModelFolder patched_model(const ModelFolder& nominal, const Library& library, const Model& model) {
   ModelFolder out = nominal;
-  const auto add = [&](const std::string& id, const std::vector<std::string>& where, const std::vector<double>& theta) {
+  const auto add = [&](const std::string& id, const std::vector<std::string>& where,
+                       const std::vector<double>& theta) {
     out.effects.push_back(entry_of({find_effect(id), where, theta}));
   };
   for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
@@ -59,8 +61,9 @@ ModelFolder patched_model(const ModelFolder& nominal, const Library& library, co
   return out;
 }
 
-std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-                               const Library& library, const Model& patched, const Part& part,
+std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
+                               const std::vector<NoiseLevel>& noise, const Library& library,
+                               const Model& patched, const Part& part,
                                const std::vector<int>& joints) {
   std::vector<RollOut> out;
   ProblemOptions options;
@@ -83,7 +86,8 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::ve
         if (shot.source != problem.shots.front().source || ++shown > 4) break;
         const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
         for (std::size_t k = 0; k < shot.rows; ++k) {
-          const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
+          const std::size_t row =
+              shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
           const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
           const double y = measured(source, problem.channels[c], row);
           r.t.push_back(source.drive.t[row]);
@@ -101,12 +105,15 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources, const std::ve
 }
 
 /// The joints worth showing: those of findings and of what is unexplained, at most three.
-std::vector<int> joints_to_show(const Verdict& verdict, const Problem& problem, const LocationMap& map) {
+std::vector<int> joints_to_show(const Verdict& verdict, const Problem& problem,
+                                const LocationMap& map) {
   std::vector<int> out;
   const auto add = [&](const std::string& name) {
     for (std::size_t j = 0; j < problem.joints.size(); ++j) {
-      const bool is = problem.joints[j] == name || problem.sources.front().nominal.tree.joints[j].link == name;
-      if (is && out.size() < 3 && std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end())
+      const bool is =
+          problem.joints[j] == name || problem.sources.front().nominal.tree.joints[j].link == name;
+      if (is && out.size() < 3 &&
+          std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end())
         out.push_back(static_cast<int>(j));
     }
   };
@@ -126,8 +133,10 @@ double shot_seconds(const std::vector<Source>& sources) {
   double seconds = constants::kShotSeconds;
   for (const Source& s : sources) {
     std::vector<double> steps;
-    for (std::size_t k = 1; k < s.drive.t.size(); ++k) steps.push_back(s.drive.t[k] - s.drive.t[k - 1]);
-    if (!steps.empty()) seconds = std::max(seconds, constants::kLeastShotRows * quantile(steps, 0.5));
+    for (std::size_t k = 1; k < s.drive.t.size(); ++k)
+      steps.push_back(s.drive.t[k] - s.drive.t[k - 1]);
+    if (!steps.empty())
+      seconds = std::max(seconds, constants::kLeastShotRows * quantile(steps, 0.5));
   }
   return seconds;
 }
@@ -159,29 +168,35 @@ class Run {
     if (!problem_.shots.empty() && look_for_events(options))
       problem_ = make_problem(sources_, loaded_.gate.noise, options);
     if (problem_.shots.empty()) {  // nothing was compared: no answer, least of all "no mismatch"
-      throw recording::InputError(sources_.front().file, 0, "t", "too short", "no piece of motion to simulate",
-                                  fmt::format("pieces of {:.2g} s without gaps, {} rows or more", options.shot_seconds,
-                                              constants::kLeastShotRows));
+      throw recording::InputError(sources_.front().file, 0, "t", "too short",
+                                  "no piece of motion to simulate",
+                                  fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
+                                              options.shot_seconds, constants::kLeastShotRows));
     }
     Placement placement = place_library(problem_, options_.effects);
     std::erase_if(placement.candidates, [&](const Candidate& c) {
-      return std::find(options_.without.begin(), options_.without.end(), c.effect) != options_.without.end();
+      return std::find(options_.without.begin(), options_.without.end(), c.effect) !=
+             options_.without.end();
     });
     library_.candidates = std::move(placement.candidates);
     library_.nuisances = make_nuisances(problem_);
-    for (const auto& [effect, because] : placement.untestable) out_.verdict.untestable.push_back({effect, because});
+    for (const auto& [effect, because] : placement.untestable)
+      out_.verdict.untestable.push_back({effect, because});
     out_.joints = problem_.joints;
-    for (const TreeJoint& joint : model_.tree.joints) out_.slides.push_back(joint.prismatic ? 1 : 0);
+    for (const TreeJoint& joint : model_.tree.joints)
+      out_.slides.push_back(joint.prismatic ? 1 : 0);
     out_.verdict.seed = options_.seed;
     out_.verdict.notes = loaded_.gate.notes;
-    for (const recording::Recording& r : loaded_.recordings) out_.verdict.data_hash[r.file] = data_hash(r);
-    progress_(fmt::format("{} shots of {:.3g} s in {} recordings, {} channels, {:.0f} % of the recorded time",
-                          problem_.shots.size(), options.shot_seconds, sources_.size(), problem_.channels.size(),
-                          100 * problem_.used_share));
+    for (const recording::Recording& r : loaded_.recordings)
+      out_.verdict.data_hash[r.file] = data_hash(r);
+    progress_(fmt::format(
+        "{} shots of {:.3g} s in {} recordings, {} channels, {:.0f} % of the recorded time",
+        problem_.shots.size(), options.shot_seconds, sources_.size(), problem_.channels.size(),
+        100 * problem_.used_share));
   }
 
-  /// Errors of the nominal model that stand alone: their instants are compared in every recording, whatever thinning
-  /// leaves out. True: there are some.
+  /// Errors of the nominal model that stand alone: their instants are compared in every recording,
+  /// whatever thinning leaves out. True: there are some.
   bool look_for_events(ProblemOptions& options) {
     ProblemOptions all = options;
     all.maximum_rows = 4 * constants::kMaximumRows;
@@ -193,7 +208,8 @@ class Run {
     const std::vector<Event> events = events_left(calibrated, Model{});
     if (repeated(events).energy < practical_energy(whole_)) return false;
     // three shots a recording and instant, as many in all as half the search's
-    const std::size_t allowed = static_cast<std::size_t>(constants::kMaximumShots) / (2 * 3 * sources_.size());
+    const std::size_t allowed =
+        static_cast<std::size_t>(constants::kMaximumShots) / (2 * 3 * sources_.size());
     options.instants = instants_of(whole_, events, std::max<std::size_t>(1, allowed));
     for (const Event& e : events) options.struck.push_back(e.joint);
     return true;
@@ -213,7 +229,8 @@ class Run {
     options.progress = progress_;
     options.keep_groups = options_.first_look_by_group;
     const Regimes regimes = find_regimes(problem_);
-    options.refuted_by = [&regimes](const Surroundings& around, const FitResult& without, const FitResult& with) {
+    options.refuted_by = [&regimes](const Surroundings& around, const FitResult& without,
+                                    const FitResult& with) {
       return refuted_by(incidence(around, regimes, without, with));
     };
     selection_ = select(problem_, library_, options);
@@ -228,14 +245,17 @@ class Run {
       out_.first_look.family.push_back(c.family);
       out_.first_look.z.push_back(p.z);
     }
-    out_.first_look.correlation.assign(first.correlation.data(), first.correlation.data() + first.correlation.size());
+    out_.first_look.correlation.assign(first.correlation.data(),
+                                       first.correlation.data() + first.correlation.size());
   }
 
-  /// The search divides channels by the error level it reaches; a person reads errors in units of the noise.
+  /// The search divides channels by the error level it reaches; a person reads errors in units of
+  /// the noise.
   Eigen::VectorXd in_noise_levels(Eigen::VectorXd r) const {
     for (const Shot& shot : problem_.shots) {
       for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
-        r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows), static_cast<Eigen::Index>(shot.rows)) *=
+        r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
+                  static_cast<Eigen::Index>(shot.rows)) *=
             problem_.channels[c].sigma / problem_.channels[c].floor;
       }
     }
@@ -246,8 +266,10 @@ class Run {
     progress_("locate, refute, test what is left");
     const Regimes regimes = find_regimes(problem_);
     out_.regimes = regimes.names;
-    out_.before = locate(problem_, regimes, in_noise_levels(selection_.around->starts.project(selection_.nominal.r)));
-    out_.after = locate(problem_, regimes, in_noise_levels(selection_.around->starts.project(selection_.final.r)));
+    out_.before = locate(problem_, regimes,
+                         in_noise_levels(selection_.around->starts.project(selection_.nominal.r)));
+    out_.after = locate(problem_, regimes,
+                        in_noise_levels(selection_.around->starts.project(selection_.final.r)));
     Verdict& v = out_.verdict;
     v.locations = out_.before.cells;
     v.findings = findings_of(library_, selection_, regimes);
@@ -258,7 +280,8 @@ class Run {
     Remains remains;
     remains.torque = predictable(left, 100);
     remains.velocity = predictable(velocity_errors(sources_, loaded_.gate.noise), 10000);
-    std::erase_if(remains.velocity, [&](const Predictability& p) { return velocity_has_a_name(p.joint); });
+    std::erase_if(remains.velocity,
+                  [&](const Predictability& p) { return velocity_has_a_name(p.joint); });
     judge_stretches(remains);
     decide(v, problem_, library_, selection_, remains,
            location_sentence(v.findings.empty() ? out_.before : out_.after));
@@ -270,17 +293,21 @@ class Run {
       out_.curves_after.push_back(shape_curves(left, j));
     }
     if (v.unexplained) {
-      const auto at = std::find(problem_.joints.begin(), problem_.joints.end(), v.unexplained->where);
-      v.unexplained->formula = sparse_formula(left, static_cast<int>(at - problem_.joints.begin())).text;
+      const auto at =
+          std::find(problem_.joints.begin(), problem_.joints.end(), v.unexplained->where);
+      v.unexplained->formula =
+          sparse_formula(left, static_cast<int>(at - problem_.joints.begin())).text;
       if (!selection_.first.probes.empty()) {
         v.unexplained->nearest_effect =
-            library_.candidates[static_cast<std::size_t>(selection_.first.ranking().front())].effect;
+            library_.candidates[static_cast<std::size_t>(selection_.first.ranking().front())]
+                .effect;
       }
     }
   }
 
   /// By joint; `stream`: of random draws.
-  std::vector<Predictability> predictable(const std::vector<TorqueSample>& samples, std::uint64_t stream) const {
+  std::vector<Predictability> predictable(const std::vector<TorqueSample>& samples,
+                                          std::uint64_t stream) const {
     std::vector<Predictability> out(problem_.joints.size());
     parallel_for(static_cast<int>(out.size()), [&](int j) {
       const auto k = static_cast<std::size_t>(j);
@@ -289,13 +316,15 @@ class Run {
     return out;
   }
 
-  /// An accepted effect acts on the joint's velocity channel: what that channel shows is in the model.
+  /// An accepted effect acts on the joint's velocity channel: what that channel shows is in the
+  /// model.
   bool velocity_has_a_name(int joint) const {
-    return std::any_of(selection_.accepted.begin(), selection_.accepted.end(), [&](const Accepted& a) {
-      const Candidate& c = library_.candidates[static_cast<std::size_t>(a.candidate)];
-      const bool here = std::find(c.joints.begin(), c.joints.end(), joint) != c.joints.end();
-      return here && (find_effect(c.effect)->needs & kVelocity) != 0;
-    });
+    return std::any_of(
+        selection_.accepted.begin(), selection_.accepted.end(), [&](const Accepted& a) {
+          const Candidate& c = library_.candidates[static_cast<std::size_t>(a.candidate)];
+          const bool here = std::find(c.joints.begin(), c.joints.end(), joint) != c.joints.end();
+          return here && (find_effect(c.effect)->needs & kVelocity) != 0;
+        });
   }
 
   /// Errors of the last model that stand alone, over all of the recorded time.
@@ -304,17 +333,20 @@ class Run {
     const RepeatedEvents again = repeated(events);
     remains.stretches_matter =
         selection_.expected_scatter.size() == 0 &&  // chance that has a name makes them
-        again.energy > std::max(practical_energy(whole_), constants::kMinimumShare * energy_at_first_);
+        again.energy >
+            std::max(practical_energy(whole_), constants::kMinimumShare * energy_at_first_);
     remains.stretches_joint = again.joint;
     for (const Event& e : events) {
       const Shot& shot = whole_.shots[e.shot];
       const Source& source = whole_.sources[static_cast<std::size_t>(shot.source)];
-      out_.verdict.stretches.push_back({source.file, whole_.joints[static_cast<std::size_t>(e.joint)],
-                                        source.drive.t[shot.window.first], source.drive.t[shot.window.last], e.level});
+      out_.verdict.stretches.push_back(
+          {source.file, whole_.joints[static_cast<std::size_t>(e.joint)],
+           source.drive.t[shot.window.first], source.drive.t[shot.window.last], e.level});
     }
   }
 
-  /// Fits the same structure without the held-out part and scores it there; then writes the model fitted to everything.
+  /// Fits the same structure without the held-out part and scores it there; then writes the model
+  /// fitted to everything.
   void prove() {
     progress_("fit again without the held-out recordings, score there");
     const Split split = make_split(sources_);
@@ -322,9 +354,11 @@ class Run {
     Surroundings around = make_surroundings(fitted, library_, selection_.final.model);
     around.shot_scale = selection_.around->shot_scale;
     const FitResult refit = fit(around, selection_.final.model, constants::kIterations);
-    out_.verdict.heldout = heldout_scores(sources_, loaded_.gate.noise, library_, refit.model, split.heldout);
+    out_.verdict.heldout =
+        heldout_scores(sources_, loaded_.gate.noise, library_, refit.model, split.heldout);
     out_.verdict.heldout_recordings = split.heldout_names;
-    out_.roll_outs = roll_outs(sources_, loaded_.gate.noise, library_, refit.model, split.heldout, out_.shown_joints);
+    out_.roll_outs = roll_outs(sources_, loaded_.gate.noise, library_, refit.model, split.heldout,
+                               out_.shown_joints);
     out_.patched = patched_model(model_, library_, selection_.final.model);
   }
 
@@ -333,7 +367,8 @@ class Run {
   const ModelFolder& model_;
   const LoadedRecordings& loaded_;
   std::vector<Source> sources_;
-  Problem problem_, whole_;       // what the search compares; all of the recorded time, positions only
+  // what the search compares; all of the recorded time, positions only
+  Problem problem_, whole_;
   double energy_at_first_ = 0.0;  // of the nominal model's error in whole_, noise energies
   Library library_;
   Selection selection_;
@@ -344,9 +379,10 @@ Diagnosis refused(std::vector<Defect> defects) {
   Diagnosis out;
   out.verdict.status = VerdictStatus::refused;
   const Defect& first = defects.front();
-  out.verdict.answer = "Refused: " + first.file + (first.channel.empty() ? "" : ", " + first.channel) +
-                       (first.row >= 0 ? fmt::format(", row {}", first.row) : "") + ": " + first.defect + " (" +
-                       first.message + ").";
+  out.verdict.answer = "Refused: " + first.file +
+                       (first.channel.empty() ? "" : ", " + first.channel) +
+                       (first.row >= 0 ? fmt::format(", row {}", first.row) : "") + ": " +
+                       first.defect + " (" + first.message + ").";
   out.verdict.refused = std::move(defects);
   return out;
 }

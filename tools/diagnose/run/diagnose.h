@@ -1,4 +1,5 @@
-// `sanso diagnose`: from a model folder and recordings to a verdict, a patched model and everything the report shows.
+// `sanso diagnose`: from a model folder and recordings to a verdict, a patched model and everything
+// the report shows.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,13 +19,15 @@ namespace sanso::diagnose {
 struct DiagnoseOptions {
   std::string model;                    // model folder
   std::vector<std::string> recordings;  // files
-  std::string out;                      // folder for verdict.json, report.html, model/; empty: nothing is written
-  std::vector<std::string> effects;     // restrict the library to these ids; empty: all
-  std::vector<std::string> without;     // leave these ids out of the library (leave-one-out proofs)
-  bool json = false;                    // print verdict.json instead of the summary
-  bool quiet = false;                   // no progress lines
+  // folder for verdict.json, report.html, model/; empty: nothing is written
+  std::string out;
+  std::vector<std::string> effects;  // restrict the library to these ids; empty: all
+  std::vector<std::string> without;  // leave these ids out of the library (leave-one-out proofs)
+  bool json = false;                 // print verdict.json instead of the summary
+  bool quiet = false;                // no progress lines
   unsigned long seed = 1;
-  bool first_look_by_group = false;  // fills FirstLook::by_group, for methods that are compared with this one
+  // fills FirstLook::by_group, for methods that are compared with this one
+  bool first_look_by_group = false;
 };
 
 /// One roll-out on held-out data for the report: measured, nominal, patched position of a joint.
@@ -39,9 +42,10 @@ struct FirstLook {
   std::vector<std::string> effect, family;
   std::vector<double> z;            // matched-filter score of the probe
   std::vector<double> correlation;  // probes x probes, of the projected signatures
-  double critical = 0.0;            // |z| that the family's maximum exceeds by chance once in a hundred
-  /// Inner products of [nuisances / tolerance | probes | error] by held-out group, starts eliminated; empty unless
-  /// DiagnoseOptions::first_look_by_group.
+  // |z| that the family's maximum exceeds by chance once in a hundred
+  double critical = 0.0;
+  /// Inner products of [nuisances / tolerance | probes | error] by held-out group, starts
+  /// eliminated; empty unless DiagnoseOptions::first_look_by_group.
   std::vector<Eigen::MatrixXd> by_group;
   Eigen::Index nuisances = 0;
 };
@@ -62,7 +66,8 @@ struct Diagnosis {
 
 using Progress = std::function<void(const std::string&)>;
 
-/// The whole method. Bad input gives a verdict with status REFUSED; nothing is thrown but Interrupted.
+/// The whole method. Bad input gives a verdict with status REFUSED; nothing is thrown but
+/// Interrupted.
 Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress);
 
 /// The command: runs, prints, writes `out`. Exit code 0 no mismatch, 1 mismatch found, 2 refused.

@@ -16,8 +16,8 @@ double position_noise(const std::vector<double>& q) {
     if (const double step = std::abs(q[k] - q[k - 1]); step > 1e-9) steps.push_back(step);
   }
   const double range = quantile(q, 1.0) - quantile(q, 0.0);
-  const double smallest_step =
-      steps.empty() ? 0.0 : quantile(steps, 0.01);  // the encoder's, when it is coarser than the noise
+  // the encoder's, when it is coarser than the noise
+  const double smallest_step = steps.empty() ? 0.0 : quantile(steps, 0.01);
   return std::max({robust_sigma(second), smallest_step / std::sqrt(12.0), 1e-6 * range, 1e-9});
 }
 
@@ -32,7 +32,8 @@ MeasuredMotion measured_motion(const Drive& drive) {
   return motion;
 }
 
-std::vector<Window> tiled_windows(const Drive& drive, const MeasuredMotion& motion, double seconds) {
+std::vector<Window> tiled_windows(const Drive& drive, const MeasuredMotion& motion,
+                                  double seconds) {
   std::vector<Window> windows;
   const std::vector<double>& t = drive.t;
   for (std::size_t first = 0; first + 1 < t.size();) {

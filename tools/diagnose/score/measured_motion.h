@@ -1,4 +1,5 @@
-// The motion that a recording shows: smoothed positions and velocities, from which simulations start.
+// The motion that a recording shows: smoothed positions and velocities, from which simulations
+// start.
 #pragma once
 
 #include <vector>
@@ -8,14 +9,16 @@
 
 namespace sanso::diagnose {
 
-/// Standard deviation of a position sample: second differences (robust), at least what the encoder's steps give.
+/// Standard deviation of a position sample: second differences (robust), at least what the
+/// encoder's steps give.
 double position_noise(const std::vector<double>& q);
 
 /// Smoothed motion of every joint; isolated single-sample glitches are left out.
 MeasuredMotion measured_motion(const Drive& drive);
 
-/// Windows of `seconds` that tile the recording, each starting at the measured state; one window when seconds is
-/// infinite. Pieces shorter than half a window at the end are left out unless they are the only one.
+/// Windows of `seconds` that tile the recording, each starting at the measured state; one window
+/// when seconds is infinite. Pieces shorter than half a window at the end are left out unless they
+/// are the only one.
 std::vector<Window> tiled_windows(const Drive& drive, const MeasuredMotion& motion, double seconds);
 
 }  // namespace sanso::diagnose

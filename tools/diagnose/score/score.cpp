@@ -22,8 +22,8 @@ struct Sum {
 };
 
 /// Adds one window of one channel; the first row is the start and no prediction.
-void add(Sum& sum, const std::vector<double>& measured, std::span<const double> predicted, std::size_t first,
-         const std::vector<double>* only_when_on) {
+void add(Sum& sum, const std::vector<double>& measured, std::span<const double> predicted,
+         std::size_t first, const std::vector<double>* only_when_on) {
   for (std::size_t k = 1; k < predicted.size(); ++k) {
     const std::size_t row = first + k;
     if (!std::isfinite(measured[row])) continue;
@@ -52,7 +52,8 @@ std::vector<Compared> compared_channels(Actuator actuator) {
   return all;
 }
 
-HorizonScore score_horizon(const SimParams& params, const Drive& drive, const MeasuredMotion& motion, double seconds) {
+HorizonScore score_horizon(const SimParams& params, const Drive& drive,
+                           const MeasuredMotion& motion, double seconds) {
   const std::vector<Window> windows = tiled_windows(drive, motion, seconds);
   SimOptions options;
   options.motion = &motion;
@@ -84,7 +85,8 @@ HorizonScore score_horizon(const SimParams& params, const Drive& drive, const Me
 
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording) {
   if (model.floating) {
-    throw recording::InputError(model.folder, 0, "robot.base", "floating base", "floating", "a fixed base (\"fixed\")");
+    throw recording::InputError(model.folder, 0, "robot.base", "floating base", "floating",
+                                "a fixed base (\"fixed\")");
   }
   const ModelFolder here = with_overrides(model, recording);
   const Drive drive = make_drive(recording, here);
@@ -92,14 +94,17 @@ RecordingScore score(const ModelFolder& model, const recording::Recording& recor
   const MeasuredMotion motion = measured_motion(drive);
   RecordingScore out;
   out.file = recording.file;
-  for (std::size_t h = 0; h < kSeconds.size(); ++h) out.horizons[h] = score_horizon(params, drive, motion, kSeconds[h]);
+  for (std::size_t h = 0; h < kSeconds.size(); ++h)
+    out.horizons[h] = score_horizon(params, drive, motion, kSeconds[h]);
   return out;
 }
 
-std::vector<RecordingScore> score_files(const std::string& model_folder, const std::vector<std::string>& files) {
+std::vector<RecordingScore> score_files(const std::string& model_folder,
+                                        const std::vector<std::string>& files) {
   const ModelFolder model = read_model_folder(model_folder);
   std::vector<RecordingScore> scores;
-  for (const std::string& file : files) scores.push_back(score(model, recording::read_recording(file)));
+  for (const std::string& file : files)
+    scores.push_back(score(model, recording::read_recording(file)));
   return scores;
 }
 
@@ -108,7 +113,8 @@ std::string score_json(const std::vector<RecordingScore>& scores) {
   for (const RecordingScore& s : scores) {
     nlohmann::ordered_json horizons;
     for (std::size_t h = 0; h < s.horizons.size(); ++h) {
-      horizons[std::string(kHorizonNames[h])] = {{"rmse", s.horizons[h].rmse}, {"channels", s.horizons[h].channels}};
+      horizons[std::string(kHorizonNames[h])] = {{"rmse", s.horizons[h].rmse},
+                                                 {"channels", s.horizons[h].channels}};
     }
     recordings.push_back({{"file", s.file}, {"horizons", horizons}});
   }
@@ -117,9 +123,11 @@ std::string score_json(const std::vector<RecordingScore>& scores) {
 
 std::string score_table(const std::vector<RecordingScore>& scores) {
   std::string out =
-      "RMSE of the predicted positions, mrad (mm for prismatic joints), restarted from the measured state\n";
+      "RMSE of the predicted positions, mrad (mm for prismatic joints), restarted from the "
+      "measured state\n";
   char line[256];
-  std::snprintf(line, sizeof line, "%10s %10s %10s %10s   %s\n", "0.1 s", "0.5 s", "2 s", "whole", "recording");
+  std::snprintf(line, sizeof line, "%10s %10s %10s %10s   %s\n", "0.1 s", "0.5 s", "2 s", "whole",
+                "recording");
   out += line;
   for (const RecordingScore& s : scores) {
     std::snprintf(line, sizeof line, "%10.3f %10.3f %10.3f %10.3f   ", 1e3 * s.horizons[0].rmse,

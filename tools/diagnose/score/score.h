@@ -1,4 +1,5 @@
-// How far a model's prediction is from a recording: the judge of every fit claim, and the command `sanso score`.
+// How far a model's prediction is from a recording: the judge of every fit claim, and the command
+// `sanso score`.
 #pragma once
 
 #include <array>
@@ -26,14 +27,16 @@ struct RecordingScore {
   std::array<HorizonScore, 4> horizons;  // in the order of kHorizonNames
 };
 
-/// Simulates the recording with the model (its effects and the recording's sidecar applied), restarted from the
-/// measured state at every horizon, and compares with every measured channel that the model predicts: q, dq, tau
-/// (torque actuators and dc_servo), i and pwm (dc_servo). Samples while an actuator is off are left out of tau, i and
-/// pwm. Throws recording::InputError.
+/// Simulates the recording with the model (its effects and the recording's sidecar applied),
+/// restarted from the measured state at every horizon, and compares with every measured channel
+/// that the model predicts: q, dq, tau (torque actuators and dc_servo), i and pwm (dc_servo).
+/// Samples while an actuator is off are left out of tau, i and pwm. Throws recording::InputError.
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording);
 
-/// The command: reads everything first, so that bad input writes nothing. Throws recording::InputError.
-std::vector<RecordingScore> score_files(const std::string& model_folder, const std::vector<std::string>& files);
+/// The command: reads everything first, so that bad input writes nothing. Throws
+/// recording::InputError.
+std::vector<RecordingScore> score_files(const std::string& model_folder,
+                                        const std::vector<std::string>& files);
 
 std::string score_json(const std::vector<RecordingScore>& scores);
 /// A table for people: one row a recording, RMSE of the positions in mrad (mm) by horizon.

@@ -20,15 +20,18 @@ std::vector<Drive> drives_of(const Problem& problem) {
   return out;
 }
 
-constexpr double kEndMargin = 0.03;  // of a joint's motion: nearer to its end too few rows show anything
+// of a joint's motion: nearer to its end too few rows show anything
+constexpr double kEndMargin = 0.03;
 
-/// What begins at a position is looked for at several depths below the end of what the joint did, not at the library's
-/// example positions. Near the ends only, what acts on half of the motion looks like nothing that was probed.
+/// What begins at a position is looked for at several depths below the end of what the joint did,
+/// not at the library's example positions. Near the ends only, what acts on half of the motion
+/// looks like nothing that was probed.
 void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::position) continue;
     std::vector<double> q;
-    for (const Source& s : problem.sources) q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
+    for (const Source& s : problem.sources)
+      q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
     const double low = quantile(q, 0.0), high = quantile(q, 1.0);
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
     for (const double share : {kEndMargin, 0.25, 0.5, 0.75}) {
@@ -41,7 +44,8 @@ void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
   }
 }
 
-/// What begins at an instant is looked for at several instants of the recordings beside the library's own.
+/// What begins at an instant is looked for at several instants of the recordings beside the
+/// library's own.
 void place_instants(Candidate& c, const Problem& problem) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::instant) continue;
@@ -55,14 +59,15 @@ void place_instants(Candidate& c, const Problem& problem) {
   }
 }
 
-/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of such a shot, and at
-/// one joint that is struck: a blow is no property of a pair.
+/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of
+/// such a shot, and at one joint that is struck: a blow is no property of a pair.
 void place_events(Candidate& c, const Problem& problem) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::event) continue;
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
-    const bool struck = c.joints.size() == 1 && std::find(problem.struck.begin(), problem.struck.end(),
-                                                          c.joints.front()) != problem.struck.end();
+    const bool struck = c.joints.size() == 1 &&
+                        std::find(problem.struck.begin(), problem.struck.end(), c.joints.front()) !=
+                            problem.struck.end();
     for (const double from : struck ? problem.instants : std::vector<double>{}) {
       for (const double later : {0.0, 0.5 * constants::kShotSeconds}) {
         for (std::vector<double> probe : own) {
@@ -101,7 +106,8 @@ std::vector<std::vector<std::size_t>> tied_places(const Problem& problem) {
 Candidate place(const Effect& effect, const Problem& problem, const std::vector<JointScale>& scales,
                 const std::vector<std::size_t>& joints) {
   const SimParams& nominal = problem.sources.front().nominal;
-  // tied joints share one number: scaled by the first (they are alike, or tying them makes no sense)
+  // tied joints share one number: scaled by the first (they are alike, or tying them makes no
+  // sense)
   const JointScale& scale = scales[joints.empty() ? 0 : joints.front()];
   Candidate c;
   c.effect = std::string(effect.id);
@@ -110,16 +116,17 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   c.random = effect.random;
   for (const std::string_view id : effect.confounders) c.confounders.emplace_back(id);
   for (const std::string_view id : effect.contains) c.contains.emplace_back(id);
-  const bool prismatic =
-      !joints.empty() && effect.scope != Scope::link && nominal.tree.joints[joints.front()].prismatic;
+  const bool prismatic = !joints.empty() && effect.scope != Scope::link &&
+                         nominal.tree.joints[joints.front()].prismatic;
   for (const EffectParameter& p : effect.parameters) {
     const EffectParameter here = scaled(p, scale);
-    c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic), here.null, here.low,
-                            here.high, here.typical, p.structural, p.role});
+    c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic),
+                            here.null, here.low, here.high, here.typical, p.structural, p.role});
   }
   c.probes = scaled_probes(effect, scale);
   for (const std::size_t j : joints) {
-    c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link : problem.joints[j]);
+    c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link
+                                                  : problem.joints[j]);
     c.joints.push_back(static_cast<int>(j));
   }
   if (joints.size() == 1) place_positions(c, problem, joints.front());
@@ -150,7 +157,8 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
     std::vector<std::size_t> able;
     std::string reason;
     for (std::size_t j = 0; j < (robot ? 1 : problem.joints.size()); ++j) {
-      const std::string missing = why_untestable(effect, nominal, drives, robot ? -1 : static_cast<int>(j));
+      const std::string missing =
+          why_untestable(effect, nominal, drives, robot ? -1 : static_cast<int>(j));
       if (missing.empty())
         able.push_back(j);
       else
@@ -167,8 +175,9 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
     for (const std::size_t j : able) out.candidates.push_back(place(effect, problem, scales, {j}));
     for (const std::vector<std::size_t>& joints : tied) {
       if (effect.random) continue;  // every joint scatters for itself
-      const bool all = std::all_of(joints.begin(), joints.end(),
-                                   [&](std::size_t j) { return std::find(able.begin(), able.end(), j) != able.end(); });
+      const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
+        return std::find(able.begin(), able.end(), j) != able.end();
+      });
       if (all) out.candidates.push_back(place(effect, problem, scales, joints));
     }
   }

@@ -23,9 +23,9 @@ Surroundings make_surroundings(const Problem& problem, const Library& library, c
     moved.nuisance.resize(library.nuisances.size(), 0.0);
     const double step = library.nuisances[static_cast<std::size_t>(i)].tolerance;
     moved.nuisance[static_cast<std::size_t>(i)] += step;
-    s.A.col(i) =
-        prediction_error_near(problem, library, moved, base, library.nuisances[static_cast<std::size_t>(i)].joints) -
-        base;
+    s.A.col(i) = prediction_error_near(problem, library, moved, base,
+                                       library.nuisances[static_cast<std::size_t>(i)].joints) -
+                 base;
   });
   return s;
 }
@@ -36,7 +36,8 @@ void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
     const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
     mean_square.push_back(energy_by_shot[static_cast<Eigen::Index>(s)] / rows);
   }
-  shot_scale = constants::kShotOutlier * constants::kShotOutlier * std::max(1.0, median(mean_square));
+  shot_scale =
+      constants::kShotOutlier * constants::kShotOutlier * std::max(1.0, median(mean_square));
 }
 
 Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
@@ -57,7 +58,8 @@ Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) con
     const Shot& shot = problem->shots[s];
     const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
     double& weight = out[static_cast<Eigen::Index>(s)];
-    if (scale > 0.0) weight = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    if (scale > 0.0)
+      weight = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
     if (shot.group == left_out) weight = 0.0;
   }
   return out;
@@ -65,23 +67,31 @@ Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) con
 
 namespace {
 
-/// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances / tolerance.
+/// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances /
+/// tolerance.
 class Coordinates {
  public:
   Coordinates(const Library& library, const Model& shape) : library_(&library), shape_(shape) {
     shape_.nuisance.resize(library.nuisances.size(), 0.0);
     for (const Chosen& c : shape_.effects) {
-      for (const CandidateParameter& p : library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
+      for (const CandidateParameter& p :
+           library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
         parameters_.push_back(p);
         joints_.push_back(&library.candidates[static_cast<std::size_t>(c.candidate)].joints);
       }
     }
   }
   Eigen::Index effects() const { return static_cast<Eigen::Index>(parameters_.size()); }
-  Eigen::Index size() const { return effects() + static_cast<Eigen::Index>(library_->nuisances.size()); }
-  const CandidateParameter& parameter(Eigen::Index i) const { return parameters_[static_cast<std::size_t>(i)]; }
+  Eigen::Index size() const {
+    return effects() + static_cast<Eigen::Index>(library_->nuisances.size());
+  }
+  const CandidateParameter& parameter(Eigen::Index i) const {
+    return parameters_[static_cast<std::size_t>(i)];
+  }
   /// The joints that effect parameter i acts on; empty: the whole robot.
-  const std::vector<int>& joints(Eigen::Index i) const { return *joints_[static_cast<std::size_t>(i)]; }
+  const std::vector<int>& joints(Eigen::Index i) const {
+    return *joints_[static_cast<std::size_t>(i)];
+  }
 
   Eigen::VectorXd of(const Model& model) const {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
@@ -99,7 +109,8 @@ class Coordinates {
     for (Chosen& c : m.effects) {
       for (double& v : c.theta) v = x[i] * parameter(i).typical, ++i;
     }
-    for (std::size_t k = 0; k < m.nuisance.size(); ++k) m.nuisance[k] = x[i++] * library_->nuisances[k].tolerance;
+    for (std::size_t k = 0; k < m.nuisance.size(); ++k)
+      m.nuisance[k] = x[i++] * library_->nuisances[k].tolerance;
     return m;
   }
   double low(Eigen::Index i) const {
@@ -122,12 +133,12 @@ class Coordinates {
 };
 
 /// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
-Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates, const Eigen::VectorXd& x,
-                         const Eigen::VectorXd& r) {
+Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates,
+                         const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
-  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of the integrator's
-  // step
+  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of
+  // the integrator's step
   constexpr double kStep = 0.03;
   parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
     if (coordinates.parameter(i).structural) {
@@ -137,10 +148,10 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
     Eigen::VectorXd moved = x;
     const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
     moved[i] += step;
-    J.col(i) =
-        (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r, coordinates.joints(i)) -
-         r) /
-        step;
+    J.col(i) = (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r,
+                                      coordinates.joints(i)) -
+                r) /
+               step;
   });
   return J;
 }
@@ -151,8 +162,11 @@ struct Normal {
   double objective;
 };
 
-/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the tolerance on nuisances.
-double prior(Eigen::Index effects, Eigen::Index i) { return i < effects ? 1e-6 : constants::kTolerancePrecision; }
+/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the
+/// tolerance on nuisances.
+double prior(Eigen::Index effects, Eigen::Index i) {
+  return i < effects ? 1e-6 : constants::kTolerancePrecision;
+}
 
 Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
   Eigen::MatrixXd all(J.rows(), J.cols() + 1);
@@ -160,8 +174,8 @@ Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
   return all;
 }
 
-Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& J, const Eigen::VectorXd& r,
-                const Eigen::VectorXd& x) {
+Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& J,
+                const Eigen::VectorXd& r, const Eigen::VectorXd& x) {
   const Eigen::Index n = c.size();
   const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
   const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
@@ -182,7 +196,8 @@ double objective_at(const Surroundings& around, const Coordinates& c, const Eige
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
-Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Eigen::VectorXd& x, double damping) {
+Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Eigen::VectorXd& x,
+                            double damping) {
   Eigen::MatrixXd H = normal.H;
   H.diagonal() *= 1.0 + damping;
   Eigen::VectorXd g = normal.g;
@@ -201,9 +216,10 @@ Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Ei
 
 namespace {
 
-/// Goes on from `x` with prediction error `r`; `out.J` holds its derivative already where `derived`.
-FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x, Eigen::VectorXd r, FitResult out,
-                bool derived, int iterations) {
+/// Goes on from `x` with prediction error `r`; `out.J` holds its derivative already where
+/// `derived`.
+FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x,
+                Eigen::VectorXd r, FitResult out, bool derived, int iterations) {
   out.parameters = static_cast<int>(c.effects());
   out.converged = false;
   double damping = 1e-4;
@@ -215,7 +231,8 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
     bool improved = false;
     for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
       const Eigen::VectorXd trial = c.inside(x + step_inside(c, normal, x, damping));
-      const Eigen::VectorXd r_trial = prediction_error(*around.problem, *around.library, c.model(trial));
+      const Eigen::VectorXd r_trial =
+          prediction_error(*around.problem, *around.library, c.model(trial));
       const double objective = objective_at(around, c, trial, r_trial);
       if (objective < normal.objective) {
         improved = true;
@@ -249,7 +266,8 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
 FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   const Coordinates c(*around.library, start);
   const Eigen::VectorXd x = c.inside(c.of(start));
-  return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {}, false, iterations);
+  return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {},
+               false, iterations);
 }
 
 FitResult resume(const Surroundings& around, FitResult from, int iterations) {
@@ -275,7 +293,8 @@ double position_error_level(const Surroundings& around, const Eigen::VectorXd& r
       const auto count = static_cast<Eigen::Index>(shot.rows);
       const double weight = weights[static_cast<Eigen::Index>(s)];
       Eigen::ArrayXd squares = unit * projected.segment(from, count).array().square();
-      if (expected_scatter.size() > 0) squares /= 1.0 + unit * expected_scatter.segment(from, count).array().max(0.0);
+      if (expected_scatter.size() > 0)
+        squares /= 1.0 + unit * expected_scatter.segment(from, count).array().max(0.0);
       square += weight * squares.sum();
       rows += weight * static_cast<double>(count);
     }
@@ -288,7 +307,8 @@ std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     std::vector<double> values;
     for (const Shot& shot : problem.shots) {
-      const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows, shot.rows);
+      const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows,
+                                          shot.rows);
       const double mean_square = rms(piece) * rms(piece);
       if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
     }
@@ -301,7 +321,8 @@ std::vector<double> parameter_sigmas(const FitResult& result, const Library& lib
   std::vector<double> out;
   Eigen::Index i = 0;
   for (const Chosen& chosen : result.model.effects) {
-    for (const CandidateParameter& p : library.candidates[static_cast<std::size_t>(chosen.candidate)].parameters) {
+    for (const CandidateParameter& p :
+         library.candidates[static_cast<std::size_t>(chosen.candidate)].parameters) {
       out.push_back(p.typical * std::sqrt(std::max(0.0, result.covariance(i, i))));
       ++i;
     }
@@ -314,10 +335,12 @@ namespace {
 int group_of(const Shot& shot) { return shot.group; }
 int condition_of(const Shot& shot) { return shot.condition; }
 
-/// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the model is linear.
+/// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the
+/// model is linear.
 class LeaveOneOut {
  public:
-  LeaveOneOut(const Surroundings& around, const FitResult& result, int parts, int (*part_of)(const Shot&))
+  LeaveOneOut(const Surroundings& around, const FitResult& result, int parts,
+              int (*part_of)(const Shot&))
       : result_(result), n_(result.J.cols()) {
     grams_ = around.starts.gram_by(with_error(result.J, result.r), parts, part_of,
                                    around.weights(around.starts.energy_by_shot(result.r)));
@@ -334,7 +357,8 @@ class LeaveOneOut {
   Eigen::VectorXd delta(std::size_t part) const {
     const Eigen::MatrixXd& G = grams_[part];
     Eigen::MatrixXd rest = gram() - G.topLeftCorner(n_, n_);
-    Eigen::VectorXd gradient = G.topRightCorner(n_, 1);  // of the part alone; the whole gradient is zero
+    // of the part alone; the whole gradient is zero
+    Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
     for (Eigen::Index i = 0; i < n_; ++i) {
       rest(i, i) += prior(result_.parameters, i);
       if (!result_.fixed[static_cast<std::size_t>(i)]) continue;
@@ -346,7 +370,8 @@ class LeaveOneOut {
     return rest.ldlt().solve(gradient);
   }
 
-  /// Delete-one-group variance, widened to Student's 95 % half-width for so few groups over the normal's (Tukey 1958).
+  /// Delete-one-group variance, widened to Student's 95 % half-width for so few groups over the
+  /// normal's (Tukey 1958).
   Eigen::VectorXd jackknife_variance() const {
     const auto parts = static_cast<double>(grams_.size());
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(n_), square = sum;
@@ -357,7 +382,8 @@ class LeaveOneOut {
     }
     if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
     const double freedom = parts - 1.0;
-    const double student = 1.0 + 1.4 / freedom + 2.0 / (freedom * freedom);  // t / 1.96 at 95 %: within 5 % from 2 up
+    // t / 1.96 at 95 %: within 5 % from 2 up
+    const double student = 1.0 + 1.4 / freedom + 2.0 / (freedom * freedom);
     return student * student * (parts - 1.0) / parts * (square - sum.cwiseAbs2() / parts);
   }
 
@@ -369,7 +395,8 @@ class LeaveOneOut {
 
 }  // namespace
 
-Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result, double inflation) {
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result,
+                                  double inflation) {
   const LeaveOneOut left_out(around, result, around.problem->groups, group_of);
   const Eigen::Index n = result.J.cols();
   Eigen::MatrixXd H = left_out.gram() / std::max(1.0, inflation);
@@ -383,10 +410,11 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& r
   }
   Eigen::MatrixXd covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
   Eigen::VectorXd spread = left_out.jackknife_variance();
-  // a formula that is a little wrong gives each condition its own value; two conditions say too little about that
+  // a formula that is a little wrong gives each condition its own value; two conditions say too
+  // little about that
   if (around.problem->conditions >= 3) {
-    spread =
-        spread.cwiseMax(LeaveOneOut(around, result, around.problem->conditions, condition_of).jackknife_variance());
+    spread = spread.cwiseMax(
+        LeaveOneOut(around, result, around.problem->conditions, condition_of).jackknife_variance());
   }
   Eigen::VectorXd stretch = Eigen::VectorXd::Ones(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -395,7 +423,8 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& r
   return stretch.asDiagonal() * covariance * stretch.asDiagonal();
 }
 
-Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result, bool by_condition) {
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result,
+                               bool by_condition) {
   const Problem& problem = *around.problem;
   const int parts = by_condition ? problem.conditions : problem.groups;
   const auto part_of = by_condition ? condition_of : group_of;
@@ -419,7 +448,8 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
     Surroundings rest = around;
     rest.left_out = group;
     const FitResult fitted = fit(rest, result.model, constants::kFirstIterations);
-    energy[static_cast<std::size_t>(group)] = around.bounded(around.starts.energy_by_shot(fitted.r));
+    energy[static_cast<std::size_t>(group)] =
+        around.bounded(around.starts.energy_by_shot(fitted.r));
   });
   Eigen::VectorXd heldout(static_cast<Eigen::Index>(problem.shots.size()));
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {
@@ -432,14 +462,17 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
 namespace {
 double lower_bound(const std::vector<double>& values) {
   constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
-  return moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws, Random(kSeed));
+  return moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws,
+                                  Random(kSeed));
 }
 double standard_error(const std::vector<double>& values) {
-  return standard_deviation(values) * std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+  return standard_deviation(values) *
+         std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
 }
 }  // namespace
 
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const std::vector<int>& occurrence) {
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                    const std::vector<int>& occurrence) {
   HeldoutGain gain = compare(before, after);
   std::map<int, double> there;
   std::vector<double> rest;
@@ -465,7 +498,8 @@ HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after)
   gain.lower = lower_bound(values);
   std::sort(values.rbegin(), values.rend());
   double best = 0.0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i) best += std::max(0.0, values[i]);
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i)
+    best += std::max(0.0, values[i]);
   gain.concentration = gain.total > 0.0 ? std::min(1.0, best / gain.total) : 0.0;
   return gain;
 }

@@ -1,7 +1,8 @@
-// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the shots' starts
-// eliminated. Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2 rho(e) = c n log(1 + e / (c n)), n
-// the shot's rows: a shot that runs away (a fall through an unstable posture, a blow) counts, but does not decide
-// alone.
+// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the
+// shots' starts
+// eliminated. Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2 rho(e) = c n
+// log(1 + e / (c n)), n the shot's rows: a shot that runs away (a fall through an unstable posture,
+// a blow) counts, but does not decide alone.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,35 +42,44 @@ struct FitResult {
   bool converged = false;
 };
 
-/// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and linearises.
+/// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and
+/// linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
 /// Goes on with a fit in the same surroundings, from its prediction error and derivatives.
 FitResult resume(const Surroundings& around, FitResult from, int iterations);
 
-/// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots weighed as in the fits:
-/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance explains; empty: none. An
-/// error counts in units of noise and chance together: what chance alone makes large says little about the rest.
+/// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots
+/// weighed as in the fits:
+/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance
+/// explains; empty: none. An error counts in units of noise and chance together: what chance alone
+/// makes large says little about the rest.
 double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
                             const Eigen::VectorXd& expected_scatter);
 
-/// Overdispersion of a projected error by channel: median over shots of mean square x autocorrelation time. Errors that
-/// are correlated or larger than the noise carry less information than their number says.
+/// Overdispersion of a projected error by channel: median over shots of mean square x
+/// autocorrelation time. Errors that are correlated or larger than the noise carry less information
+/// than their number says.
 std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
 
-/// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left projects on the other
-/// candidates' signatures with this mean square where noise gives 1); and no variance is below that between groups of
-/// recordings, or between conditions (jackknife). Coordinates of FitResult::covariance.
-Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit, double inflation);
+/// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left
+/// projects on the other candidates' signatures with this mean square where noise gives 1); and no
+/// variance is below that between groups of recordings, or between conditions (jackknife).
+/// Coordinates of FitResult::covariance.
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit,
+                                  double inflation);
 
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
 
-/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one Gauss-Newton step from the
-/// full fit, exact where the model is linear. `by_condition`: leaves out whole conditions instead of groups.
-Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit, bool by_condition = false);
+/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one
+/// Gauss-Newton step from the full fit, exact where the model is linear. `by_condition`: leaves out
+/// whole conditions instead of groups.
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
+                               bool by_condition = false);
 
-/// The same from fits that are really made without each group, within the bounds. The one step above takes a parameter
-/// at its bound for known, and goes too far where a group alone determines two parameters that look alike.
+/// The same from fits that are really made without each group, within the bounds. The one step
+/// above takes a parameter at its bound for known, and goes too far where a group alone determines
+/// two parameters that look alike.
 Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit);
 
 /// Paired comparison of two models' held-out energies.
@@ -80,9 +90,11 @@ struct HeldoutGain {
   double concentration = 0.0;   // share of the gain that comes from the three best shots
 };
 HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
-/// The same for an effect that acts only now and then. `occurrence`: by shot, which of its occurrences the shot belongs
-/// to, -1: none. Bound and error are those over occurrences and over the other shots, added: resampling all shots alike
-/// would ask whether the effect acts, not whether the name explains it.
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const std::vector<int>& occurrence);
+/// The same for an effect that acts only now and then. `occurrence`: by shot, which of its
+/// occurrences the shot belongs to, -1: none. Bound and error are those over occurrences and over
+/// the other shots, added: resampling all shots alike would ask whether the effect acts, not
+/// whether the name explains it.
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                    const std::vector<int>& occurrence);
 
 }  // namespace sanso::diagnose

@@ -15,13 +15,19 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kWorst = 12;  // shots that are tried first: when no loss is found in the worst, none is behind the others
-constexpr int kRounds = 30;  // changes in a shot; at the library's largest rate half a second at 100 Hz loses 15
-constexpr std::size_t kPromising = 12;  // changes that were best a moment ago are tried again before all others
-constexpr int kRefits = 3;              // of the nuisances, which took up what the losses do on average
-constexpr std::array<std::size_t, 4> kRuns{1, 2, 4, 8};  // commands lost in a row that are tried at once; others grow
+// shots that are tried first: when no loss is found in the worst, none is behind the others
+constexpr int kWorst = 12;
+// changes in a shot; at the library's largest rate half a second at 100 Hz loses 15
+constexpr int kRounds = 30;
+// changes that were best a moment ago are tried again before all others
+constexpr std::size_t kPromising = 12;
+// of the nuisances, which took up what the losses do on average
+constexpr int kRefits = 3;
+// commands lost in a row that are tried at once; others grow
+constexpr std::array<std::size_t, 4> kRuns{1, 2, 4, 8};
 
-/// The same comparison in noise levels (or trust floors): the search's own levels grew with what is to be found here.
+/// The same comparison in noise levels (or trust floors): the search's own levels grew with what is
+/// to be found here.
 Problem in_noise_levels(Problem problem) {
   for (Observed& channel : problem.channels) channel.sigma = channel.floor;
   return problem;
@@ -29,10 +35,11 @@ Problem in_noise_levels(Problem problem) {
 
 /// A change of what one shot is taken to have lost.
 struct Change {
-  std::size_t row = 0, run = 0;  // run 1: the row is lost, or no longer; longer: all of these are lost
-  double gain = -INFINITY;       // energy that it takes from the shot, less the price
-  double energy = 0.0;           // the same without the price
-  double made = 0.0;             // energy of the change it makes
+  // run 1: the row is lost, or no longer; longer: all of these are lost
+  std::size_t row = 0, run = 0;
+  double gain = -INFINITY;  // energy that it takes from the shot, less the price
+  double energy = 0.0;      // the same without the price
+  double made = 0.0;        // energy of the change it makes
 };
 
 /// A shot under way, and the changes to try next; none: all that there are.
@@ -72,7 +79,8 @@ class Hunt {
       if (lost_some(joint)) losing.push_back(joint);
     }
     if (losing.empty()) return {};
-    // what losses do on average was taken for a lag within tolerance: from the model's own figures anew
+    // what losses do on average was taken for a lag within tolerance: from the model's own figures
+    // anew
     model_.nuisance.assign(library_.nuisances.size(), 0.0);
     r_ = prediction_error_with_lost(problem_, library_, model_, r_, lost_, {}, {});
     for (const int joint : losing) take(joint, outstanding(joint));
@@ -86,7 +94,9 @@ class Hunt {
   }
 
  private:
-  const Candidate& candidate(int i) const { return library_.candidates[static_cast<std::size_t>(i)]; }
+  const Candidate& candidate(int i) const {
+    return library_.candidates[static_cast<std::size_t>(i)];
+  }
 
   /// Whether a candidate makes commands be lost, and nothing else.
   bool loses(int i) const {
@@ -94,7 +104,8 @@ class Hunt {
     SimParams with = params_;
     candidate(i).apply(with, candidate(i).probes.front());
     return std::all_of(candidate(i).joints.begin(), candidate(i).joints.end(), [&](int j) {
-      return with.joints[static_cast<std::size_t>(j)].loss > params_.joints[static_cast<std::size_t>(j)].loss;
+      return with.joints[static_cast<std::size_t>(j)].loss >
+             params_.joints[static_cast<std::size_t>(j)].loss;
     });
   }
 
@@ -111,23 +122,29 @@ class Hunt {
   std::size_t first_row(const Shot& shot, int joint) const {
     const std::vector<double>& t = problem_.sources[static_cast<std::size_t>(shot.source)].drive.t;
     const JointParams& p = params_.joints[static_cast<std::size_t>(joint)];
-    const double early = p.nominal.command_delay_s + p.command_delay + p.nominal.sensor_delay_s + p.sensor_delay;
+    const double early =
+        p.nominal.command_delay_s + p.command_delay + p.nominal.sensor_delay_s + p.sensor_delay;
     std::size_t row = shot.window.first;
     while (row > 1 && t[row] > t[shot.window.first] - early) --row;
     return std::max<std::size_t>(row, 1);
   }
 
   const std::vector<double>& command(int source, int joint) const {
-    return problem_.sources[static_cast<std::size_t>(source)].drive.joints[static_cast<std::size_t>(joint)].command;
+    return problem_.sources[static_cast<std::size_t>(source)]
+        .drive.joints[static_cast<std::size_t>(joint)]
+        .command;
   }
 
   /// What the servo does not notice when it is lost is no event.
   bool changes(int source, int joint, std::size_t row) const {
     const std::vector<double>& u = command(source, joint);
-    return row < u.size() && std::isfinite(u[row]) && std::isfinite(u[row - 1]) && u[row] != u[row - 1];
+    return row < u.size() && std::isfinite(u[row]) && std::isfinite(u[row - 1]) &&
+           u[row] != u[row - 1];
   }
 
-  bool is_lost(const LostCommand& command) const { return std::binary_search(lost_.begin(), lost_.end(), command); }
+  bool is_lost(const LostCommand& command) const {
+    return std::binary_search(lost_.begin(), lost_.end(), command);
+  }
 
   void count_commands(const std::vector<int>& joints) {
     double tried = 1.0;
@@ -151,20 +168,25 @@ class Hunt {
       for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
         const Observed& channel = problem_.channels[c];
         if (channel.joint != joint) continue;
-        energy += projected.segment(static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows))
+        energy += projected
+                      .segment(static_cast<Index>(shot.offset + c * shot.rows),
+                               static_cast<Index>(shot.rows))
                       .squaredNorm();
         freedom += static_cast<double>(shot.rows) * std::pow(channel.noise / channel.floor, 2.0);
       }
-      if (chi_square_tail(energy, std::max(freedom, 3.0)) < constants::kFamilyWise) excess.emplace_back(energy, s);
+      if (chi_square_tail(energy, std::max(freedom, 3.0)) < constants::kFamilyWise)
+        excess.emplace_back(energy, s);
     }
-    std::stable_sort(excess.begin(), excess.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::stable_sort(excess.begin(), excess.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<std::size_t> out;
     for (const auto& e : excess) out.push_back(e.second);
     return out;
   }
 
   /// Puts a change of one shot into sorted losses.
-  static void put(std::vector<LostCommand>& lost, const Shot& shot, int joint, const Change& change) {
+  static void put(std::vector<LostCommand>& lost, const Shot& shot, int joint,
+                  const Change& change) {
     for (std::size_t k = 0; k < change.run; ++k) {
       const LostCommand one{shot.source, joint, change.row + k};
       const auto at = std::lower_bound(lost.begin(), lost.end(), one);
@@ -176,13 +198,14 @@ class Hunt {
 
   /// The losses of one shot.
   std::vector<LostCommand> lost_in(const Shot& shot, int joint) const {
-    const auto from =
-        std::lower_bound(lost_.begin(), lost_.end(), LostCommand{shot.source, joint, first_row(shot, joint)});
-    return {from, std::lower_bound(from, lost_.end(), LostCommand{shot.source, joint, shot.window.last})};
+    const auto from = std::lower_bound(lost_.begin(), lost_.end(),
+                                       LostCommand{shot.source, joint, first_row(shot, joint)});
+    return {from,
+            std::lower_bound(from, lost_.end(), LostCommand{shot.source, joint, shot.window.last})};
   }
 
-  /// What a shot's losses have to gain: each run of them its place among all commands, each further row of a run that
-  /// it goes on at this end or at the other.
+  /// What a shot's losses have to gain: each run of them its place among all commands, each further
+  /// row of a run that it goes on at this end or at the other.
   double price(const std::vector<LostCommand>& of_shot) const {
     const double further = 2.0 * std::log(2.0 / constants::kFamilyWise);
     double sum = 0.0;
@@ -206,7 +229,8 @@ class Hunt {
   }
 
   /// Gains of changes, tried one at a time in every shot: pass p tries the p-th of each.
-  void try_out(int joint, const std::vector<Hunted>& hunted, std::vector<std::vector<Change>>& of) const {
+  void try_out(int joint, const std::vector<Hunted>& hunted,
+               std::vector<std::vector<Change>>& of) const {
     std::size_t passes = 0;
     for (const std::vector<Change>& one : of) passes = std::max(passes, one.size());
     const VectorXd before = starts_.energy_by_shot(r_);
@@ -219,7 +243,8 @@ class Hunt {
         put(lost, problem_.shots[hunted[i].shot], joint, of[i][pass]);
         wanted[hunted[i].shot] = 1;
       }
-      const VectorXd r = prediction_error_with_lost(problem_, library_, model_, r_, lost, wanted, {joint});
+      const VectorXd r =
+          prediction_error_with_lost(problem_, library_, model_, r_, lost, wanted, {joint});
       const VectorXd after = starts_.energy_by_shot(r), made = starts_.energy_by_shot(r - r_);
       for (std::size_t i = 0; i < of.size(); ++i) {
         if (pass >= of[i].size()) continue;
@@ -246,7 +271,8 @@ class Hunt {
     }
   }
 
-  /// Takes the losses of these shots, the best change at a time, as long as they pay. Returns how many shots had one.
+  /// Takes the losses of these shots, the best change at a time, as long as they pay. Returns how
+  /// many shots had one.
   std::size_t take(int joint, const std::vector<std::size_t>& shots) {
     std::vector<Hunted> hunted;
     for (const std::size_t s : shots) hunted.push_back({s});
@@ -254,12 +280,14 @@ class Hunt {
     for (int round = 0; round < kRounds && !hunted.empty(); ++round) {
       std::vector<std::vector<Change>> of;
       for (const Hunted& h : hunted)
-        of.push_back(h.promising.empty() ? all_changes(problem_.shots[h.shot], joint) : h.promising);
+        of.push_back(h.promising.empty() ? all_changes(problem_.shots[h.shot], joint)
+                                         : h.promising);
       try_out(joint, hunted, of);
       std::vector<char> moved(problem_.shots.size(), 0);
       std::vector<Hunted> again;
       for (std::size_t i = 0; i < hunted.size(); ++i) {
-        std::stable_sort(of[i].begin(), of[i].end(), [](const Change& a, const Change& b) { return a.gain > b.gain; });
+        std::stable_sort(of[i].begin(), of[i].end(),
+                         [](const Change& a, const Change& b) { return a.gain > b.gain; });
         const Shot& shot = problem_.shots[hunted[i].shot];
         const bool pays = !of[i].empty() && of[i].front().gain > 0.0;
         if (hunted[i].promising.empty()) note_responses(joint, shot.source, of[i]);
@@ -279,9 +307,11 @@ class Hunt {
   }
 
   /// What was second best to the change just made, and what lets its run grow.
-  std::vector<Change> promising_after(const std::vector<Change>& sorted, const Shot& shot, int joint) const {
-    std::vector<Change> out(sorted.begin() + 1,
-                            sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sorted.size(), kPromising)));
+  std::vector<Change> promising_after(const std::vector<Change>& sorted, const Shot& shot,
+                                      int joint) const {
+    std::vector<Change> out(
+        sorted.begin() + 1,
+        sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sorted.size(), kPromising)));
     const std::size_t row = sorted.front().row, end = row + sorted.front().run;
     if (row > first_row(shot, joint)) out.push_back({row - 1, 1});
     if (end < shot.window.last) out.push_back({end, 1});
@@ -317,8 +347,9 @@ class Hunt {
     int best = -1;
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
       const std::vector<int>& own = library_.candidates[i].joints;
-      const bool all = std::all_of(losing.begin(), losing.end(),
-                                   [&](int j) { return std::find(own.begin(), own.end(), j) != own.end(); });
+      const bool all = std::all_of(losing.begin(), losing.end(), [&](int j) {
+        return std::find(own.begin(), own.end(), j) != own.end();
+      });
       if (!all || !loses(static_cast<int>(i))) continue;
       if (best < 0 || own.size() < candidate(best).joints.size()) best = static_cast<int>(i);
     }
@@ -363,11 +394,13 @@ class Hunt {
     return out;
   }
 
-  /// Losses come in runs: how many count as one independent event (mean square of the runs' lengths over their mean).
+  /// Losses come in runs: how many count as one independent event (mean square of the runs' lengths
+  /// over their mean).
   double run_effect() const {
     double sum = 0.0, squares = 0.0, run = 0.0;
     for (std::size_t i = 0; i < lost_.size(); ++i) {
-      const bool goes_on = i > 0 && lost_[i].source == lost_[i - 1].source && lost_[i].joint == lost_[i - 1].joint &&
+      const bool goes_on = i > 0 && lost_[i].source == lost_[i - 1].source &&
+                           lost_[i].joint == lost_[i - 1].joint &&
                            lost_[i].row == lost_[i - 1].row + 1;
       run = goes_on ? run + 1.0 : 1.0;
       sum += 1.0;
@@ -376,8 +409,9 @@ class Hunt {
     return sum > 0.0 ? squares / sum : 1.0;
   }
 
-  /// How far from 1 is the share of each loss that the data want, in standard errors: median. A command is lost or it
-  /// is not; what merely looks like holds wants a little more here and half as much there.
+  /// How far from 1 is the share of each loss that the data want, in standard errors: median. A
+  /// command is lost or it is not; what merely looks like holds wants a little more here and half
+  /// as much there.
   double misfit(const std::vector<int>& losing) const {
     std::vector<double> out;
     for (const int joint : losing) {
@@ -395,7 +429,8 @@ class Hunt {
       for (const std::vector<Change>& of_shot : back) {
         for (const Change& c : of_shot) {
           // energy against the share is a parabola with this curvature: its lowest point
-          if (c.made > least_gain_) out.push_back(std::abs(0.5 * (1.0 - c.energy / c.made) - 1.0) * std::sqrt(c.made));
+          if (c.made > least_gain_)
+            out.push_back(std::abs(0.5 * (1.0 - c.energy / c.made) - 1.0) * std::sqrt(c.made));
         }
       }
     }
@@ -407,7 +442,9 @@ class Hunt {
     for (const Shot& shot : problem_.shots) {
       for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
         if (problem_.channels[c].signal != Signal::q) continue;
-        sum += projected.segment(static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows))
+        sum += projected
+                   .segment(static_cast<Index>(shot.offset + c * shot.rows),
+                            static_cast<Index>(shot.rows))
                    .squaredNorm();
       }
     }
@@ -427,6 +464,8 @@ class Hunt {
 
 }  // namespace
 
-LossScore find_losses(const Surroundings& around, const FitResult& final) { return Hunt(around, final).all(); }
+LossScore find_losses(const Surroundings& around, const FitResult& final) {
+  return Hunt(around, final).all();
+}
 
 }  // namespace sanso::diagnose

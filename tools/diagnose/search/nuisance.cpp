@@ -9,15 +9,16 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Damping that the actuator itself gives: back-EMF of a servo, derivative gain of a position loop, known friction.
+/// Damping that the actuator itself gives: back-EMF of a servo, derivative gain of a position loop,
+/// known friction.
 double actuator_damping(const JointSettings& s) {
   double damping = s.viscous + s.kd;
   if (s.actuator == Actuator::dc_servo) damping += s.torque_constant * s.back_emf / s.resistance;
   return damping;
 }
 
-Nuisance make(const std::string& name, const std::string& id, double tolerance, std::vector<int> joints,
-              std::vector<double> direction) {
+Nuisance make(const std::string& name, const std::string& id, double tolerance,
+              std::vector<int> joints, std::vector<double> direction) {
   const Effect* effect = find_effect(id);
   assert(effect != nullptr && effect->parameters.size() == direction.size());
   Nuisance n;
@@ -59,28 +60,36 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     out.push_back(make("mass" + at, "link_mass", constants::kMassTolerance, here, {1.0}));
     if (!joint.prismatic) {
       const Vec3& com = joint.body.com;
-      out.push_back(make("length" + at, "link_com", constants::kLengthTolerance, here, {com[0], com[1], com[2]}));
+      out.push_back(make("length" + at, "link_com", constants::kLengthTolerance, here,
+                         {com[0], com[1], com[2]}));
     }
     if (const double damping = actuator_damping(s); damping > 0.0) {
-      out.push_back(make("damping" + at, "viscous_friction", constants::kDampingTolerance, here, {damping}));
+      out.push_back(
+          make("damping" + at, "viscous_friction", constants::kDampingTolerance, here, {damping}));
     }
     if (s.coulomb > 0.0) {
-      out.push_back(make("dry friction" + at, "coulomb_friction", constants::kFrictionTolerance, here, {s.coulomb}));
+      out.push_back(make("dry friction" + at, "coulomb_friction", constants::kFrictionTolerance,
+                         here, {s.coulomb}));
     }
     if (s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd) {
       out.push_back(make("gain" + at, "servo_p_gain", constants::kGainTolerance, here, {1.0}));
     }
     if (s.actuator == Actuator::dc_servo) {
-      out.push_back(make("torque constant" + at, "torque_constant", constants::kMotorTolerance, here, {1.0, 0.0}));
-      out.push_back(make("resistance" + at, "torque_constant", constants::kMotorTolerance, here, {0.0, 1.0}));
+      out.push_back(make("torque constant" + at, "torque_constant", constants::kMotorTolerance,
+                         here, {1.0, 0.0}));
+      out.push_back(
+          make("resistance" + at, "torque_constant", constants::kMotorTolerance, here, {0.0, 1.0}));
     }
-    const double zero = joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
+    const double zero =
+        joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
     out.push_back(make("zero" + at, "encoder_offset", zero, here, {1.0}));
     if (s.armature > 0.0)
-      out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here, {s.armature}));
+      out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here,
+                         {s.armature}));
   }
-  // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample early. Bounded at zero, the
-  // fraction of a millisecond takes the next name that can shift a command forward (feed-forward).
+  // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample early.
+  // Bounded at zero, the fraction of a millisecond takes the next name that can shift a command
+  // forward (feed-forward).
   out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
   return out;
 }
@@ -90,14 +99,16 @@ bool at_null(const CandidateParameter& p, double value) {
 }
 
 bool Model::has(int candidate) const {
-  return std::any_of(effects.begin(), effects.end(), [&](const Chosen& c) { return c.candidate == candidate; });
+  return std::any_of(effects.begin(), effects.end(),
+                     [&](const Chosen& c) { return c.candidate == candidate; });
 }
 
 void Library::apply(const Model& model, SimParams& params) const {
   for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
     if (model.nuisance[i] != 0.0) nuisances[i].apply(params, model.nuisance[i]);
   }
-  for (const Chosen& c : model.effects) candidates[static_cast<std::size_t>(c.candidate)].apply(params, c.theta);
+  for (const Chosen& c : model.effects)
+    candidates[static_cast<std::size_t>(c.candidate)].apply(params, c.theta);
 }
 
 std::string Candidate::title() const {

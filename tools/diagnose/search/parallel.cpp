@@ -39,7 +39,8 @@ void parallel_for(int count, const std::function<void(int)>& task) {
     }
     inside = outer;
   };
-  const int cores = inside ? 1 : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const int cores =
+      inside ? 1 : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const int threads = std::min(count, cores);
   std::vector<std::thread> pool;
   for (int i = 1; i < threads; ++i) pool.emplace_back(work);

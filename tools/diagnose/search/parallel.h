@@ -1,11 +1,13 @@
-// Independent tasks on all cores. The result never depends on the number of threads: every task writes its own slot.
+// Independent tasks on all cores. The result never depends on the number of threads: every task
+// writes its own slot.
 #pragma once
 
 #include <functional>
 
 namespace sanso::diagnose {
 
-/// Runs task(0) .. task(count - 1) on up to hardware_concurrency threads and waits. The first exception is rethrown.
+/// Runs task(0) .. task(count - 1) on up to hardware_concurrency threads and waits. The first
+/// exception is rethrown.
 void parallel_for(int count, const std::function<void(int)>& task);
 
 /// Raised between tasks when the user interrupted (Ctrl-C); see request_stop().

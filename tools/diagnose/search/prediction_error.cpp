@@ -38,20 +38,23 @@ std::vector<Batch> by_source(const Problem& problem) {
 }
 
 /// The commands of one recording as they were received; empty when none of `lost` is its own.
-std::optional<Drive> drive_with_lost(const Drive& drive, int source, const std::vector<LostCommand>& lost) {
+std::optional<Drive> drive_with_lost(const Drive& drive, int source,
+                                     const std::vector<LostCommand>& lost) {
   std::optional<Drive> out;
   for (const LostCommand& l : lost) {
     if (l.source != source) continue;
     if (!out) out = drive;
     std::vector<double>& command = out->joints[static_cast<std::size_t>(l.joint)].command;
-    if (std::isnan(command[l.row]) || std::isnan(command[l.row - 1])) continue;  // switched off: nothing to hold
-    command[l.row] = command[l.row - 1];  // in order: of two lost in a row the last one received stays
+    // switched off: nothing to hold
+    if (std::isnan(command[l.row]) || std::isnan(command[l.row - 1])) continue;
+    // in order: of two lost in a row the last one received stays
+    command[l.row] = command[l.row - 1];
   }
   return out;
 }
 
-void simulate_batch(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
-                    const Batch& batch, Eigen::VectorXd& r) {
+void simulate_batch(const Problem& problem, const Library& library, const Model& model,
+                    const Pass& pass, const Batch& batch, Eigen::VectorXd& r) {
   std::vector<Window> windows;
   std::vector<std::size_t> shots;
   for (std::size_t i = batch.begin; i < batch.end; ++i) {
@@ -62,7 +65,8 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   }
   if (shots.empty()) return;
   const Source& source = problem.sources[batch.source];
-  const std::optional<Drive> held = drive_with_lost(source.drive, static_cast<int>(batch.source), pass.lost);
+  const std::optional<Drive> held =
+      drive_with_lost(source.drive, static_cast<int>(batch.source), pass.lost);
   SimParams params = source.nominal;
   library.apply(model, params);
   SimOptions options;
@@ -70,53 +74,60 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   options.max_step_s = pass.step_s;
   options.wanted = pass.wanted;
   if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
-  std::vector<Prediction> predictions = simulate(params, held ? *held : source.drive, windows, options);
+  std::vector<Prediction> predictions =
+      simulate(params, held ? *held : source.drive, windows, options);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
     const Shot& shot = problem.shots[shots[i]];
     if (pass.seed != 0)
-      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + shots[i]).bits(), predictions[i]);
+      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + shots[i]).bits(),
+                         predictions[i]);
     whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
   }
 }
 
-/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its own shots, so the
-/// result does not depend on the number of threads.
+/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its
+/// own shots, so the result does not depend on the number of threads.
 void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
               Eigen::VectorXd& r) {
   const std::vector<Batch> batches = by_source(problem);
-  parallel_for(static_cast<int>(batches.size()),
-               [&](int i) { simulate_batch(problem, library, model, pass, batches[static_cast<std::size_t>(i)], r); });
+  parallel_for(static_cast<int>(batches.size()), [&](int i) {
+    simulate_batch(problem, library, model, pass, batches[static_cast<std::size_t>(i)], r);
+  });
 }
 
-/// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when `joints` is.
+/// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when
+/// `joints` is.
 std::vector<char> branches_with(const Problem& problem, const std::vector<int>& joints) {
   if (joints.empty()) return {};
   const std::vector<TreeJoint>& tree = problem.sources.front().nominal.tree.joints;
   const auto root = [&](int j) {
-    while (tree[static_cast<std::size_t>(j)].parent >= 0) j = tree[static_cast<std::size_t>(j)].parent;
+    while (tree[static_cast<std::size_t>(j)].parent >= 0)
+      j = tree[static_cast<std::size_t>(j)].parent;
     return j;
   };
   std::vector<char> wanted(tree.size(), 0);
   for (std::size_t j = 0; j < tree.size(); ++j) {
-    wanted[j] = std::any_of(joints.begin(), joints.end(), [&](int i) { return root(i) == root(static_cast<int>(j)); });
+    wanted[j] = std::any_of(joints.begin(), joints.end(),
+                            [&](int i) { return root(i) == root(static_cast<int>(j)); });
   }
   return wanted;
 }
 
-/// Beyond this many joints the starts are moved all at once and coupling between joints is left out of their
-/// derivative.
+/// Beyond this many joints the starts are moved all at once and coupling between joints is left out
+/// of their derivative.
 constexpr std::size_t kCoupledStarts = 4;
 
 }  // namespace
 
-Eigen::VectorXd prediction_error(const Problem& problem, const Library& library, const Model& model) {
+Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
+                                 const Model& model) {
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
   one_pass(problem, library, model, {}, r);
   return r;
 }
 
-Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library, const Model& model,
-                                       std::uint64_t seed) {
+Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library,
+                                       const Model& model, std::uint64_t seed) {
   Pass pass;
   pass.seed = seed;
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
@@ -124,8 +135,9 @@ Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& li
   return r;
 }
 
-Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library, const Model& model,
-                                      const Eigen::VectorXd& base, const std::vector<int>& joints) {
+Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
+                                      const Model& model, const Eigen::VectorXd& base,
+                                      const std::vector<int>& joints) {
   Pass pass;
   SimParams params = problem.sources.front().nominal;
   library.apply(model, params);
@@ -143,13 +155,16 @@ void hold(Problem& problem, std::vector<LostCommand> lost) {
   std::sort(lost.begin(), lost.end());
   for (std::size_t i = 0; i < problem.sources.size(); ++i) {
     Drive& drive = problem.sources[i].drive;
-    if (std::optional<Drive> held = drive_with_lost(drive, static_cast<int>(i), lost)) drive = std::move(*held);
+    if (std::optional<Drive> held = drive_with_lost(drive, static_cast<int>(i), lost))
+      drive = std::move(*held);
   }
 }
 
-Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library, const Model& model,
-                                           const Eigen::VectorXd& base, std::vector<LostCommand> lost,
-                                           const std::vector<char>& wanted_shots, const std::vector<int>& joints) {
+Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library,
+                                           const Model& model, const Eigen::VectorXd& base,
+                                           std::vector<LostCommand> lost,
+                                           const std::vector<char>& wanted_shots,
+                                           const std::vector<int>& joints) {
   Pass pass;
   std::sort(lost.begin(), lost.end());
   pass.lost = std::move(lost);
@@ -171,7 +186,8 @@ void correct_step(Problem& problem, const Library& library, const Model& model) 
     pass.step_s = i == 0 ? fine : coarse;
     one_pass(problem, library, model, pass, i == 0 ? at_fine : at_coarse);
   });
-  // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the step
+  // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the
+  // step
   const Eigen::VectorXd error = (at_fine - at_coarse) * (coarse / (coarse - fine));
   problem.step_error.assign(problem.size, 0.0);
   for (const Shot& shot : problem.shots) {
@@ -184,8 +200,9 @@ void correct_step(Problem& problem, const Library& library, const Model& model) 
   }
 }
 
-Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library, const Model& model,
-                                                  int joint, double dq0, double ddq0) {
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library,
+                                                  const Model& model, int joint, double dq0,
+                                                  double ddq0) {
   Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
   Pass pass;
   pass.move_start = [&](Window& w) {
@@ -199,7 +216,8 @@ Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const 
   return r;
 }
 
-StartElimination::StartElimination(const Problem& problem, const Library& library, const Model& model)
+StartElimination::StartElimination(const Problem& problem, const Library& library,
+                                   const Model& model)
     : problem_(&problem) {
   make_blocks();
   const std::size_t n = problem.joints.size();
@@ -218,7 +236,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
     const int joint = coupled ? i / 2 : -1;
     const bool position = i % 2 == 0;
     moved[static_cast<std::size_t>(i)] = prediction_error_from_moved_start(
-        problem, library, model, joint, position ? kStepPosition : 0.0, position ? 0.0 : kStepVelocity);
+        problem, library, model, joint, position ? kStepPosition : 0.0,
+        position ? 0.0 : kStepVelocity);
   });
   for (int i = 0; i < passes; ++i) {
     const Eigen::VectorXd derivative =
@@ -231,7 +250,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
       for (std::size_t c = 0; c < problem.channels.size(); ++c) {
         const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
         const auto rows = static_cast<Eigen::Index>(shot.rows);
-        J_.block(from, 2 * problem.channels[c].joint + i % 2, rows, 1) = derivative.segment(from, rows);
+        J_.block(from, 2 * problem.channels[c].joint + i % 2, rows, 1) =
+            derivative.segment(from, rows);
       }
     }
   }
@@ -240,7 +260,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
     auto J = J_.middleRows(static_cast<Eigen::Index>(shot.offset), entries(shot));
     // in units of the starts' deviations, so that the arrival cost is the identity
     for (std::size_t j = 0; j < n; ++j) {
-      J.col(static_cast<Eigen::Index>(2 * j)) *= std::max(source.q_sigma[j][shot.window.first], 1e-9);
+      J.col(static_cast<Eigen::Index>(2 * j)) *=
+          std::max(source.q_sigma[j][shot.window.first], 1e-9);
       J.col(static_cast<Eigen::Index>(2 * j + 1)) *=
           constants::kArrivalInflation * std::max(source.dq_sigma[j][shot.window.first], 1e-9);
     }
@@ -252,7 +273,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
 void StartElimination::make_blocks() {
   const std::vector<TreeJoint>& tree = problem_->sources.front().nominal.tree.joints;
   const auto n = static_cast<Eigen::Index>(tree.size());
-  // few joints: every start was moved by itself, and a sagging supply may have carried it to another branch
+  // few joints: every start was moved by itself, and a sagging supply may have carried it to
+  // another branch
   const bool whole = static_cast<std::size_t>(n) <= kCoupledStarts;
   for (Eigen::Index j = 0; j < n; ++j) {
     const bool begins = blocks_.empty() || (!whole && tree[static_cast<std::size_t>(j)].parent < 0);
@@ -262,37 +284,44 @@ void StartElimination::make_blocks() {
   std::size_t c = 0;  // channels are sorted by joint
   for (Block& block : blocks_) {
     block.first_channel = c;
-    while (c < problem_->channels.size() && 2 * problem_->channels[c].joint < block.first_start + block.starts) ++c;
+    while (c < problem_->channels.size() &&
+           2 * problem_->channels[c].joint < block.first_start + block.starts)
+      ++c;
     block.channels = c - block.first_channel;
   }
 }
 
 /// Columns that are not zero throughout the block.
 template <class Columns>
-std::vector<Eigen::Index> StartElimination::support(const Columns& columns, const Block& block) const {
+std::vector<Eigen::Index> StartElimination::support(const Columns& columns,
+                                                    const Block& block) const {
   std::vector<Eigen::Index> out;
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    const bool any = std::any_of(problem_->shots.begin(), problem_->shots.end(), [&](const Shot& shot) {
-      const auto from = static_cast<Eigen::Index>(shot.offset + block.first_channel * shot.rows);
-      const auto piece = columns.col(k).segment(from, static_cast<Eigen::Index>(block.channels * shot.rows));
-      return (piece.array() != 0).any();
-    });
+    const bool any =
+        std::any_of(problem_->shots.begin(), problem_->shots.end(), [&](const Shot& shot) {
+          const auto from =
+              static_cast<Eigen::Index>(shot.offset + block.first_channel * shot.rows);
+          const auto piece =
+              columns.col(k).segment(from, static_cast<Eigen::Index>(block.channels * shot.rows));
+          return (piece.array() != 0).any();
+        });
     if (any) out.push_back(k);
   }
   return out;
 }
 
 template <class Columns>
-std::vector<Eigen::MatrixXd> StartElimination::gram_of(const Columns& columns, int parts,
-                                                       const std::function<int(const Shot&)>& part_of,
-                                                       const Eigen::VectorXd& weights) const {
+std::vector<Eigen::MatrixXd> StartElimination::gram_of(
+    const Columns& columns, int parts, const std::function<int(const Shot&)>& part_of,
+    const Eigen::VectorXd& weights) const {
   const int blocks = static_cast<int>(blocks_.size());
   std::vector<std::vector<Eigen::Index>> supports(blocks_.size());
   parallel_for(blocks, [&](int b) {
     const auto k = static_cast<std::size_t>(b);
     supports[k] = support(columns, blocks_[k]);
   });
-  std::vector<Eigen::MatrixXd> pieces(static_cast<std::size_t>(parts * blocks));  // part by part, lower triangles
+  // part by part, lower triangles
+  std::vector<Eigen::MatrixXd> pieces(static_cast<std::size_t>(parts * blocks));
   parallel_for(parts * blocks, [&](int task) {
     const int part = task / blocks;
     const auto b = static_cast<std::size_t>(task % blocks);
@@ -308,13 +337,17 @@ std::vector<Eigen::MatrixXd> StartElimination::gram_of(const Columns& columns, i
       const auto rows = static_cast<Eigen::Index>(block.channels * shot.rows);
       B.resize(rows, m);
       for (Eigen::Index k = 0; k < m; ++k) {
-        B.col(k) = columns.col(supports[b][static_cast<std::size_t>(k)]).segment(from, rows).template cast<double>();
+        B.col(k) = columns.col(supports[b][static_cast<std::size_t>(k)])
+                       .segment(from, rows)
+                       .template cast<double>();
       }
       const double weight = weights.size() == 0 ? 1.0 : weights[static_cast<Eigen::Index>(s)];
       // B' (1 - J W J') B = B' B - |root(W)' J' B|^2
-      const Eigen::MatrixXd W = W_[s].block(block.first_start, block.first_start, block.starts, block.starts);
+      const Eigen::MatrixXd W =
+          W_[s].block(block.first_start, block.first_start, block.starts, block.starts);
       const Eigen::MatrixXd Z =
-          W.llt().matrixU() * (J_.block(from, block.first_start, rows, block.starts).transpose() * B);
+          W.llt().matrixU() *
+          (J_.block(from, block.first_start, rows, block.starts).transpose() * B);
       G.selfadjointView<Eigen::Lower>().rankUpdate(B.transpose(), weight);
       G.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose(), -weight);
     }
@@ -337,9 +370,9 @@ std::vector<Eigen::MatrixXd> StartElimination::gram_of(const Columns& columns, i
   return out;
 }
 
-std::vector<Eigen::MatrixXd> StartElimination::gram_by(const Eigen::MatrixXd& columns, int parts,
-                                                       const std::function<int(const Shot&)>& part_of,
-                                                       const Eigen::VectorXd& weights) const {
+std::vector<Eigen::MatrixXd> StartElimination::gram_by(
+    const Eigen::MatrixXd& columns, int parts, const std::function<int(const Shot&)>& part_of,
+    const Eigen::VectorXd& weights) const {
   return gram_of(columns, parts, part_of, weights);
 }
 
@@ -352,11 +385,13 @@ Eigen::MatrixXd sum(const std::vector<Eigen::MatrixXd>& parts) {
 int group_of(const Shot& shot) { return shot.group; }
 }  // namespace
 
-Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns, const Eigen::VectorXd& weights) const {
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns,
+                                       const Eigen::VectorXd& weights) const {
   return sum(gram_of(columns, problem_->groups, group_of, weights));
 }
 
-Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) const {
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXf& columns,
+                                       const Eigen::VectorXd& weights) const {
   return sum(gram_of(columns, problem_->groups, group_of, weights));
 }
 
@@ -376,8 +411,10 @@ Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r) const
       const auto first = static_cast<Eigen::Index>(block.first_channel * shot.rows);
       const auto rows = static_cast<Eigen::Index>(block.channels * shot.rows);
       const Eigen::VectorXd z =
-          J_.block(from + first, block.first_start, rows, block.starts).transpose() * piece.segment(first, rows);
-      total -= z.dot(W_[s].block(block.first_start, block.first_start, block.starts, block.starts) * z);
+          J_.block(from + first, block.first_start, rows, block.starts).transpose() *
+          piece.segment(first, rows);
+      total -=
+          z.dot(W_[s].block(block.first_start, block.first_start, block.starts, block.starts) * z);
     }
     energy[static_cast<Eigen::Index>(s)] = total;
   }
@@ -390,7 +427,8 @@ Eigen::VectorXd StartElimination::project(const Eigen::VectorXd& r) const {
     const Shot& shot = problem_->shots[s];
     const auto from = static_cast<Eigen::Index>(shot.offset);
     const auto J = J_.middleRows(from, entries(shot));
-    out.segment(from, entries(shot)) -= J * (W_[s] * (J.transpose() * r.segment(from, entries(shot))));
+    out.segment(from, entries(shot)) -=
+        J * (W_[s] * (J.transpose() * r.segment(from, entries(shot))));
   }
   return out;
 }

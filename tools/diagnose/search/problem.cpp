@@ -46,8 +46,8 @@ const std::vector<double>& column(const JointData& data, Signal signal) {
   }
 }
 
-/// Recordings faster than kFastestRate: commands and efforts averaged over blocks (their impulse is what acts),
-/// positions taken at the block's first row.
+/// Recordings faster than kFastestRate: commands and efforts averaged over blocks (their impulse is
+/// what acts), positions taken at the block's first row.
 recording::Recording thinned(const recording::Recording& r) {
   const double rate = 1.0 / std::max(gate::sampling_interval(r.t), 1e-9);
   const auto block = static_cast<std::size_t>(std::ceil(rate / constants::kFastestRate));
@@ -59,7 +59,8 @@ recording::Recording thinned(const recording::Recording& r) {
     out.t.push_back(r.t[k]);
     for (std::size_t c = 0; c < r.channels.size(); ++c) {
       const std::vector<double>& from = r.channels[c].values;
-      const bool instant = r.channels[c].name.rfind("q:", 0) == 0 || r.channels[c].name.rfind("dq:", 0) == 0;
+      const bool instant =
+          r.channels[c].name.rfind("q:", 0) == 0 || r.channels[c].name.rfind("dq:", 0) == 0;
       double sum = 0.0;
       for (std::size_t i = k; i < k + block; ++i) sum += from[i];
       out.channels[c].values.push_back(instant ? from[k] : sum / static_cast<double>(block));
@@ -106,7 +107,8 @@ double measured(const Source& source, const Observed& channel, std::size_t row) 
   return values[row];
 }
 
-std::vector<Source> make_sources(const ModelFolder& model, const std::vector<recording::Recording>& recordings,
+std::vector<Source> make_sources(const ModelFolder& model,
+                                 const std::vector<recording::Recording>& recordings,
                                  const std::vector<NoiseLevel>& noise) {
   std::vector<Source> sources(recordings.size());
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -137,13 +139,15 @@ std::vector<Source> make_sources(const ModelFolder& model, const std::vector<rec
 namespace {
 
 /// The channels that at least one recording holds, with their standard deviations.
-std::vector<Observed> observed_channels(const Problem& problem, const std::vector<NoiseLevel>& noise, bool secondary) {
+std::vector<Observed> observed_channels(const Problem& problem,
+                                        const std::vector<NoiseLevel>& noise, bool secondary) {
   std::vector<Observed> out;
   for (std::size_t j = 0; j < problem.joints.size(); ++j) {
     for (Signal signal : {Signal::q, Signal::dq, Signal::tau, Signal::i, Signal::pwm}) {
       if (signal != Signal::q && !secondary) continue;
       const Actuator actuator = problem.sources.front().nominal.joints[j].nominal.actuator;
-      if ((signal == Signal::i || signal == Signal::pwm) && actuator != Actuator::dc_servo) continue;
+      if ((signal == Signal::i || signal == Signal::pwm) && actuator != Actuator::dc_servo)
+        continue;
       if (signal == Signal::tau && actuator == Actuator::passive) continue;
       std::vector<double> values;
       for (const Source& s : problem.sources) {
@@ -154,12 +158,14 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
       Observed channel;
       channel.signal = signal;
       channel.joint = static_cast<int>(j);
-      const NoiseLevel level = level_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
+      const NoiseLevel level =
+          level_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
       const double sigma = level.sigma;
       channel.quantum = level.quantum;
-      const double floor = signal == Signal::q
-                               ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
-                               : constants::kSecondaryFloor * rms(values);
+      const double floor =
+          signal == Signal::q
+              ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
+              : constants::kSecondaryFloor * rms(values);
       channel.noise = std::max(sigma, 1e-12);
       channel.sigma = channel.floor = std::max({sigma, floor, 1e-9});
       out.push_back(channel);
@@ -171,13 +177,14 @@ std::vector<Observed> observed_channels(const Problem& problem, const std::vecto
 void add_shots(Problem& problem, int source_index, double seconds) {
   const Source& source = problem.sources[static_cast<std::size_t>(source_index)];
   const std::vector<double>& t = source.drive.t;
-  constexpr std::size_t kComparedRows =
-      100;  // 200 Hz at half a second: above it neighbouring errors are the same error
+  // 200 Hz at half a second: above it neighbouring errors are the same error
+  constexpr std::size_t kComparedRows = 100;
   for (std::size_t first = 0; first + 1 < t.size();) {
     std::size_t last = first;
     while (last + 1 < t.size() && t[last + 1] - t[first] <= seconds + 1e-9) ++last;
     if (last < first + 5) break;
-    if (t[last] - t[first] < 0.5 * seconds) break;  // the rest of the recording is too short for a shot
+    // the rest of the recording is too short for a shot
+    if (t[last] - t[first] < 0.5 * seconds) break;
     Shot shot;
     shot.source = source_index;
     shot.window.first = first;
@@ -187,21 +194,23 @@ void add_shots(Problem& problem, int source_index, double seconds) {
       shot.window.dq.push_back(source.motion.dq[j][first]);
     }
     shot.stride = static_cast<int>(std::max<std::size_t>(1, (last - first) / kComparedRows));
-    shot.rows =
-        (last - first) / static_cast<std::size_t>(shot.stride);  // row `first` itself is the start, not a prediction
+    // row `first` itself is the start, not a prediction
+    shot.rows = (last - first) / static_cast<std::size_t>(shot.stride);
     problem.shots.push_back(std::move(shot));
     first = last;
   }
 }
 
-/// Keeps an even choice of shots when there are more than the budget allows, and those at the instants.
+/// Keeps an even choice of shots when there are more than the budget allows, and those at the
+/// instants.
 void thin_shots(Problem& problem, int maximum_rows, int maximum_shots) {
   std::size_t total = 0;
   for (const Shot& s : problem.shots) total += s.rows * problem.joints.size();
   const auto share = [](int allowed, std::size_t there) {
     return static_cast<double>(allowed) / static_cast<double>(std::max<std::size_t>(there, 1));
   };
-  problem.used_share = std::min({1.0, share(maximum_rows, total), share(maximum_shots, problem.shots.size())});
+  problem.used_share =
+      std::min({1.0, share(maximum_rows, total), share(maximum_shots, problem.shots.size())});
   if (problem.used_share >= 1.0) return;
   std::vector<Shot> kept;
   double credit = 0.5;
@@ -216,7 +225,8 @@ void thin_shots(Problem& problem, int maximum_rows, int maximum_shots) {
   problem.shots = std::move(kept);
 }
 
-/// Held-out groups: whole recordings when there are at least three, else contiguous blocks of each recording.
+/// Held-out groups: whole recordings when there are at least three, else contiguous blocks of each
+/// recording.
 void assign_groups(Problem& problem) {
   std::map<std::string, int> conditions;
   std::map<int, std::pair<int, int>> seen;  // source -> (number of shots, shots so far)
@@ -227,8 +237,9 @@ void assign_groups(Problem& problem) {
     auto& [total, index] = seen[s.source];
     s.group = sources >= 3 ? s.source % 5 : s.source * blocks + index * blocks / total;
     ++index;
-    const auto place = conditions.emplace(problem.sources[static_cast<std::size_t>(s.source)].condition,
-                                          static_cast<int>(conditions.size()));
+    const auto place =
+        conditions.emplace(problem.sources[static_cast<std::size_t>(s.source)].condition,
+                           static_cast<int>(conditions.size()));
     s.condition = place.first->second;
     problem.groups = std::max(problem.groups, s.group + 1);
   }
@@ -237,10 +248,12 @@ void assign_groups(Problem& problem) {
 
 }  // namespace
 
-Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise, const ProblemOptions& options) {
+Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise,
+                     const ProblemOptions& options) {
   Problem problem;
   problem.sources = std::move(sources);
-  for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints) problem.joints.push_back(joint.name);
+  for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints)
+    problem.joints.push_back(joint.name);
   problem.channels = observed_channels(problem, noise, options.secondary);
   problem.instants = options.instants;
   problem.struck = options.struck;
@@ -264,12 +277,14 @@ bool near_instant(const Problem& problem, const Shot& shot, double t) {
 namespace {
 
 void resmooth_joint(Source& source, std::size_t joint, double noise, double jitter) {
-  // the speed that says how well a reading is known comes from the motion that the readings say: 3 rounds settle it
+  // the speed that says how well a reading is known comes from the motion that the readings say: 3
+  // rounds settle it
   constexpr int kRounds = 3;
   const std::vector<double>& q = source.drive.joints[joint].q;
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> sigma;
-    for (const double speed : source.motion.dq[joint]) sigma.push_back(std::hypot(noise, jitter * speed));
+    for (const double speed : source.motion.dq[joint])
+      sigma.push_back(std::hypot(noise, jitter * speed));
     SmoothedState state = smooth_position(source.drive.t, q, sigma);
     source.motion.q[joint] = std::move(state.q);
     source.motion.dq[joint] = std::move(state.dq);
@@ -286,7 +301,8 @@ void resmooth(Problem& problem, const std::vector<double>& jitter) {
     if (channel.signal != Signal::q || !(jitter[joint] > 0.0)) continue;
     parallel_for(static_cast<int>(problem.sources.size()), [&](int i) {
       Source& source = problem.sources[static_cast<std::size_t>(i)];
-      if (!source.drive.joints[joint].q.empty()) resmooth_joint(source, joint, channel.noise, jitter[joint]);
+      if (!source.drive.joints[joint].q.empty())
+        resmooth_joint(source, joint, channel.noise, jitter[joint]);
     });
     for (Shot& shot : problem.shots) {
       const MeasuredMotion& motion = problem.sources[static_cast<std::size_t>(shot.source)].motion;
@@ -298,7 +314,8 @@ void resmooth(Problem& problem, const std::vector<double>& jitter) {
 
 double longest_recording(const Problem& problem) {
   double longest = 0.0;
-  for (const Source& s : problem.sources) longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
+  for (const Source& s : problem.sources)
+    longest = std::max(longest, s.drive.t.back() - s.drive.t.front());
   return longest;
 }
 
@@ -308,8 +325,8 @@ double rows_of_a_joint(const Problem& problem) {
   return rows;
 }
 
-void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& p, const std::vector<char>& wanted,
-                       double* out) {
+void whitened_residual(const Problem& problem, const Shot& shot, const Prediction& p,
+                       const std::vector<char>& wanted, double* out) {
   const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     const Observed& channel = problem.channels[c];
@@ -323,7 +340,8 @@ void whitened_residual(const Problem& problem, const Shot& shot, const Predictio
     for (std::size_t k = 0; k < shot.rows; ++k) {
       const std::size_t local = (k + 1) * static_cast<std::size_t>(shot.stride);
       double difference = measured(source, channel, shot.window.first + local) - predicted[local];
-      if (!problem.step_error.empty()) difference += problem.step_error[shot.offset + c * shot.rows + k];
+      if (!problem.step_error.empty())
+        difference += problem.step_error[shot.offset + c * shot.rows + k];
       out[c * shot.rows + k] = std::isfinite(difference) ? difference / channel.sigma : 0.0;
     }
   }

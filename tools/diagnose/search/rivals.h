@@ -1,4 +1,5 @@
-// Rivals for one place of a model: which candidates are worth a full fit, their fits, and who is best.
+// Rivals for one place of a model: which candidates are worth a full fit, their fits, and who is
+// best.
 #pragma once
 
 #include <vector>
@@ -25,24 +26,28 @@ inline constexpr double kNoiseUnit = 2.0;
 /// Energy that an effect of the smallest size that matters removes, at one joint alone.
 double practical_energy(const Problem& problem);
 
-/// What is fitted fully: of every cluster its simplest member that scores nearly as high as its strongest, then the
-/// strongest members, then the rest by score. `least_energy`: what promises less is not tried.
+/// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
+/// strongest, then the strongest members, then the rest by score. `least_energy`: what promises
+/// less is not tried.
 std::vector<int> rivals(const Library& library, const Screening& screening, double least_energy);
 
-/// Which candidates to try in place of an accepted one of `model`: its cluster, its known confounders, what was fitted
-/// beside it.
-std::vector<int> replacements(const Library& library, const Screening& first, const Model& model, int accepted,
-                              const std::vector<Alternative>& fitted);
+/// Which candidates to try in place of an accepted one of `model`: its cluster, its known
+/// confounders, what was fitted beside it.
+std::vector<int> replacements(const Library& library, const Screening& first, const Model& model,
+                              int accepted, const std::vector<Alternative>& fitted);
 
-/// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of the same
-/// candidates, to start from; what was far behind at the same (empty) base is taken as it was, without derivatives.
-/// Candidates far behind after the first steps (by what the best removes of `base_objective`) are not polished.
-std::vector<Alternative> fit_all(const Surroundings& around, const Model& base, double base_objective,
-                                 const std::vector<int>& which, const Screening& screening,
+/// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of
+/// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
+/// was, without derivatives.
+/// Candidates far behind after the first steps (by what the best removes of `base_objective`) are
+/// not polished.
+std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
+                                 double base_objective, const std::vector<int>& which,
+                                 const Screening& screening,
                                  const std::vector<Alternative>& known = {});
 
-/// Best first. Among those within one standard error of the best (one-SE rule) or a difference that does not matter,
-/// the one with fewest parameters.
+/// Best first. Among those within one standard error of the best (one-SE rule) or a difference that
+/// does not matter, the one with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
 /// Of the last effect of a fit: its interval excludes the null; a parameter was stopped at a bound.

@@ -14,14 +14,17 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr int kDraws = 24;  // of an effect at one size: variances of a row to 30 %, and thousands of rows are compared
+// of an effect at one size: variances of a row to 30 %, and thousands of rows are compared
+constexpr int kDraws = 24;
 constexpr int kLeastDraws = 8, kAllDraws = 240;  // where many joints share the time
-constexpr int kSizes = 6;  // tried between a twelfth of the largest size and the largest, evenly in the logarithm
+// tried between a twelfth of the largest size and the largest, evenly in the logarithm
+constexpr int kSizes = 6;
 constexpr int kParametricDraws = 299;
 constexpr int kAnew = 2;         // Gauss-Newton steps where shots begin a little elsewhere
 constexpr double kBeyond = 1.5;  // times the scatter of the largest size: something else scatters
 
-/// The stretches in which rows follow each other: [from, from + rows) of one channel of one recording's shot.
+/// The stretches in which rows follow each other: [from, from + rows) of one channel of one
+/// recording's shot.
 struct Piece {
   Index from, rows;
   std::size_t channel, shot;
@@ -31,7 +34,8 @@ std::vector<Piece> pieces_of(const Problem& problem) {
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {
     const Shot& shot = problem.shots[s];
     for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      out.push_back({static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows), c, s});
+      out.push_back(
+          {static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows), c, s});
     }
   }
   return out;
@@ -41,11 +45,12 @@ std::vector<Piece> pieces_of(const Problem& problem) {
 struct Expected {
   VectorXd rough, whole;
 };
-Expected scatter_of(const Surroundings& around, const Model& model, int candidate, double size, int draws,
-                    Random random) {
+Expected scatter_of(const Surroundings& around, const Model& model, int candidate, double size,
+                    int draws, Random random) {
   const Problem& problem = *around.problem;
   Model with = model;
-  std::vector<double> theta = around.library->candidates[static_cast<std::size_t>(candidate)].probes.front();
+  std::vector<double> theta =
+      around.library->candidates[static_cast<std::size_t>(candidate)].probes.front();
   theta.front() = size;
   with.effects.push_back({candidate, std::move(theta)});
   std::vector<std::uint64_t> seeds;
@@ -65,15 +70,17 @@ Expected scatter_of(const Surroundings& around, const Model& model, int candidat
   return {variance(rough), variance(whole)};
 }
 
-/// No single row decides: a jump of the command that is simulated a fraction of a millisecond off makes a large error
-/// where nearly every effect scatters most. Caps at `share` of the channel's rows from above.
+/// No single row decides: a jump of the command that is simulated a fraction of a millisecond off
+/// makes a large error where nearly every effect scatters most. Caps at `share` of the channel's
+/// rows from above.
 VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x) {
   constexpr double kShare = 0.02;
   VectorXd out = x;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     std::vector<double> values;
     for (const Piece& p : pieces) {
-      if (p.channel == c) values.insert(values.end(), x.data() + p.from, x.data() + p.from + p.rows);
+      if (p.channel == c)
+        values.insert(values.end(), x.data() + p.from, x.data() + p.from + p.rows);
     }
     const double cap = quantile(values, 1.0 - kShare);
     for (const Piece& p : pieces) {
@@ -84,7 +91,8 @@ VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const 
 }
 
 /// Mean of a channel's entries, by channel.
-std::vector<double> means(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x) {
+std::vector<double> means(const Problem& problem, const std::vector<Piece>& pieces,
+                          const VectorXd& x) {
   std::vector<double> sum(problem.channels.size(), 0.0), count(problem.channels.size(), 0.0);
   for (const Piece& p : pieces) {
     sum[p.channel] += x.segment(p.from, p.rows).sum();
@@ -94,11 +102,12 @@ std::vector<double> means(const Problem& problem, const std::vector<Piece>& piec
   return sum;
 }
 
-/// Sum over channels of the covariance between squared error and expected scatter, each channel in units of its own
-/// mean square, over its deviation for independent normal errors.
+/// Sum over channels of the covariance between squared error and expected scatter, each channel in
+/// units of its own mean square, over its deviation for independent normal errors.
 double score_of(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& squares,
                 const VectorXd& expected) {
-  const std::vector<double> square = means(problem, pieces, squares), scatter = means(problem, pieces, expected);
+  const std::vector<double> square = means(problem, pieces, squares),
+                            scatter = means(problem, pieces, expected);
   double covariance = 0.0, variance = 0.0;
   for (const Piece& p : pieces) {
     const double mean = square[p.channel];
@@ -111,8 +120,10 @@ double score_of(const Problem& problem, const std::vector<Piece>& pieces, const 
   return variance > 0.0 ? covariance / std::sqrt(variance) : 0.0;
 }
 
-/// Errors against time, shifted: every recording's rows of a channel by the same number, around its end.
-VectorXd shifted(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x, Random& random) {
+/// Errors against time, shifted: every recording's rows of a channel by the same number, around its
+/// end.
+VectorXd shifted(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x,
+                 Random& random) {
   VectorXd out = x;
   std::size_t from = 0;
   while (from < pieces.size()) {
@@ -134,7 +145,8 @@ VectorXd shifted(const Problem& problem, const std::vector<Piece>& pieces, const
   return out;
 }
 
-/// Errors that the fitted model's own readings would have: noise, and the quantisation of the predicted value.
+/// Errors that the fitted model's own readings would have: noise, and the quantisation of the
+/// predicted value.
 VectorXd simulated_error(const Problem& problem, const VectorXd& r, Random& random) {
   VectorXd out(r.size());
   for (const Shot& shot : problem.shots) {
@@ -142,7 +154,8 @@ VectorXd simulated_error(const Problem& problem, const VectorXd& r, Random& rand
     for (std::size_t c = 0; c < problem.channels.size(); ++c) {
       const Observed& channel = problem.channels[c];
       const double step = channel.quantum;
-      const double noise = std::sqrt(std::max(0.0, channel.noise * channel.noise - step * step / 12.0));
+      const double noise =
+          std::sqrt(std::max(0.0, channel.noise * channel.noise - step * step / 12.0));
       for (std::size_t k = 0; k < shot.rows; ++k) {
         const auto at = static_cast<Index>(shot.offset + c * shot.rows + k);
         const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
@@ -161,24 +174,28 @@ VectorXd simulated_error(const Problem& problem, const VectorXd& r, Random& rand
   return out;
 }
 
-/// Share of `size`'s scatter that the squared errors hold: weighted regression on [1, expected] by channel, pooled.
+/// Share of `size`'s scatter that the squared errors hold: weighted regression on [1, expected] by
+/// channel, pooled.
 struct Share {
   std::vector<double> covariance, variance;  // by shot
 };
 Share shares(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& squares,
              const VectorXd& expected, int draws) {
-  const std::vector<double> square = means(problem, pieces, squares), scatter = means(problem, pieces, expected);
-  Share out{std::vector<double>(problem.shots.size(), 0.0), std::vector<double>(problem.shots.size(), 0.0)};
+  const std::vector<double> square = means(problem, pieces, squares),
+                            scatter = means(problem, pieces, expected);
+  Share out{std::vector<double>(problem.shots.size(), 0.0),
+            std::vector<double>(problem.shots.size(), 0.0)};
   for (const Piece& p : pieces) {
     const double mean = square[p.channel];
     if (!(mean > 0.0)) continue;
     const auto v = expected.segment(p.from, p.rows).array() - scatter[p.channel];
-    out.covariance[p.shot] += (v * (squares.segment(p.from, p.rows).array() - mean)).sum() / (mean * mean);
+    out.covariance[p.shot] +=
+        (v * (squares.segment(p.from, p.rows).array() - mean)).sum() / (mean * mean);
     // squares of a variance from few draws are too large by (draws + 1) / (draws - 1)
     const double centre = scatter[p.channel], honest = (draws - 1.0) / (draws + 1.0);
-    out.variance[p.shot] +=
-        (honest * expected.segment(p.from, p.rows).squaredNorm() - static_cast<double>(p.rows) * centre * centre) /
-        (mean * mean);
+    out.variance[p.shot] += (honest * expected.segment(p.from, p.rows).squaredNorm() -
+                             static_cast<double>(p.rows) * centre * centre) /
+                            (mean * mean);
   }
   return out;
 }
@@ -189,10 +206,12 @@ double ratio(const Share& s, const std::vector<std::size_t>& shots) {
   return variance > 0.0 ? covariance / variance : 0.0;
 }
 
-/// The size at which the expected scatter is what is seen, by interpolation between the tried sizes (in logarithms):
+/// The size at which the expected scatter is what is seen, by interpolation between the tried sizes
+/// (in logarithms):
 /// the share falls from above 1 to below 1 as the size grows.
 double size_at_unit_share(const std::vector<double>& sizes, const std::vector<double>& share) {
-  if (share.front() <= 1.0) return sizes.front() * std::sqrt(std::max(0.0, share.front()));  // variance ~ size^2
+  // variance ~ size^2
+  if (share.front() <= 1.0) return sizes.front() * std::sqrt(std::max(0.0, share.front()));
   for (std::size_t i = 1; i < sizes.size(); ++i) {
     if (share[i] > 1.0) continue;
     const double low = std::log(share[i - 1]), high = std::log(std::max(share[i], 1e-3));
@@ -222,8 +241,10 @@ class Judge {
         rough_(rough_part(*around.problem, final.r)),
         squares_(capped(*around.problem, pieces_, rough_.cwiseAbs2())) {
     const std::vector<Candidate>& all = around.library->candidates;
-    const auto random_ones = std::count_if(all.begin(), all.end(), [](const Candidate& c) { return c.random; });
-    draws_ = std::clamp(kAllDraws / static_cast<int>(std::max<std::ptrdiff_t>(1, random_ones)), kLeastDraws, kDraws);
+    const auto random_ones =
+        std::count_if(all.begin(), all.end(), [](const Candidate& c) { return c.random; });
+    draws_ = std::clamp(kAllDraws / static_cast<int>(std::max<std::ptrdiff_t>(1, random_ones)),
+                        kLeastDraws, kDraws);
   }
 
   std::vector<ScatterScore> all() {
@@ -232,7 +253,8 @@ class Judge {
       if (!candidates[i].random || final_.model.has(static_cast<int>(i))) continue;
       ScatterScore s;
       s.candidate = static_cast<int>(i);
-      expected_.push_back(scatter_of(around_, final_.model, s.candidate, candidates[i].probes.front().front(), draws_,
+      expected_.push_back(scatter_of(around_, final_.model, s.candidate,
+                                     candidates[i].probes.front().front(), draws_,
                                      Random(random_.bits(), i)));
       expected_.back().rough = capped(*around_.problem, pieces_, expected_.back().rough);
       s.score = score_of(*around_.problem, pieces_, squares_, expected_.back().rough);
@@ -243,8 +265,9 @@ class Judge {
     for (ScatterScore& s : scores_) {
       if (s.p_family < constants::kFamilyWise) measure(s);
     }
-    std::stable_sort(scores_.begin(), scores_.end(),
-                     [](const ScatterScore& a, const ScatterScore& b) { return a.score > b.score; });
+    std::stable_sort(
+        scores_.begin(), scores_.end(),
+        [](const ScatterScore& a, const ScatterScore& b) { return a.score > b.score; });
     return std::move(scores_);
   }
 
@@ -252,7 +275,8 @@ class Judge {
   /// The largest score of one draw of the error.
   double largest(const VectorXd& squares) const {
     double out = -INFINITY;
-    for (const Expected& e : expected_) out = std::max(out, score_of(*around_.problem, pieces_, squares, e.rough));
+    for (const Expected& e : expected_)
+      out = std::max(out, score_of(*around_.problem, pieces_, squares, e.rough));
     return out;
   }
 
@@ -268,13 +292,15 @@ class Judge {
 
   void family_wise() {
     const Problem& problem = *around_.problem;
-    const std::vector<double> shifts =
-        maxima(constants::kNullDraws, [&](Random& r) { return shifted(problem, pieces_, squares_, r); });
+    const std::vector<double> shifts = maxima(
+        constants::kNullDraws, [&](Random& r) { return shifted(problem, pieces_, squares_, r); });
     const std::vector<double> readings = maxima(kParametricDraws, [&](Random& r) {
-      return capped(problem, pieces_, rough_part(problem, simulated_error(problem, final_.r, r)).cwiseAbs2());
+      return capped(problem, pieces_,
+                    rough_part(problem, simulated_error(problem, final_.r, r)).cwiseAbs2());
     });
     const auto p = [](const std::vector<double>& null, double score) {
-      const auto above = std::count_if(null.begin(), null.end(), [score](double x) { return x >= score; });
+      const auto above =
+          std::count_if(null.begin(), null.end(), [score](double x) { return x >= score; });
       return (static_cast<double>(above) + 1.0) / (static_cast<double>(null.size()) + 1.0);
     };
     for (ScatterScore& s : scores_) s.p_family = std::max(p(shifts, s.score), p(readings, s.score));
@@ -295,16 +321,20 @@ class Judge {
     const VectorXd squares = rough_part(*ground.around->problem, ground.final->r).cwiseAbs2();
     Sized out;
     for (int i = 0; i < kSizes; ++i) {
-      out.sizes.push_back(largest * std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
-      const Expected e =
-          scatter_of(*ground.around, ground.final->model, candidate, out.sizes.back(), draws, Random(key));
+      out.sizes.push_back(largest *
+                          std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
+      const Expected e = scatter_of(*ground.around, ground.final->model, candidate,
+                                    out.sizes.back(), draws, Random(key));
       out.share.push_back(shares(*ground.around->problem, pieces_, squares, e.rough, draws));
     }
     return out;
   }
-  const Candidate& candidate_of(int i) const { return around_.library->candidates[static_cast<std::size_t>(i)]; }
+  const Candidate& candidate_of(int i) const {
+    return around_.library->candidates[static_cast<std::size_t>(i)];
+  }
 
-  /// The same shots, from where they begin when a candidate of that size says how well readings are known.
+  /// The same shots, from where they begin when a candidate of that size says how well readings are
+  /// known.
   Ground ground_with(int candidate, double size) const {
     Model model = final_.model;
     model.effects.push_back({candidate, candidate_of(candidate).probes.front()});
@@ -315,9 +345,9 @@ class Judge {
     Ground out;
     out.own_problem = std::make_shared<Problem>(*around_.problem);
     resmooth(*out.own_problem, jitter);
-    out.own_around = std::make_shared<Surroundings>(
-        Surroundings{out.own_problem.get(), around_.library,
-                     StartElimination(*out.own_problem, *around_.library, final_.model), around_.A});
+    out.own_around = std::make_shared<Surroundings>(Surroundings{
+        out.own_problem.get(), around_.library,
+        StartElimination(*out.own_problem, *around_.library, final_.model), around_.A});
     const VectorXd r = prediction_error(*out.own_problem, *around_.library, final_.model);
     out.own_around->set_shot_scale(out.own_around->starts.energy_by_shot(r));
     out.own_final = std::make_shared<FitResult>(fit(*out.own_around, final_.model, kAnew));
@@ -326,12 +356,13 @@ class Judge {
     return out;
   }
 
-  /// Size, interval and expected energy of a candidate that stands out. A few draws first: most that stand out are a
-  /// systematic error that scatters too, and leave far more than noise.
+  /// Size, interval and expected energy of a candidate that stands out. A few draws first: most
+  /// that stand out are a systematic error that scatters too, and leave far more than noise.
   void measure(ScatterScore& s) {
     const double largest = candidate_of(s.candidate).parameters.front().high;
     const std::uint64_t key = random_.bits();
-    if (scatter_of(around_, final_.model, s.candidate, largest, kLeastDraws, Random(key)).whole.sum() < least_energy_)
+    if (scatter_of(around_, final_.model, s.candidate, largest, kLeastDraws, Random(key))
+            .whole.sum() < least_energy_)
       return;
     std::vector<std::size_t> shots(around_.problem->shots.size());
     for (std::size_t i = 0; i < shots.size(); ++i) shots[i] = i;
@@ -340,7 +371,8 @@ class Judge {
       s.size = tried.size_of(shots);
       s.beyond = ratio(tried.share.back(), shots) > kBeyond;
       if (ground.own_problem == nullptr) ground = ground_with(s.candidate, s.size);
-      s.expected = scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
+      s.expected =
+          scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
       s.energy = s.expected.sum();
       s.left = position_error_level(*ground.around, ground.final->r, s.expected);
     };
@@ -352,7 +384,8 @@ class Judge {
     std::vector<double> resampled;
     for (int b = 0; b < constants::kBootstrap; ++b) {
       std::vector<std::size_t> drawn = shots;
-      for (std::size_t& i : drawn) i = static_cast<std::size_t>(random_.below(static_cast<int>(shots.size())));
+      for (std::size_t& i : drawn)
+        i = static_cast<std::size_t>(random_.below(static_cast<int>(shots.size())));
       resampled.push_back(tried.size_of(drawn));
     }
     s.low = quantile(resampled, 0.025);
@@ -386,13 +419,14 @@ VectorXd rough_part(const Problem& problem, const VectorXd& x) {
     if (p.rows < 3) continue;
     const Index inner = p.rows - 2;
     out.segment(p.from + 1, inner) =
-        x.segment(p.from + 1, inner) - 0.5 * (x.segment(p.from, inner) + x.segment(p.from + 2, inner));
+        x.segment(p.from + 1, inner) -
+        0.5 * (x.segment(p.from, inner) + x.segment(p.from + 2, inner));
   }
   return out;
 }
 
-std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitResult& final, double least_energy,
-                                        Random random) {
+std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitResult& final,
+                                        double least_energy, Random random) {
   return Judge(around, final, least_energy, random).all();
 }
 

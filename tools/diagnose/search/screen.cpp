@@ -13,10 +13,11 @@
 namespace sanso::diagnose {
 namespace {
 
-/// [nuisances | signatures | error], single precision: thousands of signatures of a robot with many joints fill
-/// gigabytes. A signature is the change of the prediction error for a full probe.
-Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& known, const Model& model,
-                           const Eigen::VectorXd& r, const std::vector<ProbeScore>& probes) {
+/// [nuisances | signatures | error], single precision: thousands of signatures of a robot with many
+/// joints fill gigabytes. A signature is the change of the prediction error for a full probe.
+Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& known,
+                           const Model& model, const Eigen::VectorXd& r,
+                           const std::vector<ProbeScore>& probes) {
   const Eigen::Index nuisances = known.cols(), count = static_cast<Eigen::Index>(probes.size());
   Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
   columns.leftCols(nuisances) = known.cast<float>();
@@ -24,23 +25,26 @@ Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& kn
   parallel_for(static_cast<int>(probes.size()), [&](int i) {
     const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
     Model with = model;
-    with.effects.push_back({probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
-                                                 .probes[static_cast<std::size_t>(probe.probe)]});
-    const std::vector<int>& joints = around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
+    with.effects.push_back(
+        {probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
+                              .probes[static_cast<std::size_t>(probe.probe)]});
+    const std::vector<int>& joints =
+        around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
     columns.col(nuisances + i) =
-        (prediction_error_near(*around.problem, *around.library, with, r, joints) - r).cast<float>();
+        (prediction_error_near(*around.problem, *around.library, with, r, joints) - r)
+            .cast<float>();
   });
   return columns;
 }
 
-/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + prior |x + d|^2 with x + d in its
-/// box, by coordinate descent. `free`: those not at an end of their box.
+/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + prior |x + d|^2
+/// with x + d in its box, by coordinate descent. `free`: those not at an end of their box.
 struct BoxedNuisances {
   Eigen::VectorXd d;
   std::vector<Eigen::Index> free;
 };
-BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library, const Model& model,
-                               Eigen::Index known) {
+BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library,
+                               const Model& model, Eigen::Index known) {
   const auto n = static_cast<Eigen::Index>(library.nuisances.size());
   const Eigen::Index last = gram.cols() - 1;
   BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
@@ -53,7 +57,8 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
   const double prior = constants::kTolerancePrecision;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double gradient = gram(i, last) + gram.row(i).head(n).dot(out.d) + prior * (x[i] + out.d[i]);
+      const double gradient =
+          gram(i, last) + gram.row(i).head(n).dot(out.d) + prior * (x[i] + out.d[i]);
       const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + prior);
       out.d[i] = std::clamp(moved, -constants::kToleranceReach, constants::kToleranceReach) - x[i];
     }
@@ -67,8 +72,9 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
   return out;
 }
 
-/// Inner products after eliminating the nuisances that are free to move within their prior: Schur complement. A
-/// nuisance at the end of its tolerance explains no more, so that an effect of the same shape keeps its signature.
+/// Inner products after eliminating the nuisances that are free to move within their prior: Schur
+/// complement. A nuisance at the end of its tolerance explains no more, so that an effect of the
+/// same shape keeps its signature.
 struct Eliminated {
   Eigen::MatrixXd G;  // probes x probes
   Eigen::VectorXd b;  // probes: s' M r
@@ -80,13 +86,15 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eige
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
     for (Eigen::Index j = 0; j < n; ++j)
-      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? constants::kTolerancePrecision : 0.0);
+      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) +
+                (i == j ? constants::kTolerancePrecision : 0.0);
     cross.row(i) = gram.block(row, nuisances, 1, probes);
   }
   // the free nuisances are at their optimum: they contribute no gradient of their own
   const auto S = gram.block(nuisances, 0, probes, nuisances);
-  return {gram.block(nuisances, nuisances, probes, probes) - cross.transpose() * H.ldlt().solve(cross),
-          gram.block(nuisances, nuisances + probes, probes, 1) + S * at.d};
+  return {
+      gram.block(nuisances, nuisances, probes, probes) - cross.transpose() * H.ldlt().solve(cross),
+      gram.block(nuisances, nuisances + probes, probes, 1) + S * at.d};
 }
 
 /// Every shot's entries times its weight.
@@ -94,19 +102,24 @@ Eigen::VectorXd by_shot(const Problem& problem, const Eigen::VectorXd& weights, 
   for (std::size_t s = 0; s < problem.shots.size(); ++s) {
     const Shot& shot = problem.shots[s];
     const auto entries = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
-    r.segment(static_cast<Eigen::Index>(shot.offset), entries) *= weights[static_cast<Eigen::Index>(s)];
+    r.segment(static_cast<Eigen::Index>(shot.offset), entries) *=
+        weights[static_cast<Eigen::Index>(s)];
   }
   return r;
 }
 
-/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal matching pursuit):
+/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal
+/// matching pursuit):
 /// the error level of a model large enough, as in ordinary regression.
-std::vector<double> saturated_overdispersion(const Surroundings& around, const Eigen::MatrixXd& known,
-                                             const Eigen::MatrixXf& columns, const Eigen::VectorXd& weights) {
+std::vector<double> saturated_overdispersion(const Surroundings& around,
+                                             const Eigen::MatrixXd& known,
+                                             const Eigen::MatrixXf& columns,
+                                             const Eigen::VectorXd& weights) {
   const Eigen::Index a = known.cols(), k = columns.cols() - a - 1;
   std::vector<double> energy(static_cast<std::size_t>(k)), score(energy.size());
   parallel_for(static_cast<int>(k), [&](int c) {
-    energy[static_cast<std::size_t>(c)] = around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
+    energy[static_cast<std::size_t>(c)] =
+        around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
   });
   const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
   Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
@@ -125,7 +138,8 @@ std::vector<double> saturated_overdispersion(const Surroundings& around, const E
     const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
     parallel_for(static_cast<int>(k), [&](int c) {
       const double b = columns.col(a + c).cast<double>().dot(weighted);
-      score[static_cast<std::size_t>(c)] = b * b / std::max(energy[static_cast<std::size_t>(c)], 1e-12);
+      score[static_cast<std::size_t>(c)] =
+          b * b / std::max(energy[static_cast<std::size_t>(c)], 1e-12);
     });
     const auto best = std::max_element(score.begin(), score.end()) - score.begin();
     if (k == 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
@@ -136,8 +150,8 @@ std::vector<double> saturated_overdispersion(const Surroundings& around, const E
   return overdispersion(*around.problem, left);
 }
 
-/// Divides every channel's rows by the square root of its overdispersion; the scale never falls below the channel's
-/// floor.
+/// Divides every channel's rows by the square root of its overdispersion; the scale never falls
+/// below the channel's floor.
 void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXf& columns,
              std::vector<double>& sigma) {
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
@@ -145,14 +159,16 @@ void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::Matr
     sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
     for (const Shot& shot : problem.shots) {
       columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                         static_cast<Eigen::Index>(shot.rows)) *= static_cast<float>(channel.sigma / sigma.back());
+                         static_cast<Eigen::Index>(shot.rows)) *=
+          static_cast<float>(channel.sigma / sigma.back());
     }
   }
 }
 
-/// Square root: draws with this covariance are root * standard normals. Cholesky is much faster than eigenvalues for
-/// thousands of probes; signatures that are alike make the matrix singular, so a hundred-thousandth of independent
-/// noise on each keeps the factor real and moves no draw visibly. Where rounding spoils even that, eigenvalues.
+/// Square root: draws with this covariance are root * standard normals. Cholesky is much faster
+/// than eigenvalues for thousands of probes; signatures that are alike make the matrix singular, so
+/// a hundred-thousandth of independent noise on each keeps the factor real and moves no draw
+/// visibly. Where rounding spoils even that, eigenvalues.
 Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
   Eigen::MatrixXd regular = correlation;
   regular.diagonal().array() += 1e-5;
@@ -179,9 +195,10 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
     if (one_sided_probe[i] == 0)
       draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   }
-  const std::vector<double> p = step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
-    for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
-  });
+  const std::vector<double> p =
+      step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
+        for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
+      });
   for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
   for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
   out.critical = quantile(maxima, 1.0 - constants::kFamilyWise);
@@ -199,18 +216,23 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   std::vector<char> signed_probe;
   for (int candidate : which) {
     const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
-    const std::vector<int> again = earlier != nullptr ? earlier->two_probes(candidate) : std::vector<int>{};
+    const std::vector<int> again =
+        earlier != nullptr ? earlier->two_probes(candidate) : std::vector<int>{};
     for (std::size_t p = 0; p < c.probes.size(); ++p) {
-      if (earlier != nullptr && std::find(again.begin(), again.end(), static_cast<int>(p)) == again.end()) continue;
+      if (earlier != nullptr &&
+          std::find(again.begin(), again.end(), static_cast<int>(p)) == again.end())
+        continue;
       out.probes.push_back({candidate, static_cast<int>(p)});
       signed_probe.push_back(!c.two_sided);
     }
   }
   const auto count = static_cast<Eigen::Index>(out.probes.size());
   Eigen::MatrixXf columns = columns_of(around, known, model, r, out.probes);
-  // a shot that runs away (a joint that sticks at its start in one world and not in the other) does not decide alone
+  // a shot that runs away (a joint that sticks at its start in one world and not in the other) does
+  // not decide alone
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
-  rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns, out.channel_sigma);
+  rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns,
+          out.channel_sigma);
   if (count == 0) {  // every candidate is in the model already
     out.critical = INFINITY;
     return out;
@@ -219,8 +241,8 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   Eigen::MatrixXd gram = groups.front();
   for (std::size_t g = 1; g < groups.size(); ++g) gram += groups[g];
   if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
-  const Eliminated e =
-      eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()), known.cols(), count);
+  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()),
+                                 known.cols(), count);
   out.correlation.resize(count, count);
   // a signature below rounding says nothing
   const auto says_something = [&](Eigen::Index i) {
@@ -233,10 +255,13 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
     const double norm = says_something(i) ? std::sqrt(e.G(i, i)) : 0.0;
     probe.signature = norm;
     if (norm > 0.0) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
-    probe.score = signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
+    probe.score =
+        signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
     for (Eigen::Index j = 0; j < count; ++j) {
       const double scale = std::sqrt(e.G(i, i) * e.G(j, j));
-      out.correlation(i, j) = i == j ? 1.0 : says_something(i) && says_something(j) ? e.G(i, j) / scale : 0.0;
+      out.correlation(i, j) = i == j                                   ? 1.0
+                              : says_something(i) && says_something(j) ? e.G(i, j) / scale
+                                                                       : 0.0;
     }
   }
   family_wise(out, signed_probe, random);
@@ -254,7 +279,8 @@ std::vector<int> Screening::ranking() const {
   for (const ProbeScore& p : probes) {
     if (best(p.candidate) == &p) order.emplace_back(p.score, p.candidate);
   }
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<int> out;
   for (const auto& [score, candidate] : order) out.push_back(candidate);
   return out;

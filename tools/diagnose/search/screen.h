@@ -1,8 +1,9 @@
-// Screening by matched filter: the signature of every candidate at every probe size, compared with what is left of the
-// error.
-//   z_h = s' M r / sqrt(s' M s)   after projecting out starts and nuisances, channels scaled by their overdispersed
-//   errors
-// Family-wise p over all candidates, places and probes: step-down max-T, null law N(0, correlation of the signatures).
+// Screening by matched filter: the signature of every candidate at every probe size, compared with
+// what is left of the error.
+//   z_h = s' M r / sqrt(s' M s)   after projecting out starts and nuisances, channels scaled by
+//   their overdispersed errors
+// Family-wise p over all candidates, places and probes: step-down max-T, null law N(0, correlation
+// of the signatures).
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +17,9 @@ namespace sanso::diagnose {
 /// One probe of one candidate.
 struct ProbeScore {
   int candidate = 0, probe = 0;
-  double z = 0.0;          // matched-filter score; sign: + means towards the probe
-  double score = 0.0;      // |z|, or max(z, 0) where the parameter can leave its null in one direction only
+  double z = 0.0;  // matched-filter score; sign: + means towards the probe
+  // |z|, or max(z, 0) where the parameter can leave its null in one direction only
+  double score = 0.0;
   double amount = 0.0;     // best multiple of (probe - null), linear
   double signature = 0.0;  // sqrt(s' M s): size of the full probe in noise levels
   double p_family = 1.0;
@@ -26,12 +28,15 @@ struct ProbeScore {
 struct Screening {
   std::vector<ProbeScore> probes;
   Eigen::MatrixXd correlation;  // of the projected signatures, probes x probes
-  double critical = 0.0;        // |z| that the family's maximum exceeds with probability kFamilyWise under the null
+  // |z| that the family's maximum exceeds with probability kFamilyWise under the null
+  double critical = 0.0;
   std::vector<double>
-      channel_sigma;  // by channel: error level of a model large enough, natural units, not below the floor
+      // by channel: error level of a model large enough, natural units, not below the floor
+      channel_sigma;
 
-  /// For methods that select on held-out groups: inner products of [known | signatures | error] by group, channels
-  /// scaled by channel_sigma; `known` columns (nuisances) come first. Empty unless asked for.
+  /// For methods that select on held-out groups: inner products of [known | signatures | error] by
+  /// group, channels scaled by channel_sigma; `known` columns (nuisances) come first. Empty unless
+  /// asked for.
   std::vector<Eigen::MatrixXd> by_group;
   Eigen::Index known = 0;
 
@@ -47,9 +52,11 @@ struct Screening {
   double similarity(int a, int b) const;
 };
 
-/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an `earlier` screening
-/// only two probes of every candidate are tried again: its strongest one and its most different one.
-/// `accepted`: derivatives by the parameters of the model's own effects, projected out like the nuisances; empty: none.
+/// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an
+/// `earlier` screening only two probes of every candidate are tried again: its strongest one and
+/// its most different one.
+/// `accepted`: derivatives by the parameters of the model's own effects, projected out like the
+/// nuisances; empty: none.
 /// `keep_groups`: fills Screening::by_group.
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
                  const std::vector<int>& which, Random random, const Screening* earlier = nullptr,

@@ -1,6 +1,6 @@
-// Forward, backward and swap search over explanations. Every name has to pass: family-wise p, held-out gain above
-// chance (moving-block bootstrap over shots), not worse on conditions left out, an interval that excludes the null, off
-// its bounds.
+// Forward, backward and swap search over explanations. Every name has to pass: family-wise p,
+// held-out gain above chance (moving-block bootstrap over shots), not worse on conditions left out,
+// an interval that excludes the null, off its bounds.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,8 @@ struct Accepted {
   std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
   double low = 0.0, high = 0.0;  // 95 % interval of a random effect's size, from scatter
-  std::string contradicted;      // the residual that speaks against it; then it describes the data and is no finding
+  // the residual that speaks against it; then it describes the data and is no finding
+  std::string contradicted;
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
   FitResult without;                      // the final model without it, refitted
 };
@@ -32,19 +33,23 @@ struct Selection {
   FitResult final;
   Eigen::VectorXd nominal_heldout, final_heldout;  // energy by shot
   std::vector<Accepted> accepted;
-  std::vector<std::string> refuted;  // accepted for what they predict, then dropped: "effect at place (residual)"
-  Eigen::VectorXd expected_scatter;  // squares by entry that accepted random effects explain; empty: none
-  Screening first;                   // of the nominal model: the family on which detection rests
-  std::vector<std::string> log;      // one line a step, for the report
+  // accepted for what they predict, then dropped: "effect at place (residual)"
+  std::vector<std::string> refuted;
+  // squares by entry that accepted random effects explain; empty: none
+  Eigen::VectorXd expected_scatter;
+  Screening first;               // of the nominal model: the family on which detection rests
+  std::vector<std::string> log;  // one line a step, for the report
 };
 
 struct SelectOptions {
   unsigned long seed = 1;
   bool keep_groups = false;  // Selection::first also by held-out group
   std::function<void(const std::string&)> progress = [](const std::string&) {};
-  /// The residual that an effect (in `with`, not in `without`) should have changed and did not; empty: none.
-  std::function<std::string(const Surroundings&, const FitResult& without, const FitResult& with)> refuted_by =
-      [](const Surroundings&, const FitResult&, const FitResult&) { return std::string(); };
+  /// The residual that an effect (in `with`, not in `without`) should have changed and did not;
+  /// empty: none.
+  std::function<std::string(const Surroundings&, const FitResult& without, const FitResult& with)>
+      refuted_by =
+          [](const Surroundings&, const FitResult&, const FitResult&) { return std::string(); };
 };
 
 /// Sets the channels' scales (Observed::sigma) in `problem` to the error levels that it finds.

@@ -10,7 +10,8 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kFar = 1e5;  // a null beyond it means "off": such a parameter is scaled, not moved away from its null
+// a null beyond it means "off": such a parameter is scaled, not moved away from its null
+constexpr double kFar = 1e5;
 constexpr int kOrderSteps = 16;  // tried at most between two probed orders
 
 double error_energy(const Surroundings& around, const Model& model) {
@@ -23,7 +24,8 @@ std::vector<double> inside(const Candidate& effect, std::vector<double> theta) {
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
     if (p.structural) continue;
-    // an effect that is off at infinity has no meaningful width: there half a typical size is the margin
+    // an effect that is off at infinity has no meaningful width: there half a typical size is the
+    // margin
     const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
     const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
     theta[i] = std::clamp(theta[i], low, p.high - margin);
@@ -32,12 +34,14 @@ std::vector<double> inside(const Candidate& effect, std::vector<double> theta) {
 }
 
 /// The probe at `factor` times its distance from the null.
-std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe, double factor) {
+std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe,
+                           double factor) {
   std::vector<double> theta = probe;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
     if (p.structural || probe[i] == p.null) continue;
-    theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor) : p.null + factor * (probe[i] - p.null);
+    theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor)
+                                       : p.null + factor * (probe[i] - p.null);
   }
   return inside(effect, std::move(theta));
 }
@@ -48,13 +52,14 @@ Model with(const Model& base, int candidate, std::vector<double> theta) {
   return out;
 }
 
-/// Sizes along the line from the null through the probe: what the matched filter promises, and fractions and multiples
-/// of the probe to both sides of it.
-Model best_size(const Surroundings& around, const Model& base, int candidate, const std::vector<double>& probe,
-                double amount) {
+/// Sizes along the line from the null through the probe: what the matched filter promises, and
+/// fractions and multiples of the probe to both sides of it.
+Model best_size(const Surroundings& around, const Model& base, int candidate,
+                const std::vector<double>& probe, double amount) {
   const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
   std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
-  for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2}) factors.push_back(std::copysign(f, amount));
+  for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2})
+    factors.push_back(std::copysign(f, amount));
   Model best;
   double least = std::numeric_limits<double>::infinity();
   for (const double f : factors) {
@@ -81,10 +86,10 @@ std::vector<double> orders_near(const Candidate& effect, std::size_t index, doub
   return out;
 }
 
-/// The one of `values` of this parameter, or the model's own, whose other parameters leave the least after `iterations`
-/// Gauss-Newton steps.
-Model best_value(const Surroundings& around, const Model& model, std::size_t index, const std::vector<double>& values,
-                 int iterations) {
+/// The one of `values` of this parameter, or the model's own, whose other parameters leave the
+/// least after `iterations` Gauss-Newton steps.
+Model best_value(const Surroundings& around, const Model& model, std::size_t index,
+                 const std::vector<double>& values, int iterations) {
   FitResult best = fit(around, model, iterations);
   for (const double value : values) {
     Model trial = model;
@@ -95,18 +100,22 @@ Model best_value(const Surroundings& around, const Model& model, std::size_t ind
   return best.model;
 }
 
-/// One step for all orders around the probed one; then the best of them against its neighbours, fitted further.
+/// One step for all orders around the probed one; then the best of them against its neighbours,
+/// fitted further.
 Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
-  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
+  const Candidate& effect =
+      around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
   const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index]);
   const Model coarse = best_value(around, model, index, near, 1);
   const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
-  return best_value(around, coarse, index, {order - unit, order + unit}, constants::kFirstIterations);
+  return best_value(around, coarse, index, {order - unit, order + unit},
+                    constants::kFirstIterations);
 }
 
-/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of the joint, a delay.
-/// No derivative leads there from afar, so the neighbourhood of the probe is halved until it is small. Step 0: no such
-/// parameter.
+/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of
+/// the joint, a delay.
+/// No derivative leads there from afar, so the neighbourhood of the probe is halved until it is
+/// small. Step 0: no such parameter.
 struct Range {
   double low = 0.0, high = 0.0, step = 0.0;
 };
@@ -121,7 +130,8 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
     return {p.low, p.high, 2.0 * gate::sampling_interval(around.problem->sources.front().drive.t)};
   }
   // an event's probes lie half a shot apart
-  if (role == Role::event) return {0.0, longest_recording(*around.problem), 0.5 * constants::kShotSeconds};
+  if (role == Role::event)
+    return {0.0, longest_recording(*around.problem), 0.5 * constants::kShotSeconds};
   if (role != Role::position) return {};
   Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
   for (const std::vector<double>& probe : effect.probes) {
@@ -131,13 +141,15 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   return out;
 }
 
-/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is); -1: none.
-Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index, const Range& range,
-                           double least_step, int keeps = -1) {
+/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is);
+/// -1: none.
+Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index,
+                           const Range& range, double least_step, int keeps = -1) {
   FitResult best = fit(around, start, 2);
   for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
     const double place = best.model.effects.back().theta[index];
-    for (const double next : {std::max(range.low, place - step), std::min(range.high, place + step)}) {
+    for (const double next :
+         {std::max(range.low, place - step), std::min(range.high, place + step)}) {
       Model trial = best.model;
       std::vector<double>& theta = trial.effects.back().theta;
       theta[index] = next;
@@ -152,7 +164,8 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
 
 /// A position is tried on a grid first: its probes are few.
 Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
-  constexpr int kPlaces = 14;  // a place off by half a step still explains most; the halving finds the rest
+  // a place off by half a step still explains most; the halving finds the rest
+  constexpr int kPlaces = 14;
   constexpr int kHalvings = 5;
   if (range.step == 0.0) {
     range.step = (range.high - range.low) / (kPlaces + 1);
@@ -170,16 +183,20 @@ int index_of(const Candidate& effect, Role role) {
   return -1;
 }
 
-/// An event as a whole first, then its end and its beginning by themselves: each edge shows at its own instant.
-Model with_best_event(const Surroundings& around, Model model, const Candidate& effect, std::size_t from) {
+/// An event as a whole first, then its end and its beginning by themselves: each edge shows at its
+/// own instant.
+Model with_best_event(const Surroundings& around, Model model, const Candidate& effect,
+                      std::size_t from) {
   constexpr double kLeast = 1.0 / 128;  // of half a shot: two milliseconds
   const int duration = index_of(effect, Role::duration);
   const Range when = range_of_place(around, effect, from);
   model = with_best_place(around, std::move(model), from, when);
   if (duration < 0) return model;
-  const Range length{effect.parameters[static_cast<std::size_t>(duration)].low, constants::kShotSeconds, when.step};
+  const Range length{effect.parameters[static_cast<std::size_t>(duration)].low,
+                     constants::kShotSeconds, when.step};
   for (int round = 0; round < 2; ++round) {
-    model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length, kLeast * length.step);
+    model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length,
+                                 kLeast * length.step);
     model = halved_to_best_place(around, model, from, when, kLeast * when.step, duration);
   }
   return model;
@@ -187,9 +204,11 @@ Model with_best_event(const Surroundings& around, Model model, const Candidate& 
 
 }  // namespace
 
-Model best_start(const Surroundings& around, const Model& base, int candidate, const ProbeScore* probe) {
+Model best_start(const Surroundings& around, const Model& base, int candidate,
+                 const ProbeScore* probe) {
   const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
-  const std::vector<double>& theta = effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
+  const std::vector<double>& theta =
+      effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     const Role role = effect.parameters[i].role;

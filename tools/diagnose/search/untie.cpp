@@ -34,8 +34,10 @@ int at_joint(const Library& library, const std::string& effect, int joint) {
   return -1;
 }
 
-std::vector<double> within_bounds(std::vector<double> theta, const std::vector<CandidateParameter>& parameters) {
-  for (std::size_t k = 0; k < theta.size(); ++k) theta[k] = std::clamp(theta[k], parameters[k].low, parameters[k].high);
+std::vector<double> within_bounds(std::vector<double> theta,
+                                  const std::vector<CandidateParameter>& parameters) {
+  for (std::size_t k = 0; k < theta.size(); ++k)
+    theta[k] = std::clamp(theta[k], parameters[k].low, parameters[k].high);
   return theta;
 }
 
@@ -45,7 +47,8 @@ bool append_singles(const Library& library, const Chosen& tied, Model& model) {
   for (const int joint : whole.joints) {
     const int single = at_joint(library, whole.effect, joint);
     if (single < 0) return false;
-    const std::vector<CandidateParameter>& parameters = library.candidates[static_cast<std::size_t>(single)].parameters;
+    const std::vector<CandidateParameter>& parameters =
+        library.candidates[static_cast<std::size_t>(single)].parameters;
     model.effects.push_back({single, within_bounds(tied.theta, parameters)});
   }
   return true;
@@ -71,17 +74,23 @@ std::vector<Untied> untied(const Library& library, const Model& model) {
       if (!goes) u.model.effects.push_back(model.effects[i]);
     }
     if (u.replaced.size() < 2 || !append_singles(library, model.effects[t], u.model)) continue;
-    if (u.model.effects.size() <= static_cast<std::size_t>(constants::kMaximumEffects)) out.push_back(std::move(u));
+    if (u.model.effects.size() <= static_cast<std::size_t>(constants::kMaximumEffects))
+      out.push_back(std::move(u));
   }
   return out;
 }
 
-std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart, const FitResult& tied) {
+std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart,
+                                    const FitResult& tied) {
   FitResult out = fit(around, apart.model, constants::kIterations);
-  // on what the fits saw first: where fits without a group are erratic, the second comparison alone would let anything pass
-  const auto seen = [&](const FitResult& f) { return around.bounded(around.starts.energy_by_shot(f.r)); };
+  // on what the fits saw first: where fits without a group are erratic, the second comparison alone
+  // would let anything pass
+  const auto seen = [&](const FitResult& f) {
+    return around.bounded(around.starts.energy_by_shot(f.r));
+  };
   if (worse(around, compare(seen(out), seen(tied)))) return std::nullopt;
-  if (worse(around, compare(refitted_energy(around, out), refitted_energy(around, tied)))) return std::nullopt;
+  if (worse(around, compare(refitted_energy(around, out), refitted_energy(around, tied))))
+    return std::nullopt;
   return out;
 }
 

@@ -20,9 +20,11 @@ CommandPath::Command profiled(const JointParams& joint, const ServoInput& in, In
   const double ahead = command.value - inner.profile;
   double speed = std::min(std::abs(ahead) / in.h, joint.profile_speed);
   if (joint.profile_acceleration != kNone) {
-    speed = std::min(speed, std::sqrt(2.0 * joint.profile_acceleration * std::abs(ahead)));  // able to stop at the goal
+    // able to stop at the goal
+    speed = std::min(speed, std::sqrt(2.0 * joint.profile_acceleration * std::abs(ahead)));
     const double change = joint.profile_acceleration * in.h;
-    inner.profile_speed += std::clamp(std::copysign(speed, ahead) - inner.profile_speed, -change, change);
+    inner.profile_speed +=
+        std::clamp(std::copysign(speed, ahead) - inner.profile_speed, -change, change);
   } else {
     inner.profile_speed = std::copysign(speed, ahead);
   }
@@ -32,9 +34,10 @@ CommandPath::Command profiled(const JointParams& joint, const ServoInput& in, In
   return command;
 }
 
-/// Dead zone, first-order filter and limit of a controller's output; `slope` becomes d output / d raw.
-double shaped(const JointParams& joint, double raw, double full, double limit, double h, InnerState& inner,
-              double& slope) {
+/// Dead zone, first-order filter and limit of a controller's output; `slope` becomes d output / d
+/// raw.
+double shaped(const JointParams& joint, double raw, double full, double limit, double h,
+              InnerState& inner, double& slope) {
   slope = 1.0;
   if (joint.dead_zone > 0.0 && full < kNone) {
     const double zone = joint.dead_zone * full;
@@ -58,10 +61,11 @@ double shaped(const JointParams& joint, double raw, double full, double limit, d
 struct Gains {
   double p, d, i;  // output per rad, per rad/s, per rad s
 };
-double controller(const JointParams& joint, const Gains& gains, const ServoInput& in, const CommandPath::Command& goal,
-                  double limit, InnerState& inner) {
+double controller(const JointParams& joint, const Gains& gains, const ServoInput& in,
+                  const CommandPath::Command& goal, double limit, InnerState& inner) {
   const double error = goal.value - in.position;
-  const double without_integral = gains.p * error - gains.d * in.velocity + gains.p * joint.feed_forward * goal.rate;
+  const double without_integral =
+      gains.p * error - gains.d * in.velocity + gains.p * joint.feed_forward * goal.rate;
   if (gains.i <= 0.0) return without_integral;
   const double integral = inner.integral + in.h * error;
   // at the limit the integral may only move back, or go on as far as the firmware lets it wind up
@@ -82,7 +86,8 @@ ServoOutput dc_servo(const JointParams& joint, const ServoInput& in, InnerState&
 
   const double limit = std::min(s.duty_limit, joint.output_limit);
   const double nominal_stall = s.torque_constant * s.voltage / s.resistance;  // N m per duty
-  const double added_d = joint.d_torque != 0.0 && nominal_stall > 0.0 ? joint.d_torque / nominal_stall : 0.0;
+  const double added_d =
+      joint.d_torque != 0.0 && nominal_stall > 0.0 ? joint.d_torque / nominal_stall : 0.0;
   const double p = s.p_gain * joint.p_scale;
   const Gains gains{p, s.d_gain + added_d, s.i_gain + p * joint.integral_rate};
   double slope = 1.0;
@@ -108,7 +113,8 @@ ServoOutput dc_servo(const JointParams& joint, const ServoInput& in, InnerState&
   return out;
 }
 
-/// Torque sources: follow a torque, or a goal position with kp and kd. No motor model, so limits are plain torques.
+/// Torque sources: follow a torque, or a goal position with kp and kd. No motor model, so limits
+/// are plain torques.
 ServoOutput torque_source(const JointParams& joint, const ServoInput& in, InnerState& inner) {
   const JointSettings& s = joint.nominal;
   const bool position = s.actuator == Actuator::position_pd;
@@ -161,13 +167,14 @@ void settle_integral(const JointParams& joint, double torque, double supply, Inn
   const JointSettings& s = joint.nominal;
   const bool servo = s.actuator == Actuator::dc_servo;
   // d torque / d (P gain times angle)
-  const double strength =
-      servo ? s.torque_constant * joint.torque_scale * s.voltage * supply / (s.resistance * joint.resistance_scale)
-            : joint.torque_scale * supply / joint.resistance_scale;
+  const double strength = servo ? s.torque_constant * joint.torque_scale * s.voltage * supply /
+                                      (s.resistance * joint.resistance_scale)
+                                : joint.torque_scale * supply / joint.resistance_scale;
   const double p = (servo ? s.p_gain : s.kp) * joint.p_scale;
   if (!(strength * p > 0.0)) return;
   const double full = servo ? std::min(s.duty_limit, joint.output_limit) : kNone;
-  const double held = std::clamp(torque / strength, -full, full) / p;  // rad of error that would hold it
+  // rad of error that would hold it
+  const double held = std::clamp(torque / strength, -full, full) / p;
   // under P and I a standing error decays with the rate of the integral
   inner.integral = held * (1.0 - std::exp(-rate * kHeld)) / rate;
 }
@@ -188,23 +195,26 @@ double ripple_at(const Ripple& r, double x) {
   return r.zero() ? 0.0 : r.sine * std::sin(r.order * x) + r.cosine * std::cos(r.order * x);
 }
 double ripple_slope(const Ripple& r, double x) {
-  return r.zero() ? 0.0 : r.order * (r.sine * std::cos(r.order * x) - r.cosine * std::sin(r.order * x));
+  return r.zero() ? 0.0
+                  : r.order * (r.sine * std::cos(r.order * x) - r.cosine * std::sin(r.order * x));
 }
 
 double encoder_reading(const JointParams& joint, double x) {
-  return (1.0 + joint.encoder_scale) * x + ripple_at(joint.encoder_error, x) - ripple_at(joint.gear_error, x) +
-         joint.encoder_offset;
+  return (1.0 + joint.encoder_scale) * x + ripple_at(joint.encoder_error, x) -
+         ripple_at(joint.gear_error, x) + joint.encoder_offset;
 }
 
 double encoder_slope(const JointParams& joint, double x) {
-  return 1.0 + joint.encoder_scale + ripple_slope(joint.encoder_error, x) - ripple_slope(joint.gear_error, x);
+  return 1.0 + joint.encoder_scale + ripple_slope(joint.encoder_error, x) -
+         ripple_slope(joint.gear_error, x);
 }
 
 double position_for_reading(const JointParams& joint, double reading) {
   double x = (reading - joint.encoder_offset) / (1.0 + joint.encoder_scale);
   if (joint.encoder_error.zero() && joint.gear_error.zero()) return x;
   for (int k = 0; k < 8; ++k)
-    x -= (encoder_reading(joint, x) - reading) / (1.0 + joint.encoder_scale);  // contracts: slopes are small
+    // contracts: slopes are small
+    x -= (encoder_reading(joint, x) - reading) / (1.0 + joint.encoder_scale);
   return x;
 }
 

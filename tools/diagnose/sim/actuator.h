@@ -1,4 +1,5 @@
-// Firmware and electrical ports of one joint: from goal and measured position to motor torque at the output shaft.
+// Firmware and electrical ports of one joint: from goal and measured position to motor torque at
+// the output shaft.
 #pragma once
 
 #include "tools/diagnose/sim/command_path.h"
@@ -44,11 +45,12 @@ struct ServoOutput {
   double back_emf_damping = 0.0;  // -d torque / d motor_velocity
 };
 
-/// One step of the servo; advances its inner states by input.h. Switched off: no torque, no back-EMF.
+/// One step of the servo; advances its inner states by input.h. Switched off: no torque, no
+/// back-EMF.
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner);
 
-/// The integral of a servo that has held `torque` for a while, as before a recording begins: a few seconds, so that a
-/// slow integral carries only a part of it. `supply` over nominal.
+/// The integral of a servo that has held `torque` for a while, as before a recording begins: a few
+/// seconds, so that a slow integral carries only a part of it. `supply` over nominal.
 void settle_integral(const JointParams& joint, double torque, double supply, InnerState& inner);
 
 /// Encoder reading for a position of the side it sits on, and the position for a reading.

@@ -7,10 +7,12 @@
 namespace sanso::diagnose {
 namespace {
 
-std::vector<double> altered(const std::vector<double>& command, const JointParams& joint, std::mt19937_64* random) {
+std::vector<double> altered(const std::vector<double>& command, const JointParams& joint,
+                            std::mt19937_64* random) {
   std::vector<double> out = command;
   for (std::size_t k = 1; k < out.size(); ++k) {
-    if (joint.hold_cycles > 1 && k % static_cast<std::size_t>(joint.hold_cycles) != 0) out[k] = out[k - 1];
+    if (joint.hold_cycles > 1 && k % static_cast<std::size_t>(joint.hold_cycles) != 0)
+      out[k] = out[k - 1];
     if (joint.loss > 0.0 && std::isfinite(out[k]) && std::isfinite(out[k - 1])) {
       if (random == nullptr) {
         out[k] = (1.0 - joint.loss) * out[k] + joint.loss * out[k - 1];  // E[held value]
@@ -29,7 +31,8 @@ CommandPath::CommandPath(const SimParams& params, const Drive& drive, std::uint6
   std::mt19937_64 random(random_seed);
   for (std::size_t j = 0; j < drive.joints.size(); ++j) {
     const JointParams& joint = params.joints[j];
-    const std::vector<double>* series = drive.joints[j].command.empty() ? nullptr : &drive.joints[j].command;
+    const std::vector<double>* series =
+        drive.joints[j].command.empty() ? nullptr : &drive.joints[j].command;
     if (series != nullptr && (joint.hold_cycles > 1 || joint.loss > 0.0)) {
       altered_[j] = altered(*series, joint, random_seed == 0 ? nullptr : &random);
       series = &altered_[j];

@@ -1,4 +1,5 @@
-// Clock and command path: what the servo of a joint is asked for between two instants, after delay, hold and loss.
+// Clock and command path: what the servo of a joint is asked for between two instants, after delay,
+// hold and loss.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ class CommandPath {
     double rate;   // per second, of the sample interval
     bool off;      // empty cell: the actuator is switched off
   };
-  /// The command of joint j that acts during [from, until]. Calls for one joint go forward in time between rewinds.
+  /// The command of joint j that acts during [from, until]. Calls for one joint go forward in time
+  /// between rewinds.
   Command over(int j, double from, double until);
   void rewind() { cursor_.assign(cursor_.size(), kUnset); }
 

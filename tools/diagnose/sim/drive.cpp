@@ -16,7 +16,8 @@ std::vector<double> column(const Recording& recording, const std::string& name) 
   return {values.begin(), values.end()};
 }
 
-std::vector<double> command_of(const Recording& recording, const std::string& joint, Actuator actuator) {
+std::vector<double> command_of(const Recording& recording, const std::string& joint,
+                               Actuator actuator) {
   if (actuator == Actuator::passive) return {};
   std::vector<std::string> names{"u:" + joint};
   if (actuator == Actuator::torque) names = {"tau_cmd:" + joint, "force_cmd:" + joint};
@@ -42,10 +43,12 @@ Drive make_drive(const Recording& recording, const ModelFolder& model) {
     const std::string& name = model.tree.joints[j].name;
     JointData& data = drive.joints[j];
     data.q = column(recording, "q:" + name);
-    if (std::count_if(data.q.begin(), data.q.end(), [](double q) { return std::isfinite(q); }) < 3) {
+    if (std::count_if(data.q.begin(), data.q.end(), [](double q) { return std::isfinite(q); }) <
+        3) {
       throw InputError(
           recording.file, recording.header_line, "q:" + name, "no positions", "",
-          "the measured position of every movable joint of the URDF, at least three samples; a joint that was not "
+          "the measured position of every movable joint of the URDF, at least three samples; a "
+          "joint that was not "
           "recorded can be made type=\"fixed\" in robot.urdf");
     }
     data.command = command_of(recording, name, model.joints[j].actuator);

@@ -1,4 +1,5 @@
-// What drives a simulation of one recording: its time stamps, commands, temperatures; and which rows to compare with.
+// What drives a simulation of one recording: its time stamps, commands, temperatures; and which
+// rows to compare with.
 #pragma once
 
 #include <vector>
@@ -8,9 +9,11 @@
 
 namespace sanso::diagnose {
 
-/// Columns of a recording sorted by joint of the model. Empty vectors where the recording has no such column.
+/// Columns of a recording sorted by joint of the model. Empty vectors where the recording has no
+/// such column.
 struct JointData {
-  std::vector<double> command;  // what the actuator follows: goal rad, or torque N m; NaN = actuator off
+  // what the actuator follows: goal rad, or torque N m; NaN = actuator off
+  std::vector<double> command;
   std::vector<double> q, dq, tau, i, pwm, temp;  // measured; NaN = not sampled
 };
 
@@ -23,8 +26,9 @@ struct Drive {
   std::size_t rows() const { return t.size(); }
 };
 
-/// Sorts a recording's columns by the model's joints and checks that they suffice: increasing time, q: of every joint
-/// that is not passive and unmeasured, the command that the joint's actuator follows. Throws recording::InputError.
+/// Sorts a recording's columns by the model's joints and checks that they suffice: increasing time,
+/// q: of every joint that is not passive and unmeasured, the command that the joint's actuator
+/// follows. Throws recording::InputError.
 Drive make_drive(const recording::Recording& recording, const ModelFolder& model);
 
 }  // namespace sanso::diagnose

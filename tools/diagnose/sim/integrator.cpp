@@ -6,21 +6,28 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kThermalResistance = 8.0;  // K/W, winding to case of a small servo; chosen, only scales `derating`
-constexpr double kThermalTime = 300.0;      // s
-constexpr int kFrictionSweeps = 30;         // projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
-constexpr double kInertiaFloor = 1e-9;      // kg m^2: links without inertia still move
-constexpr double kFastest = 1e4;            // rad/s: beyond it the motion has diverged
-constexpr double kTreeRefresh = 0.01;  // s; a joint at 5 rad/s turns 3 degrees, inertia and load change by percents
+// K/W, winding to case of a small servo; chosen, only scales `derating`
+constexpr double kThermalResistance = 8.0;
+constexpr double kThermalTime = 300.0;  // s
+// projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
+constexpr int kFrictionSweeps = 30;
+constexpr double kInertiaFloor = 1e-9;  // kg m^2: links without inertia still move
+constexpr double kFastest = 1e4;        // rad/s: beyond it the motion has diverged
+// s; a joint at 5 rad/s turns 3 degrees, inertia and load change by percents
+constexpr double kTreeRefresh = 0.01;
 
 bool needs_heat(const SimParams& params) {
-  return std::any_of(params.joints.begin(), params.joints.end(),
-                     [](const JointParams& j) { return j.derating != 0.0 || j.friction_temperature != 0.0; });
+  return std::any_of(params.joints.begin(), params.joints.end(), [](const JointParams& j) {
+    return j.derating != 0.0 || j.friction_temperature != 0.0;
+  });
 }
 
-/// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place scratch L.
+/// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place
+/// scratch L.
 void invert_block(JointMatrix& L, JointMatrix& inverse, int b, int e) {
-  const auto at = [](int i, int j) { return static_cast<std::size_t>(i) * kMaxJoints + static_cast<std::size_t>(j); };
+  const auto at = [](int i, int j) {
+    return static_cast<std::size_t>(i) * kMaxJoints + static_cast<std::size_t>(j);
+  };
   if (e - b == 1) {
     inverse[at(b, b)] = 1.0 / std::max(L[at(b, b)], kInertiaFloor);
     return;
@@ -62,14 +69,16 @@ Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_
   temperature_cursor_.assign(static_cast<std::size_t>(n_), 0);
   for (int j = 0; j < n_; ++j) {
     const std::vector<double>& temp = drive.joints[static_cast<std::size_t>(j)].temp;
-    const auto first = std::find_if(temp.begin(), temp.end(), [](double T) { return std::isfinite(T); });
+    const auto first =
+        std::find_if(temp.begin(), temp.end(), [](double T) { return std::isfinite(T); });
     first_temperature_.push_back(first == temp.end() ? std::nan("") : *first);
   }
   update_bodies(drive.t.empty() ? 0.0 : drive.t.front());
   for (int b = 0; b < tree_->branches(); ++b) {
     const int begin = tree_->branch_begin(b), end = tree_->branch_begin(b + 1);
-    const bool any = wanted.empty() || any_sag_ ||
-                     std::any_of(wanted.begin() + begin, wanted.begin() + end, [](char w) { return w != 0; });
+    const bool any =
+        wanted.empty() || any_sag_ ||
+        std::any_of(wanted.begin() + begin, wanted.begin() + end, [](char w) { return w != 0; });
     if (!any) continue;
     branches_.push_back(b);
     for (int j = begin; j < end; ++j) joints_.push_back(j);
@@ -79,7 +88,8 @@ Integrator::Integrator(const SimParams& params, const Drive& drive, std::uint64_
 void Integrator::restart(double t) {
   commands_.rewind();
   const auto after = std::upper_bound(drive_.t.begin(), drive_.t.end(), t);
-  const auto row = after == drive_.t.begin() ? 0 : static_cast<std::size_t>(after - drive_.t.begin()) - 1;
+  const auto row =
+      after == drive_.t.begin() ? 0 : static_cast<std::size_t>(after - drive_.t.begin()) - 1;
   temperature_cursor_.assign(temperature_cursor_.size(), row);
   change_.fill(0.0);
   supply_current_ = 0.0;
@@ -119,7 +129,8 @@ void Integrator::move_tree(double t, double h, const RobotState& state) {
   for (const int j : joints_) {
     const auto k = static_cast<std::size_t>(j);
     q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
-    dq_mid_[k] = state.dq[k] + 0.5 * change_[k];  // the last change, extrapolated: centrifugal terms at mid-step
+    // the last change, extrapolated: centrifugal terms at mid-step
+    dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
   }
   if (!params_.late_payloads.empty() || !params_.forces.empty()) update_bodies(t);
   for (const int b : branches_) {
@@ -129,8 +140,10 @@ void Integrator::move_tree(double t, double h, const RobotState& state) {
   }
 }
 
-void Integrator::prepare(double t, double h, const std::vector<int>& serves, RobotState& state, StepTorques& out) {
-  const double supply = 1.0 + params_.supply_level + params_.supply_slope * (t - drive_.t.front()) / 60.0;
+void Integrator::prepare(double t, double h, const std::vector<int>& serves, RobotState& state,
+                         StepTorques& out) {
+  const double supply =
+      1.0 + params_.supply_level + params_.supply_slope * (t - drive_.t.front()) / 60.0;
   const double drop = any_sag_ ? params_.supply_resistance * supply_current_ : 0.0;
   double drawn = 0.0;
   for (const int j : serves) {
@@ -142,16 +155,19 @@ void Integrator::prepare(double t, double h, const std::vector<int>& serves, Rob
     const double motor_velocity = state.dq[k] + inner.motor_speed_offset;
     const bool at_motor = joint.encoder_at_motor;
     const double side = at_motor ? motor_half : q_half_[k];
-    // feedback that crosses from link to motor is explicit: at mid-step, extrapolated, it stays second order
+    // feedback that crosses from link to motor is explicit: at mid-step, extrapolated, it stays
+    // second order
     const double link_velocity = is_two_mass(joint) ? dq_mid_[k] : state.dq[k];
-    out.servo[k] = servo_step(joint,
-                              {commands_.over(j, t, t + h), h, encoder_reading(joint, side),
-                               at_motor ? motor_velocity : link_velocity, motor_velocity, supply, drop, warming},
-                              inner);
+    out.servo[k] = servo_step(
+        joint,
+        {commands_.over(j, t, t + h), h, encoder_reading(joint, side),
+         at_motor ? motor_velocity : link_velocity, motor_velocity, supply, drop, warming},
+        inner);
     drawn += std::abs(out.servo[k].current * out.servo[k].duty);
     if (thermal_) {
       const double i = out.servo[k].current;
-      inner.heat += h * (kThermalResistance * joint.nominal.resistance * i * i - inner.heat) / kThermalTime;
+      inner.heat +=
+          h * (kThermalResistance * joint.nominal.resistance * i * i - inner.heat) / kThermalTime;
     }
     const double M_jj = M_[k * kMaxJoints + k];
     instant_[k] = {h, q_half_[k], state.dq[k], std::max(M_jj, kInertiaFloor), -bias_[k], warming};
@@ -172,7 +188,8 @@ void Integrator::solve_free(double h, const RobotState& state) {
       double sum = 0.0;
       for (int j = b; j < e; ++j) {
         const auto k = static_cast<std::size_t>(j);
-        sum += inverse_[static_cast<std::size_t>(i) * kMaxJoints + k] * (part_[k].impulse - h * bias_[k]);
+        sum += inverse_[static_cast<std::size_t>(i) * kMaxJoints + k] *
+               (part_[k].impulse - h * bias_[k]);
       }
       dq_end_[static_cast<std::size_t>(i)] = state.dq[static_cast<std::size_t>(i)] + sum;
     }
@@ -180,8 +197,9 @@ void Integrator::solve_free(double h, const RobotState& state) {
 }
 
 void Integrator::solve_friction() {
-  // friction impulses f stop the coordinate they act on, or give all they can: a box-constrained linear complementarity
-  // problem in y = y0 + mobility f + coupling dq', solved by projected Gauss-Seidel
+  // friction impulses f stop the coordinate they act on, or give all they can: a box-constrained
+  // linear complementarity problem in y = y0 + mobility f + coupling dq', solved by projected
+  // Gauss-Seidel
   friction_.fill(0.0);
   for (const int branch : branches_) {
     const int b = tree_->branch_begin(branch), e = tree_->branch_begin(branch + 1);
@@ -208,12 +226,13 @@ void Integrator::solve_friction() {
   }
 }
 
-void Integrator::finish(double h, const JointVector& dq_end, const std::vector<int>& serves, RobotState& state,
-                        StepTorques& out) {
+void Integrator::finish(double h, const JointVector& dq_end, const std::vector<int>& serves,
+                        RobotState& state, StepTorques& out) {
   for (const int j : serves) {
     const auto k = static_cast<std::size_t>(j);
     const JointPart& part = part_[k];
-    finish_transmission(params_.joints[k], instant_[k], part, dq_end[k], friction_[k], state.inner[k]);
+    finish_transmission(params_.joints[k], instant_[k], part, dq_end[k], friction_[k],
+                        state.inner[k]);
     change_[k] = dq_end[k] - state.dq[k];
     state.q[k] += 0.5 * h * (state.dq[k] + dq_end[k]);
     state.dq[k] = dq_end[k];
@@ -223,9 +242,10 @@ void Integrator::finish(double h, const JointVector& dq_end, const std::vector<i
     InnerState& inner = state.inner[k];
     const JointParams& joint = params_.joints[k];
     const double shown = dq_end[k] + (joint.encoder_at_motor ? inner.motor_speed_offset : 0.0);
-    inner.velocity_channel = joint.velocity_filter > 0.0 ? inner.velocity_channel + h / (joint.velocity_filter + h) *
-                                                                                        (shown - inner.velocity_channel)
-                                                         : shown;
+    inner.velocity_channel = joint.velocity_filter > 0.0
+                                 ? inner.velocity_channel + h / (joint.velocity_filter + h) *
+                                                                (shown - inner.velocity_channel)
+                                 : shown;
   }
 }
 
@@ -250,8 +270,8 @@ void Integrator::settle(double t, const std::vector<int>& serves, RobotState& st
   }
 }
 
-void Integrator::follow(double t, double h, const double* dq_end, const std::vector<int>& serves, RobotState& state,
-                        StepTorques& out) {
+void Integrator::follow(double t, double h, const double* dq_end, const std::vector<int>& serves,
+                        RobotState& state, StepTorques& out) {
   if (t >= tree_time_ + kTreeRefresh) {
     move_tree(t, h, state);
     tree_time_ = t;

@@ -1,4 +1,5 @@
-// One time step of the whole robot, shared by simulation (the tree moves) and replay (the tree follows the recording).
+// One time step of the whole robot, shared by simulation (the tree moves) and replay (the tree
+// follows the recording).
 #pragma once
 
 #include <array>
@@ -24,7 +25,8 @@ struct StepTorques {
 
 class Integrator {
  public:
-  /// wanted: by joint, not 0: its branch is simulated; empty: all. A supply that sags couples all joints.
+  /// wanted: by joint, not 0: its branch is simulated; empty: all. A supply that sags couples all
+  /// joints.
   Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed,
              const std::vector<char>& wanted = {});
 
@@ -34,22 +36,24 @@ class Integrator {
   void settle(double t, const std::vector<int>& serves, RobotState& state);
   /// Advances from t by h. False when the motion diverged (state unchanged).
   bool step(double t, double h, RobotState& state, StepTorques& out);
-  /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are computed. The tree's
-  /// inertia and bias are taken anew every kTreeRefresh seconds only. `serves`: the joints whose servo and transmission
-  /// are wanted.
-  void follow(double t, double h, const double* dq_end, const std::vector<int>& serves, RobotState& state,
-              StepTorques& out);
+  /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
+  /// computed. The tree's inertia and bias are taken anew every kTreeRefresh seconds only.
+  /// `serves`: the joints whose servo and transmission are wanted.
+  void follow(double t, double h, const double* dq_end, const std::vector<int>& serves,
+              RobotState& state, StepTorques& out);
   /// Joints that are simulated, in order.
   const std::vector<int>& joints() const { return joints_; }
 
  private:
   void move_tree(double t, double h, const RobotState& state);
-  void prepare(double t, double h, const std::vector<int>& serves, RobotState& state, StepTorques& out);
+  void prepare(double t, double h, const std::vector<int>& serves, RobotState& state,
+               StepTorques& out);
   double warming_of(int j, double t, const InnerState& inner) const;
   void update_bodies(double t);
   void solve_free(double h, const RobotState& state);
   void solve_friction();
-  void finish(double h, const JointVector& dq_end, const std::vector<int>& serves, RobotState& state, StepTorques& out);
+  void finish(double h, const JointVector& dq_end, const std::vector<int>& serves,
+              RobotState& state, StepTorques& out);
 
   const SimParams& params_;
   const Drive& drive_;

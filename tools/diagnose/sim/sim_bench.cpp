@@ -1,4 +1,5 @@
-// Time of one roll-out of 60 s, restarted every half second: one pendulum, a two-link arm, two legs of six joints.
+// Time of one roll-out of 60 s, restarted every half second: one pendulum, a two-link arm, two legs
+// of six joints.
 // Prints a table; figures of a machine, not a test.
 #include <chrono>
 #include <cmath>
@@ -20,11 +21,14 @@ std::string chains(int legs, int joints) {
     for (int j = 0; j < joints; ++j) {
       const std::string id = std::to_string(leg) + "_" + std::to_string(j);
       const char* axis = joints == 1 ? axes[2] : joints == 2 ? axes[2 + j] : axes[j % 6];
-      urdf += "<joint name='q" + id + "' type='continuous'><parent link='" + parent + "'/><child link='l" + id +
-              "'/><origin xyz='0 0.03 -0.1'/><axis xyz='" + axis + "'/></joint><link name='l" + id +
-              "'><inertial><origin xyz='0.01 0 -0.05'/><mass value='0.2'/><inertia ixx='2e-4' ixy='0' ixz='0' "
-              "iyy='2e-4' iyz='0' "
-              "izz='1e-4'/></inertial></link>";
+      urdf +=
+          "<joint name='q" + id + "' type='continuous'><parent link='" + parent +
+          "'/><child link='l" + id + "'/><origin xyz='0 0.03 -0.1'/><axis xyz='" + axis +
+          "'/></joint><link name='l" + id +
+          "'><inertial><origin xyz='0.01 0 -0.05'/><mass value='0.2'/><inertia ixx='2e-4' ixy='0' "
+          "ixz='0' "
+          "iyy='2e-4' iyz='0' "
+          "izz='1e-4'/></inertial></link>";
       parent = "l" + id;
     }
   }
@@ -33,7 +37,8 @@ std::string chains(int legs, int joints) {
 
 void run(const char* what, int legs, int joints, double period) {
   const ModelFolder model = parse_model(
-      "format = 1\n[joint_default]\nactuator = \"dc_servo\"\narmature = 0.01\nviscous = 0.05\ncoulomb = 0.05\n",
+      "format = 1\n[joint_default]\nactuator = \"dc_servo\"\narmature = 0.01\nviscous = 0.05\n"
+      "coulomb = 0.05\n",
       chains(legs, joints), "bench");
   Drive drive;
   const auto rows = static_cast<std::size_t>(60.0 / period) + 1;
@@ -48,7 +53,8 @@ void run(const char* what, int legs, int joints, double period) {
   std::vector<Window> windows;
   const auto step = static_cast<std::size_t>(0.5 / period);
   const std::vector<double> zero(static_cast<std::size_t>(n), 0.0);
-  for (std::size_t first = 0; first + step < rows; first += step) windows.push_back({first, first + step, zero, zero});
+  for (std::size_t first = 0; first + step < rows; first += step)
+    windows.push_back({first, first + step, zero, zero});
   const SimParams params = make_params(model);
   double best = 1e9;
   for (int repeat = 0; repeat < 5; ++repeat) {
@@ -57,8 +63,8 @@ void run(const char* what, int legs, int joints, double period) {
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
     if (std::isfinite(out.back().q.back())) best = std::min(best, took.count());
   }
-  std::printf("%-28s %5.0f Hz   %8.2f ms   (%.0f ns a joint and step)\n", what, 1 / period, 1e3 * best,
-              1e9 * best / (60.0 / 1e-3 * n));
+  std::printf("%-28s %5.0f Hz   %8.2f ms   (%.0f ns a joint and step)\n", what, 1 / period,
+              1e3 * best, 1e9 * best / (60.0 / 1e-3 * n));
 }
 
 }  // namespace

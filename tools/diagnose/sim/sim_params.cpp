@@ -11,7 +11,8 @@ SimParams make_params(const ModelFolder& model) {
   params.period_s = model.period_s;
   params.joints.resize(model.joints.size());
   for (std::size_t j = 0; j < model.joints.size(); ++j) params.joints[j].nominal = model.joints[j];
-  // a link's own mass stays apart from what was put on it, so that an effect on the link leaves the weight alone
+  // a link's own mass stays apart from what was put on it, so that an effect on the link leaves the
+  // weight alone
   for (const AttachedBody& p : model.payloads)
     params.late_payloads.push_back({p.joint, p.body, -std::numeric_limits<double>::infinity()});
   return params;

@@ -1,6 +1,6 @@
-// Every figure the simulator works with: the model folder's, and one field for everything an effect of the library can
-// change. The initial value of such a field is the effect's null: with it the simulation is bit for bit the nominal
-// one.
+// Every figure the simulator works with: the model folder's, and one field for everything an effect
+// of the library can change. The initial value of such a field is the effect's null: with it the
+// simulation is bit for bit the nominal one.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct Ripple {
   bool zero() const { return sine == 0.0 && cosine == 0.0; }
 };
 
-/// One joint. For prismatic joints read m for rad, N for N m, kg for kg m^2. Grouped by port, in the order of the
-/// signal.
+/// One joint. For prismatic joints read m for rad, N for N m, kg for kg m^2. Grouped by port, in
+/// the order of the signal.
 struct JointParams {
   JointSettings nominal;  // as the model folder says (after the sidecar)
 
@@ -31,48 +31,63 @@ struct JointParams {
   double loss = 0.0;           // probability that a command is lost and the one before stays
   double jitter = 0.0;         // s, standard deviation of the instant of a reading
   // firmware
-  double p_scale = 1.0;                 // on p_gain / kp
-  double d_torque = 0.0;                // N m s/rad of additional damping by the servo (at nominal voltage)
-  double output_filter = 0.0;           // s, first order, on the controller's output
-  double integral_rate = 0.0;           // 1/s: integral gain over proportional gain
-  double windup = 0.0;                  // of the output's limit: to here the integral goes on while the output is limited
+  double p_scale = 1.0;  // on p_gain / kp
+  // N m s/rad of additional damping by the servo (at nominal voltage)
+  double d_torque = 0.0;
+  double output_filter = 0.0;  // s, first order, on the controller's output
+  double integral_rate = 0.0;  // 1/s: integral gain over proportional gain
+  // of the output's limit: to here the integral goes on while the output is limited
+  double windup = 0.0;
   double feed_forward = 0.0;            // s: gain on the goal's velocity over proportional gain
   double profile_speed = kNone;         // rad/s
   double profile_acceleration = kNone;  // rad/s^2
   double dead_zone = 0.0;               // of full output
   // electrical
-  double output_limit = 1.0;     // of full duty (torque where there is no duty)
-  double no_load_speed = kNone;  // rad/s; torque falls to zero there (actuators without a motor model)
+  double output_limit = 1.0;  // of full duty (torque where there is no duty)
+  // rad/s; torque falls to zero there (actuators without a motor model)
+  double no_load_speed = kNone;
   double current_limit = kNone;  // A (dc_servo)
   double torque_scale = 1.0;     // torque constant (and back-EMF) over nominal
   double resistance_scale = 1.0;
   double derating = 0.0;  // 1/K: torque lost by degree of motor temperature
   // transmission: friction
-  double viscous = 0.0;                                               // N m s/rad, added to nominal.viscous
-  double coulomb = 0.0;                                               // N m, added to nominal.coulomb
+  // N m s/rad, added to nominal.viscous
+  double viscous = 0.0;
+  // N m, added to nominal.coulomb
+  double coulomb = 0.0;
   double stribeck = 0.0, stribeck_speed = 0.2, stribeck_shape = 1.0;  // N m, rad/s, exponent
-  double load_friction = 0.0;                                         // N m per N m of |motor - external| torque
-  double drive_friction = 0.0, backdrive_friction = 0.0;              // K_m, K_e of |K_m tau_m - K_e tau_e|
-  double quadratic_load_friction = 0.0;                               // 1/(N m)
-  double coulomb_difference = 0.0, viscous_difference = 0.0;          // forwards minus mean, N m and N m s/rad
-  double presliding_compliance = 0.0, presliding_damping = 0.0;       // rad/(N m), N m s/rad
-  double slip_torque = 0.0, slip_stiffness = 0.0, slip_spread = 1.0;  // Maxwell elements: N m, N m/rad, exponent
-  Ripple friction_ripple;                                             // N m over q
-  double friction_temperature = 0.0;                                  // 1/K, friction * exp(-beta (T - T0))
-  double static_friction = 0.0, dwell_rate = 0.0;                     // N m, per ln(1 + rest time in s)
-  double static_speed = 0.2;                                          // rad/s at which these are lost
+  // N m per N m of |motor - external| torque
+  double load_friction = 0.0;
+  // K_m, K_e of |K_m tau_m - K_e tau_e|
+  double drive_friction = 0.0, backdrive_friction = 0.0;
+  double quadratic_load_friction = 0.0;  // 1/(N m)
+  // forwards minus mean, N m and N m s/rad
+  double coulomb_difference = 0.0, viscous_difference = 0.0;
+  double presliding_compliance = 0.0, presliding_damping = 0.0;  // rad/(N m), N m s/rad
+  // Maxwell elements: N m, N m/rad, exponent
+  double slip_torque = 0.0, slip_stiffness = 0.0, slip_spread = 1.0;
+  Ripple friction_ripple;  // N m over q
+  // 1/K, friction * exp(-beta (T - T0))
+  double friction_temperature = 0.0;
+  // N m, per ln(1 + rest time in s)
+  double static_friction = 0.0, dwell_rate = 0.0;
+  // rad/s at which these are lost
+  double static_speed = 0.2;
   double efficiency = 1.0;
   // transmission: geometry and springs
   double backlash = 0.0;                              // rad, whole width
   double compliance = 0.0, compliance_damping = 0.0;  // rad/(N m), N m s/rad
-  bool encoder_at_motor = false;                      // which side of play and spring the servo measures
-  Ripple gear_error;                                  // rad over q
-  Ripple cogging;                                     // N m over q
-  double armature = 0.0;                              // kg m^2, added to nominal.armature
-  double spring = 0.0, spring_torque = 0.0;           // N m/rad, N m: -k q + tau0
-  double air_drag = 0.0;                              // N m s^2/rad^2
-  double stop_stiffness = 0.0, stop_position = kNone, stop_side = 1.0;  // N m/rad beyond it; side +1 above, -1 below
-  double stop_loss = 0.0;  // its damping over sqrt(stiffness inertia): what of an impact it swallows
+  // which side of play and spring the servo measures
+  bool encoder_at_motor = false;
+  Ripple gear_error;                         // rad over q
+  Ripple cogging;                            // N m over q
+  double armature = 0.0;                     // kg m^2, added to nominal.armature
+  double spring = 0.0, spring_torque = 0.0;  // N m/rad, N m: -k q + tau0
+  double air_drag = 0.0;                     // N m s^2/rad^2
+  // N m/rad beyond it; side +1 above, -1 below
+  double stop_stiffness = 0.0, stop_position = kNone, stop_side = 1.0;
+  // its damping over sqrt(stiffness inertia): what of an impact it swallows
+  double stop_loss = 0.0;
   // sensor
   double encoder_offset = 0.0;   // rad
   Ripple encoder_error;          // rad over q
@@ -108,7 +123,8 @@ struct SimParams {
   int size() const { return tree.size(); }
 };
 
-/// The nominal model with its payloads. Its [[effect]] entries are not applied here (effects/from_model.h does that).
+/// The nominal model with its payloads. Its [[effect]] entries are not applied here
+/// (effects/from_model.h does that).
 SimParams make_params(const ModelFolder& model);
 
 }  // namespace sanso::diagnose

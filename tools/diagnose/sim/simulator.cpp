@@ -14,8 +14,13 @@ constexpr double kRounding = 1e-9;  // s: instants that are the same
 /// Runs one window and writes each joint's channels at the instants its sensor samples.
 class WindowRun {
  public:
-  WindowRun(const SimParams& params, const Drive& drive, const SimOptions& options, Integrator& integrator)
-      : params_(params), drive_(drive), options_(options), integrator_(integrator), n_(params.size()) {
+  WindowRun(const SimParams& params, const Drive& drive, const SimOptions& options,
+            Integrator& integrator)
+      : params_(params),
+        drive_(drive),
+        options_(options),
+        integrator_(integrator),
+        n_(params.size()) {
     for (const JointParams& joint : params.joints) {
       delay_.push_back(joint.nominal.sensor_delay_s + joint.sensor_delay);
       longest_delay_ = std::max(longest_delay_, delay_.back());
@@ -31,7 +36,8 @@ class WindowRun {
     prediction_ = Prediction{};
     prediction_.first = window.first;
     prediction_.rows = rows_;
-    for (auto* channel : {&prediction_.q, &prediction_.dq, &prediction_.tau, &prediction_.i, &prediction_.pwm}) {
+    for (auto* channel :
+         {&prediction_.q, &prediction_.dq, &prediction_.tau, &prediction_.i, &prediction_.pwm}) {
       channel->assign(static_cast<std::size_t>(n_) * rows_, 0.0);
     }
     prediction_.volt.assign(rows_, 0.0);
@@ -44,7 +50,8 @@ class WindowRun {
     if (longest_delay_ == 0.0) {  // row `first` is the start itself
       emit_start(window);
     }
-    // no step runs across a change of the command, as it reaches the first servo; readings may lie inside a step
+    // no step runs across a change of the command, as it reaches the first servo; readings may lie
+    // inside a step
     for (std::size_t k = first_change_after(t); t < drive_.t[window.last]; ++k) {
       const double change = k < drive_.rows() ? drive_.t[k] + command_delay_ : kNone;
       const double until = std::min(change, drive_.t[window.last]);
@@ -57,7 +64,8 @@ class WindowRun {
   }
 
  private:
-  /// Start of the window: measured coordinates back to the joints, `delay` seconds before the first row.
+  /// Start of the window: measured coordinates back to the joints, `delay` seconds before the first
+  /// row.
   void place(const Window& window, const std::array<InnerState, kMaxJoints>* inner) {
     state_ = RobotState{};
     if (inner != nullptr) state_.inner = *inner;
@@ -79,7 +87,8 @@ class WindowRun {
 
   /// Row of the command that is the first to arrive later than t.
   std::size_t first_change_after(double t) const {
-    const auto next = std::upper_bound(drive_.t.begin(), drive_.t.end(), t - command_delay_ + kRounding);
+    const auto next =
+        std::upper_bound(drive_.t.begin(), drive_.t.end(), t - command_delay_ + kRounding);
     return static_cast<std::size_t>(next - drive_.t.begin());
   }
 
@@ -106,19 +115,21 @@ class WindowRun {
     }
   }
 
-  /// First row without any sensor delay: the given state, and what the servo does in the first instant.
+  /// First row without any sensor delay: the given state, and what the servo does in the first
+  /// instant.
   void emit_start(const Window& window) {
     if (window.last > window.first) {  // a probing step for the torques; the state stays
       RobotState probe = state_;
-      const double h = std::min(options_.max_step_s, drive_.t[window.first + 1] - drive_.t[window.first]);
+      const double h =
+          std::min(options_.max_step_s, drive_.t[window.first + 1] - drive_.t[window.first]);
       integrator_.step(drive_.t[window.first], h, probe, torques_);
       integrator_.restart(drive_.t[window.first]);
     }
     emit_until(drive_.t[window.first]);
   }
 
-  /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached, by cubic
-  /// interpolation.
+  /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached,
+  /// by cubic interpolation.
   void emit_until(double t) {
     const double h = t_now_ - t_before_;
     for (const int j : integrator_.joints()) {
@@ -140,8 +151,10 @@ class WindowRun {
     double position = side(state_), velocity = state_.inner[k].velocity_channel;
     if (s < 1.0) {
       // the step is a parabola in position and a line in velocity
-      const double dq0 = before_.dq[k] + (joint.encoder_at_motor ? before_.inner[k].motor_speed_offset : 0.0);
-      const double dq1 = state_.dq[k] + (joint.encoder_at_motor ? state_.inner[k].motor_speed_offset : 0.0);
+      const double dq0 =
+          before_.dq[k] + (joint.encoder_at_motor ? before_.inner[k].motor_speed_offset : 0.0);
+      const double dq1 =
+          state_.dq[k] + (joint.encoder_at_motor ? state_.inner[k].motor_speed_offset : 0.0);
       position = side(before_) + h * s * (dq0 + 0.5 * s * (dq1 - dq0));
       velocity = (1.0 - s) * before_.inner[k].velocity_channel + s * velocity;
     }
@@ -151,9 +164,9 @@ class WindowRun {
     if (delay_[k] == 0.0) emit_efforts(j, row, torques_.servo[k], torques_.servo[k], 1.0);
   }
 
-  /// Efforts are means over steps: what a delayed sensor reads lies between the middles of two of them, where the
-  /// command is the same in both. Where it changes efforts jump, and the reading is the one before or after; of the two
-  /// at the same instant, the reading comes before the command.
+  /// Efforts are means over steps: what a delayed sensor reads lies between the middles of two of
+  /// them, where the command is the same in both. Where it changes efforts jump, and the reading is
+  /// the one before or after; of the two at the same instant, the reading comes before the command.
   void emit_efforts_until(double middle) {
     for (const int j : integrator_.joints()) {
       const auto k = static_cast<std::size_t>(j);
@@ -173,7 +186,8 @@ class WindowRun {
     first_step_ = false;
   }
 
-  void emit_efforts(int j, std::size_t row, const ServoOutput& before, const ServoOutput& after, double s) {
+  void emit_efforts(int j, std::size_t row, const ServoOutput& before, const ServoOutput& after,
+                    double s) {
     const auto between = [s](double a, double b) { return s < 1.0 ? a + s * (b - a) : b; };
     const std::size_t at = static_cast<std::size_t>(j) * rows_ + row;
     prediction_.tau[at] = between(before.torque, after.torque);
@@ -205,8 +219,8 @@ class WindowRun {
   void reset() { diverged_ = false; }
 };
 
-/// Simulated joints whose inner states have to be brought to the start of a window. A sagging supply needs every
-/// current.
+/// Simulated joints whose inner states have to be brought to the start of a window. A sagging
+/// supply needs every current.
 std::vector<int> with_memory(const SimParams& params, const Integrator& integrator) {
   std::vector<int> out;
   for (const int j : integrator.joints()) {
@@ -215,8 +229,8 @@ std::vector<int> with_memory(const SimParams& params, const Integrator& integrat
   return out.empty() || params.supply_resistance == 0.0 ? out : integrator.joints();
 }
 
-/// Follows the recording with servo and transmission of `serves`, and calls at_row(row, state, torques) at every row up
-/// to the last.
+/// Follows the recording with servo and transmission of `serves`, and calls at_row(row, state,
+/// torques) at every row up to the last.
 template <class AtRow>
 void follow_recording(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
                       const SimOptions& options, std::size_t last, const std::vector<int>& serves,
@@ -236,7 +250,8 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
   };
   integrator.restart(drive.t.front());
   snap(0);
-  for (std::size_t j = 0; j < state.inner.size(); ++j) state.inner[j].velocity_channel = state.dq[j];
+  for (std::size_t j = 0; j < state.inner.size(); ++j)
+    state.inner[j].velocity_channel = state.dq[j];
   integrator.settle(drive.t.front(), serves, state);
   at_row(std::size_t{0}, state, torques);
   for (std::size_t row = 0; row < last; ++row) {
@@ -259,8 +274,8 @@ void follow_recording(const SimParams& params, const Drive& drive, const Measure
 
 }  // namespace
 
-std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
-                                 const SimOptions& options) {
+std::vector<Prediction> simulate(const SimParams& params, const Drive& drive,
+                                 std::span<const Window> windows, const SimOptions& options) {
   Integrator integrator(params, drive, options.random_seed, options.wanted);
   std::vector<Prediction> predictions;
   predictions.reserve(windows.size());
@@ -272,9 +287,10 @@ std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, st
   if (options.motion != nullptr && !remembering.empty()) {
     inner.resize(windows.size());
     std::size_t next = 0;
-    follow_recording(params, drive, *options.motion, options, windows.back().first, remembering, integrator,
-                     [&](std::size_t row, const RobotState& state, const StepTorques&) {
-                       for (; next < windows.size() && windows[next].first == row; ++next) inner[next] = state.inner;
+    follow_recording(params, drive, *options.motion, options, windows.back().first, remembering,
+                     integrator, [&](std::size_t row, const RobotState& state, const StepTorques&) {
+                       for (; next < windows.size() && windows[next].first == row; ++next)
+                         inner[next] = state.inner;
                      });
   }
   WindowRun run(params, drive, options, integrator);
@@ -285,15 +301,16 @@ std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, st
   return predictions;
 }
 
-ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
-                             const SimOptions& options) {
+ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
+                             const MeasuredMotion& motion, const SimOptions& options) {
   Integrator integrator(params, drive, options.random_seed);
   const auto n = static_cast<std::size_t>(params.size());
   ReplayTorques out;
   out.rows = drive.rows();
-  for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty}) v->assign(n * out.rows, 0.0);
-  follow_recording(params, drive, motion, options, drive.rows() - 1, integrator.joints(), integrator,
-                   [&](std::size_t row, const RobotState&, const StepTorques& torques) {
+  for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty})
+    v->assign(n * out.rows, 0.0);
+  follow_recording(params, drive, motion, options, drive.rows() - 1, integrator.joints(),
+                   integrator, [&](std::size_t row, const RobotState&, const StepTorques& torques) {
                      for (std::size_t j = 0; j < n; ++j) {
                        const std::size_t at = j * out.rows + row;
                        const JointParams& joint = params.joints[j];

@@ -1,11 +1,13 @@
-// The simulator with switches: a fixed-base robot, its actuators and every effect of the library at its port.
+// The simulator with switches: a fixed-base robot, its actuators and every effect of the library at
+// its port.
 //
-//   command -> [delay, hold, loss] -> [profile, P I D, dead zone, filter] -> [supply, winding, limits] -> motor torque
-//   motor torque -> [play, compliance, friction, cogging] -> joint -> tree -> [encoder, delay, filter] -> predicted
-//   channels
+//   command -> [delay, hold, loss] -> [profile, P I D, dead zone, filter] -> [supply, winding,
+//   limits] -> motor torque motor torque -> [play, compliance, friction, cogging] -> joint -> tree
+//   -> [encoder, delay, filter] -> predicted channels
 //
-// Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what stops the joint
-// within the step, clipped at what friction can give), so stiction, play and stiff gains need no tiny steps.
+// Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what
+// stops the joint within the step, clipped at what friction can give), so stiction, play and stiff
+// gains need no tiny steps.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +19,30 @@
 
 namespace sanso::diagnose {
 
-/// Rows [first, last] of a recording, and where the joints are at row `first`, as the recording's sensors show it.
+/// Rows [first, last] of a recording, and where the joints are at row `first`, as the recording's
+/// sensors show it.
 struct Window {
   std::size_t first = 0, last = 0;
   std::vector<double> q,
-      dq;  // n each, rad, rad/s: measured coordinates (encoder errors and sensor delay are undone inside)
+      // n each, rad, rad/s: measured coordinates (encoder errors and sensor delay are undone
+      // inside)
+      dq;
 };
 
-/// Predicted channels at rows first..last of one window; entry of joint j and row k at [j * rows + k - first].
+/// Predicted channels at rows first..last of one window; entry of joint j and row k at [j * rows +
+/// k - first].
 struct Prediction {
   std::size_t first = 0, rows = 0;
-  std::vector<double> q, dq, tau, i, pwm;  // n x rows; tau: motor torque at the output, before friction
-  std::vector<double> volt;                // rows, at the driver of joint 0
+  // n x rows; tau: motor torque at the output, before friction
+  std::vector<double> q, dq, tau, i, pwm;
+  std::vector<double> volt;  // rows, at the driver of joint 0
   std::span<const double> of(const std::vector<double>& channel, int joint) const {
     return {channel.data() + static_cast<std::size_t>(joint) * rows, rows};
   }
 };
 
-/// Smoothed motion of a recording, used to bring inner states (integrators, bristles, play) to the start of a window.
+/// Smoothed motion of a recording, used to bring inner states (integrators, bristles, play) to the
+/// start of a window.
 struct MeasuredMotion {
   std::vector<std::vector<double>> q, dq;  // by joint, by row
 };
@@ -43,18 +51,20 @@ struct SimOptions {
   double max_step_s = 1e-3;
   const MeasuredMotion* motion = nullptr;  // null: inner states start at rest at every window
   std::uint64_t random_seed = 0;           // not 0: lost commands are drawn instead of averaged
-  /// Only these joints are wanted (by joint, not 0: wanted; empty: all). Branches that hold none of them stay 0 in the
-  /// prediction; what is simulated is bit for bit what it is without the choice.
+  /// Only these joints are wanted (by joint, not 0: wanted; empty: all). Branches that hold none of
+  /// them stay 0 in the prediction; what is simulated is bit for bit what it is without the choice.
   std::vector<char> wanted = {};
 };
 
-/// Simulates every window. Windows must be in order of `first`. Deterministic; no state is kept between calls.
-/// A motion that diverges is held at its last finite value. Precondition: drive made for the same joints.
-std::vector<Prediction> simulate(const SimParams& params, const Drive& drive, std::span<const Window> windows,
-                                 const SimOptions& options = {});
+/// Simulates every window. Windows must be in order of `first`. Deterministic; no state is kept
+/// between calls.
+/// A motion that diverges is held at its last finite value. Precondition: drive made for the same
+/// joints.
+std::vector<Prediction> simulate(const SimParams& params, const Drive& drive,
+                                 std::span<const Window> windows, const SimOptions& options = {});
 
-/// Torque by row that the model's actuators and friction give when the joints move as measured: n x rows (Prediction
-/// layout).
+/// Torque by row that the model's actuators and friction give when the joints move as measured: n x
+/// rows (Prediction layout).
 struct ReplayTorques {
   std::size_t rows = 0;
   std::vector<double> motor;     // N m, at the output, before friction
@@ -62,14 +72,15 @@ struct ReplayTorques {
   std::vector<double> passive;   // N m, springs, cogging, stops, drag
   std::vector<double> current, duty;
 };
-ReplayTorques replay_torques(const SimParams& params, const Drive& drive, const MeasuredMotion& motion,
-                             const SimOptions& options = {});
+ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
+                             const MeasuredMotion& motion, const SimOptions& options = {});
 
-/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels that a recording lacks
-/// stay.
+/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels
+/// that a recording lacks stay.
 void add_sensor_noise(const SimParams& params, std::uint64_t seed, Prediction& prediction);
 
-/// Jitter alone: every reading of a position is taken a little early or late (JointParams::jitter), in place.
+/// Jitter alone: every reading of a position is taken a little early or late (JointParams::jitter),
+/// in place.
 void add_reading_jitter(const SimParams& params, std::uint64_t seed, Prediction& prediction);
 
 }  // namespace sanso::diagnose

@@ -6,23 +6,26 @@
 namespace sanso::diagnose {
 namespace {
 
-// rad/s; slower counts as rest for dwell-time stiction: a count of a 12-bit encoder in 75 ms, which a recording does
-// not tell from standing
+// rad/s; slower counts as rest for dwell-time stiction: a count of a 12-bit encoder in 75 ms, which
+// a recording does not tell from standing
 constexpr double kMovingSpeed = 0.02;
-constexpr double kMinimumMotorShare = 0.02;  // motor inertia, when none is known, as a share of the link's
+// motor inertia, when none is known, as a share of the link's
+constexpr double kMinimumMotorShare = 0.02;
 constexpr int kSlipElements = 4;
 
 double thermal_factor(const JointParams& joint, double warming) {
   return joint.friction_temperature == 0.0 ? 1.0 : std::exp(-joint.friction_temperature * warming);
 }
 
-/// Friction torque available at speed y under motor torque and external torque, N m, before the sign of motion.
+/// Friction torque available at speed y under motor torque and external torque, N m, before the
+/// sign of motion.
 double friction_budget(const JointParams& joint, double motor, const JointInstant& at, double y,
                        const InnerState& inner) {
   const double speed = std::abs(y);
   double budget = joint.nominal.coulomb + joint.coulomb;
   if (joint.stribeck != 0.0) {
-    budget += joint.stribeck * std::exp(-std::pow(speed / joint.stribeck_speed, joint.stribeck_shape));
+    budget +=
+        joint.stribeck * std::exp(-std::pow(speed / joint.stribeck_speed, joint.stribeck_shape));
   }
   const double load = std::abs(motor - at.external);
   if (joint.load_friction != 0.0) budget += joint.load_friction * load;
@@ -34,7 +37,8 @@ double friction_budget(const JointParams& joint, double motor, const JointInstan
   if (joint.static_friction != 0.0 || joint.dwell_rate != 0.0) {
     const double at_rest = std::exp(-speed / joint.static_speed);
     const double grown = 1.0 + joint.dwell_rate * std::log1p(inner.rest_time);
-    budget += at_rest * (joint.static_friction * grown + (joint.nominal.coulomb + joint.coulomb) * (grown - 1.0));
+    budget += at_rest * (joint.static_friction * grown +
+                         (joint.nominal.coulomb + joint.coulomb) * (grown - 1.0));
   }
   budget = std::max(0.0, budget) * thermal_factor(joint, at.warming);
   if (joint.efficiency != 1.0) {
@@ -45,15 +49,15 @@ double friction_budget(const JointParams& joint, double motor, const JointInstan
   return budget;
 }
 
-/// Share of the implicit end in a velocity-proportional force: 1/2 (midpoint) for slow decay, towards 1 for fast decay,
-/// such that the scalar linear decay is integrated to third order.
+/// Share of the implicit end in a velocity-proportional force: 1/2 (midpoint) for slow decay,
+/// towards 1 for fast decay, such that the scalar linear decay is integrated to third order.
 double implicitness(double h_damping, double inertia) {
   const double z = h_damping / inertia;
   return z > 0.0 ? 0.5 + z / (12.0 + 2.0 * z) : 0.5;
 }
 
-/// Fully implicit damping of the presliding bristle and of the Maxwell elements that stick: force = constant + slope
-/// y'.
+/// Fully implicit damping of the presliding bristle and of the Maxwell elements that stick: force =
+/// constant + slope y'.
 struct Elastic {
   double constant = 0.0, slope = 0.0;  // N m, N m s/rad
 };
@@ -80,7 +84,8 @@ void advance_maxwell(const JointParams& joint, double h, double y, InnerState& i
   double total = 0.0;
   for (int i = 0; i < kSlipElements; ++i) total += std::pow(i + 1.0, joint.slip_spread);
   for (int i = 0; i < kSlipElements; ++i) {
-    const double limit = joint.slip_torque * std::pow(i + 1.0, joint.slip_spread) / (total * stiffness);
+    const double limit =
+        joint.slip_torque * std::pow(i + 1.0, joint.slip_spread) / (total * stiffness);
     inner.slip[i] = std::clamp(inner.slip[i] + h * y, -limit, limit);
   }
 }
@@ -105,30 +110,35 @@ void add_link_forces(const JointParams& joint, const JointInstant& at, JointPart
   }
   part.passive_torque += force;
   part.impulse += at.h * force;
-  part.added += at.h * implicitness(at.h * damping, at.inertia) * damping + 0.25 * at.h * at.h * stiffness;
+  part.added +=
+      at.h * implicitness(at.h * damping, at.inertia) * damping + 0.25 * at.h * at.h * stiffness;
 }
 
-/// Spring and damper between motor and link over one step: torque k stretch + explicit_damping (w - v) + implicit (Dw -
-/// Dv).
+/// Spring and damper between motor and link over one step: torque k stretch + explicit_damping (w -
+/// v) + implicit (Dw - Dv).
 struct Coupling {
   double stretch = 0.0;                           // rad at mid-step, beyond the play; 0 inside it
   double k = 0.0;                                 // N m/rad; 0 inside the play
   double explicit_damping = 0.0, implicit = 0.0;  // N m s/rad
 };
-Coupling coupling_of(const JointParams& joint, const JointInstant& at, double motor_inertia, double stretch_half) {
+Coupling coupling_of(const JointParams& joint, const JointInstant& at, double motor_inertia,
+                     double stretch_half) {
   Coupling c;
   const double half_play = 0.5 * joint.backlash;
   const double reduced = motor_inertia * at.inertia / (motor_inertia + at.inertia);
-  // teeth without measured compliance: stiff against everything else the joint does (160 Hz with the reduced inertia)
+  // teeth without measured compliance: stiff against everything else the joint does (160 Hz with
+  // the reduced inertia)
   c.k = joint.compliance > 0.0 ? 1.0 / joint.compliance : reduced * 1000.0 * 1000.0;
-  const double d = joint.compliance > 0.0 ? joint.compliance_damping : 0.6 * std::sqrt(c.k * reduced);
+  const double d =
+      joint.compliance > 0.0 ? joint.compliance_damping : 0.6 * std::sqrt(c.k * reduced);
   if (std::abs(stretch_half) <= half_play && joint.backlash > 0.0) {
     c.k = 0.0;
     return c;
   }
   c.stretch = stretch_half - std::copysign(half_play, stretch_half);
   const double h = at.h;
-  if (joint.backlash == 0.0 && h * h * c.k < reduced) {  // slow enough for the midpoint: second order, no added damping
+  if (joint.backlash == 0.0 &&
+      h * h * c.k < reduced) {  // slow enough for the midpoint: second order, no added damping
     c.explicit_damping = d;
     c.implicit = 0.25 * h * c.k + implicitness(h * d, reduced) * d;
   } else {  // contact: torque at the end of the step, so that it cannot ring
@@ -140,19 +150,20 @@ Coupling coupling_of(const JointParams& joint, const JointInstant& at, double mo
 }  // namespace
 
 bool has_memory(const JointParams& j) {
-  return is_two_mass(j) || j.presliding_compliance > 0.0 || j.slip_torque > 0.0 || j.output_filter > 0.0 ||
-         j.integral_rate > 0.0 || j.nominal.i_gain > 0.0 || j.profile_speed != kNone ||
-         j.profile_acceleration != kNone || j.dwell_rate != 0.0 || j.derating != 0.0 || j.friction_temperature != 0.0 ||
-         j.velocity_filter > 0.0;
+  return is_two_mass(j) || j.presliding_compliance > 0.0 || j.slip_torque > 0.0 ||
+         j.output_filter > 0.0 || j.integral_rate > 0.0 || j.nominal.i_gain > 0.0 ||
+         j.profile_speed != kNone || j.profile_acceleration != kNone || j.dwell_rate != 0.0 ||
+         j.derating != 0.0 || j.friction_temperature != 0.0 || j.velocity_filter > 0.0;
 }
 
-JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, const JointInstant& at,
-                            const InnerState& inner) {
+JointPart transmission_step(const JointParams& joint, const ServoOutput& servo,
+                            const JointInstant& at, const InnerState& inner) {
   JointPart part;
   part.two_mass = is_two_mass(joint);
   const double h = at.h;
   const double armature = joint.nominal.armature + joint.armature;
-  const double ratio = joint.gear_error.zero() ? 1.0 : 1.0 - ripple_slope(joint.gear_error, at.q_half);
+  const double ratio =
+      joint.gear_error.zero() ? 1.0 : 1.0 - ripple_slope(joint.gear_error, at.q_half);
   const double motor = ratio * servo.torque;
   const double y = part.two_mass ? at.dq + inner.motor_speed_offset : at.dq;  // where gears rub
 
@@ -161,7 +172,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
   double force = motor - viscous * y;
   double damping = viscous + servo.back_emf_damping;
   double stiffness = 0.0;
-  if (!part.two_mass || joint.encoder_at_motor) {  // the servo's own feedback closes on the same mass
+  if (!part.two_mass ||
+      joint.encoder_at_motor) {  // the servo's own feedback closes on the same mass
     damping += servo.damping;
     stiffness += servo.stiffness;
   }
@@ -170,11 +182,12 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
   Elastic elastic;
   if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0) elastic = maxwell(joint, h, y, inner);
   if (joint.presliding_compliance > 0.0 && budget > 0.0) {
-    // bristle: dz = y - sigma0 |y| z / budget, torque sigma0 z + sigma1 dz, with the new z throughout
+    // bristle: dz = y - sigma0 |y| z / budget, torque sigma0 z + sigma1 dz, with the new z
+    // throughout
     const double sigma0 = 1.0 / joint.presliding_compliance;
     const double denominator = 1.0 + h * sigma0 * std::abs(y) / budget;
-    elastic.constant +=
-        sigma0 * inner.bristle / denominator + joint.presliding_damping * inner.bristle * (1.0 / denominator - 1.0) / h;
+    elastic.constant += sigma0 * inner.bristle / denominator +
+                        joint.presliding_damping * inner.bristle * (1.0 / denominator - 1.0) / h;
     elastic.slope += (sigma0 * h + joint.presliding_damping) / denominator;
     part.bristle_denominator = denominator;
     part.bristle_gain = budget * joint.presliding_compliance;  // largest bristle
@@ -186,8 +199,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
 
   if (!part.two_mass) {
     const double inertia = at.inertia + armature;
-    part.added =
-        armature + h * implicitness(h * damping, inertia) * damping + 0.25 * h * h * stiffness + h * elastic.slope;
+    part.added = armature + h * implicitness(h * damping, inertia) * damping +
+                 0.25 * h * h * stiffness + h * elastic.slope;
     part.impulse = h * (force - elastic.constant - elastic.slope * at.dq);
     add_link_forces(joint, at, part);
     return part;
@@ -197,7 +210,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
   const double motor_inertia = std::max(armature, kMinimumMotorShare * at.inertia);
   const double stretch_half = inner.motor_offset + 0.5 * h * inner.motor_speed_offset;
   const Coupling c = coupling_of(joint, at, motor_inertia, stretch_half);
-  const double own = motor_inertia + h * implicitness(h * damping, motor_inertia) * damping + 0.25 * h * h * stiffness;
+  const double own = motor_inertia + h * implicitness(h * damping, motor_inertia) * damping +
+                     0.25 * h * h * stiffness;
   const double P = h * c.implicit;
   const double J = own + P + h * elastic.slope;
   const double sliding = inner.motor_speed_offset;  // motor minus link
@@ -211,8 +225,8 @@ JointPart transmission_step(const JointParams& joint, const ServoOutput& servo, 
   return part;
 }
 
-void finish_transmission(const JointParams& joint, const JointInstant& at, const JointPart& part, double dq_end,
-                         double f, InnerState& inner) {
+void finish_transmission(const JointParams& joint, const JointInstant& at, const JointPart& part,
+                         double dq_end, double f, InnerState& inner) {
   const double y_end = part.y0 + part.mobility * f + part.coupling * dq_end;
   const double y = part.two_mass ? y_end : dq_end;
   if (part.two_mass) {
@@ -225,7 +239,8 @@ void finish_transmission(const JointParams& joint, const JointInstant& at, const
     inner.bristle = std::clamp(z, -part.bristle_gain, part.bristle_gain);
   }
   if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0) advance_maxwell(joint, at.h, y, inner);
-  if (joint.dwell_rate != 0.0) inner.rest_time = std::abs(y) < kMovingSpeed ? inner.rest_time + at.h : 0.0;
+  if (joint.dwell_rate != 0.0)
+    inner.rest_time = std::abs(y) < kMovingSpeed ? inner.rest_time + at.h : 0.0;
 }
 
 }  // namespace sanso::diagnose

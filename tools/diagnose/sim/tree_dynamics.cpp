@@ -24,7 +24,8 @@ inline Vec3 symmetric_times(const std::array<double, 6>& I, const Vec3& v) {
 }
 
 /// R I R' for symmetric I.
-inline std::array<double, 6> congruent(const std::array<double, 9>& R, const std::array<double, 6>& I) {
+inline std::array<double, 6> congruent(const std::array<double, 9>& R,
+                                       const std::array<double, 6>& I) {
   double T[9];  // R I
   for (int i = 0; i < 3; ++i) {
     const double a = R[3 * i], b = R[3 * i + 1], c = R[3 * i + 2];
@@ -40,7 +41,8 @@ inline std::array<double, 6> congruent(const std::array<double, 9>& R, const std
 
 }  // namespace
 
-TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity) : n_(tree.size()), gravity_(gravity) {
+TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity)
+    : n_(tree.size()), gravity_(gravity) {
   assert(n_ <= kMaxJoints);
   for (int j = 0; j < n_; ++j) {
     const TreeJoint& joint = tree.joints[static_cast<std::size_t>(j)];
@@ -52,7 +54,8 @@ TreeDynamics::TreeDynamics(const RobotTree& tree, const Vec3& gravity) : n_(tree
     c.p_parent_joint = joint.p_parent_joint;
     c.axis_joint = joint.axis;
     c.axis_parent = rotated(joint.R_parent_joint, joint.axis);
-    // Rodrigues: Rot(a, q) = a a' + cos(q) (1 - a a') + sin(q) [a]x, premultiplied by the fixed rotation
+    // Rodrigues: Rot(a, q) = a a' + cos(q) (1 - a a') + sin(q) [a]x, premultiplied by the fixed
+    // rotation
     const Vec3& a = joint.axis;
     Mat3 outer, rest, skew{0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0};
     for (std::size_t r = 0; r < 3; ++r) {
@@ -113,7 +116,8 @@ void TreeDynamics::set_frames(const double* q, int begin, int end) {
       std::array<double, 9> R_base;
       for (std::size_t r = 0; r < 3; ++r) {
         for (std::size_t s = 0; s < 3; ++s) {
-          R_base[3 * r + s] = up.R[3 * r] * R[s] + up.R[3 * r + 1] * R[3 + s] + up.R[3 * r + 2] * R[6 + s];
+          R_base[3 * r + s] =
+              up.R[3 * r] * R[s] + up.R[3 * r + 1] * R[3 + s] + up.R[3 * r + 2] * R[6 + s];
         }
       }
       R = R_base;
@@ -152,10 +156,12 @@ void TreeDynamics::mass_matrix(JointMatrix& M, int branch) const {
     M[0] = lone_inertia_;
     return;
   }
-  // composite bodies, from the tips to the base; then M_ij = s_i . (I_j s_j) for every ancestor i of j
+  // composite bodies, from the tips to the base; then M_ij = s_i . (I_j s_j) for every ancestor i
+  // of j
   const int begin = branch_begin(branch), end = branch_begin(branch + 1);
   std::array<Inertia, kMaxJoints> composite;
-  for (int j = begin; j < end; ++j) composite[static_cast<std::size_t>(j)] = inertia_[static_cast<std::size_t>(j)];
+  for (int j = begin; j < end; ++j)
+    composite[static_cast<std::size_t>(j)] = inertia_[static_cast<std::size_t>(j)];
   for (int j = end - 1; j >= begin; --j) {
     const Inertia& in = composite[static_cast<std::size_t>(j)];
     const int parent = constant_[static_cast<std::size_t>(j)].parent;
@@ -171,7 +177,8 @@ void TreeDynamics::mass_matrix(JointMatrix& M, int branch) const {
     Vec3 linear = scaled(in.m, f.s_lin);
     add(linear, cross(f.s_ang, in.mc));
     double* row = &M[static_cast<std::size_t>(j) * kMaxJoints];
-    for (int k = root_[static_cast<std::size_t>(j)]; k < j; ++k) row[k] = 0.0;  // siblings inside the branch
+    // siblings inside the branch
+    for (int k = root_[static_cast<std::size_t>(j)]; k < j; ++k) row[k] = 0.0;
     for (int i = j; i >= 0; i = constant_[static_cast<std::size_t>(i)].parent) {
       const Frame& g = frame_[static_cast<std::size_t>(i)];
       row[i] = dot(g.s_ang, angular) + dot(g.s_lin, linear);
@@ -180,8 +187,8 @@ void TreeDynamics::mass_matrix(JointMatrix& M, int branch) const {
 }
 
 template <bool kWithAcceleration>
-void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau, int begin,
-                                          int end) const {
+void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, JointVector& tau,
+                                          int begin, int end) const {
   std::array<Vec3, kMaxJoints> w, v, dw, dv, n, f;
   for (int j = begin; j < end; ++j) {
     const auto k = static_cast<std::size_t>(j);
@@ -195,7 +202,8 @@ void TreeDynamics::recursive_newton_euler(const double* dq, const double* ddq, J
       w[k] = w[up], v[k] = v[up], dw[k] = dw[up], dv[k] = dv[up];
     }
     const Vec3 s_ang = scaled(dq[j], fr.s_ang), s_lin = scaled(dq[j], fr.s_lin);
-    // a = a_parent + v x s dq (+ s ddq); the parent's velocity may stand in the product since s x s = 0
+    // a = a_parent + v x s dq (+ s ddq); the parent's velocity may stand in the product since s x s
+    // = 0
     add(dw[k], cross(w[k], s_ang));
     add(dv[k], cross(w[k], s_lin));
     add(dv[k], cross(v[k], s_ang));

@@ -10,7 +10,8 @@
 
 namespace sanso::diagnose {
 
-ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int bins, double dependence) {
+ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int bins,
+                       double dependence) {
   ShapeCurve curve;
   std::vector<std::pair<double, double>> rows;
   for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
@@ -18,7 +19,8 @@ ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int
   }
   if (rows.size() < 10) return curve;
   std::sort(rows.begin(), rows.end());
-  const std::size_t per_bin = std::max<std::size_t>(5, rows.size() / static_cast<std::size_t>(std::max(1, bins)));
+  const std::size_t per_bin =
+      std::max<std::size_t>(5, rows.size() / static_cast<std::size_t>(std::max(1, bins)));
   double total = 0.0, square = 0.0;
   for (const auto& [xi, yi] : rows) total += yi, square += yi * yi;
   const double grand = total / static_cast<double>(rows.size());
@@ -30,9 +32,11 @@ ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int
     while (end < rows.size() && rows[end].first == rows[end - 1].first) ++end;
     const auto n = static_cast<double>(end - start);
     double sx = 0, sy = 0, syy = 0;
-    for (std::size_t i = start; i < end; ++i) sx += rows[i].first, sy += rows[i].second, syy += rows[i].second * rows[i].second;
+    for (std::size_t i = start; i < end; ++i)
+      sx += rows[i].first, sy += rows[i].second, syy += rows[i].second * rows[i].second;
     const double m = sy / n, variance = std::max(0.0, syy / n - m * m);
-    curve.points.push_back({sx / n, m, std::sqrt(variance * std::max(1.0, dependence) / n), static_cast<int>(n)});
+    curve.points.push_back(
+        {sx / n, m, std::sqrt(variance * std::max(1.0, dependence) / n), static_cast<int>(n)});
     between += n * (m - grand) * (m - grand);
     start = end;
   }
@@ -46,7 +50,8 @@ namespace {
 /// The four cubic B-spline weights at fraction u of a segment (uniform knots).
 std::array<double, 4> cubic_weights(double u) {
   const double v = 1.0 - u;
-  return {v * v * v / 6.0, (3 * u * u * u - 6 * u * u + 4) / 6.0, (3 * v * v * v - 6 * v * v + 4) / 6.0, u * u * u / 6.0};
+  return {v * v * v / 6.0, (3 * u * u * u - 6 * u * u + 4) / 6.0,
+          (3 * v * v * v - 6 * v * v + 4) / 6.0, u * u * u / 6.0};
 }
 
 struct Knots {
@@ -61,8 +66,8 @@ struct Knots {
 
 }  // namespace
 
-std::vector<double> smooth_curve(std::span<const double> x, std::span<const double> y, std::span<const double> at,
-                                 int segments) {
+std::vector<double> smooth_curve(std::span<const double> x, std::span<const double> y,
+                                 std::span<const double> at, int segments) {
   std::vector<double> out(at.size(), 0.0);
   const double low = quantile(x, 0.0), high = quantile(x, 1.0);
   if (!(high > low)) return std::vector<double>(at.size(), mean(y));
@@ -77,17 +82,20 @@ std::vector<double> smooth_curve(std::span<const double> x, std::span<const doub
     const auto w = cubic_weights(u);
     for (int a = 0; a < 4; ++a) {
       right[k + a] += w[static_cast<std::size_t>(a)] * y[i];
-      for (int b = 0; b < 4; ++b) normal(k + a, k + b) += w[static_cast<std::size_t>(a)] * w[static_cast<std::size_t>(b)];
+      for (int b = 0; b < 4; ++b)
+        normal(k + a, k + b) += w[static_cast<std::size_t>(a)] * w[static_cast<std::size_t>(b)];
     }
     n += 1, yy += y[i] * y[i];
   }
-  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(m - 2, m);  // second differences: what the penalty keeps small
+  // second differences: what the penalty keeps small
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(m - 2, m);
   for (int i = 0; i < m - 2; ++i) second(i, i) = 1, second(i, i + 1) = -2, second(i, i + 2) = 1;
   const Eigen::MatrixXd penalty = second.transpose() * second;
   double best = INFINITY;
   Eigen::VectorXd coefficients = Eigen::VectorXd::Zero(m);
   for (double lambda = 1e-3; lambda < 1e6; lambda *= 10) {
-    const Eigen::LDLT<Eigen::MatrixXd> factor(normal + lambda * penalty + 1e-9 * Eigen::MatrixXd::Identity(m, m));
+    const Eigen::LDLT<Eigen::MatrixXd> factor(normal + lambda * penalty +
+                                              1e-9 * Eigen::MatrixXd::Identity(m, m));
     const Eigen::VectorXd c = factor.solve(right);
     const double freedom = factor.solve(normal).trace();
     const double error = yy - 2 * c.dot(right) + c.dot(normal * c);

@@ -1,4 +1,5 @@
-// Shape curves: the mean of a residual as a function of one quantity, with bands. What a person looks at first.
+// Shape curves: the mean of a residual as a function of one quantity, with bands. What a person
+// looks at first.
 #pragma once
 
 #include <span>
@@ -16,19 +17,22 @@ struct CurvePoint {
 };
 
 struct ShapeCurve {
-  std::string name;               // e.g. "torque residual vs dq"
+  std::string name;  // e.g. "torque residual vs dq"
   std::string x_unit, y_unit;
   std::vector<CurvePoint> points;
-  double explained = 0.0;         // share of the residual's variance that the curve explains
+  double explained = 0.0;  // share of the residual's variance that the curve explains
 };
 
-/// Means of y in `bins` bins of x with equal counts. `dependence`: autocorrelation time of y in samples (1 = white).
-/// Rows with a NaN on either side are left out; bins with fewer than 5 rows are merged into their neighbour.
-ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int bins, double dependence);
+/// Means of y in `bins` bins of x with equal counts. `dependence`: autocorrelation time of y in
+/// samples (1 = white).
+/// Rows with a NaN on either side are left out; bins with fewer than 5 rows are merged into their
+/// neighbour.
+ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int bins,
+                       double dependence);
 
-/// Penalised cubic B-spline (P-spline, Eilers and Marx 1996): smooth curve through (x, y), smoothing chosen by generalised
-/// cross-validation; evaluated at `at`.
-std::vector<double> smooth_curve(std::span<const double> x, std::span<const double> y, std::span<const double> at,
-                                 int segments = 16);
+/// Penalised cubic B-spline (P-spline, Eilers and Marx 1996): smooth curve through (x, y),
+/// smoothing chosen by generalised cross-validation; evaluated at `at`.
+std::vector<double> smooth_curve(std::span<const double> x, std::span<const double> y,
+                                 std::span<const double> at, int segments = 16);
 
 }  // namespace sanso::diagnose

@@ -1,4 +1,5 @@
-// Random numbers that are the same on every machine and for every number of threads: a counter, a key, a mixing function.
+// Random numbers that are the same on every machine and for every number of threads: a counter, a
+// key, a mixing function.
 #pragma once
 
 #include <cmath>
@@ -7,18 +8,21 @@
 
 namespace sanso::diagnose {
 
-/// Deterministic generator (SplitMix64: Steele, Lea, Flood 2014). Independent streams come from different keys:
+/// Deterministic generator (SplitMix64: Steele, Lea, Flood 2014). Independent streams come from
+/// different keys:
 /// Random(seed, task index) gives task i the same numbers whichever thread runs it.
 class Random {
  public:
-  explicit Random(std::uint64_t seed, std::uint64_t stream = 0) : state_(mix(seed) ^ mix(stream * kGolden + 1)) {}
+  explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
+      : state_(mix(seed) ^ mix(stream * kGolden + 1)) {}
 
   std::uint64_t bits() { return mix(state_ += kGolden); }
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   /// Uniform integer in [0, n); n > 0.
   int below(int n) { return static_cast<int>(uniform() * n); }
-  /// Standard normal (Box-Muller; the second value is not kept, so that the stream has no hidden state).
+  /// Standard normal (Box-Muller; the second value is not kept, so that the stream has no hidden
+  /// state).
   double normal() {
     const double u = 1.0 - uniform();
     return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * uniform());

@@ -22,7 +22,8 @@ double standard_deviation(std::span<const double> x);
 /// Root mean square of the finite values; 0 when there are none.
 double rms(std::span<const double> x);
 
-/// Pearson correlation over the rows where both are finite; 0 when a side is constant or fewer than 3 rows remain.
+/// Pearson correlation over the rows where both are finite; 0 when a side is constant or fewer than
+/// 3 rows remain.
 double correlation(std::span<const double> x, std::span<const double> y);
 
 }  // namespace sanso::diagnose

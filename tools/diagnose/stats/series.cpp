@@ -63,7 +63,8 @@ Autoregression fit_autoregression(std::span<const double> x, int order) {
     }
     // Levinson: a_new = a - reflection * reversed(a)
     std::vector<double> previous = a;
-    for (std::size_t i = 0; i < previous.size(); ++i) a[i] = previous[i] - reflection * previous[previous.size() - 1 - i];
+    for (std::size_t i = 0; i < previous.size(); ++i)
+      a[i] = previous[i] - reflection * previous[previous.size() - 1 - i];
     a.push_back(reflection);
     variance *= 1.0 - reflection * reflection;
   }
@@ -83,7 +84,8 @@ double ljung_box(std::span<const double> x, int lags) {
   return n * (n + 2.0) * sum;
 }
 
-std::vector<std::size_t> change_points(std::span<const double> x, double penalty, std::size_t minimum_length) {
+std::vector<std::size_t> change_points(std::span<const double> x, double penalty,
+                                       std::size_t minimum_length) {
   const std::size_t n = x.size();
   if (n < 2 * minimum_length) return {};
   std::vector<double> sum(n + 1, 0.0), square(n + 1, 0.0);
@@ -95,7 +97,8 @@ std::vector<std::size_t> change_points(std::span<const double> x, double penalty
     const double s = sum[to] - sum[from];
     return square[to] - square[from] - s * s / static_cast<double>(to - from);
   };
-  // best[t]: minimal cost of x[0, t); candidates: starts that can still be the last segment's (pruned)
+  // best[t]: minimal cost of x[0, t); candidates: starts that can still be the last segment's
+  // (pruned)
   std::vector<double> best(n + 1, std::numeric_limits<double>::infinity());
   std::vector<std::size_t> last(n + 1, 0), candidates{0};
   best[0] = -penalty;
@@ -105,7 +108,9 @@ std::vector<std::size_t> change_points(std::span<const double> x, double penalty
       const double value = best[s] + cost(s, t) + penalty;
       if (value < best[t]) best[t] = value, last[t] = s;
     }
-    std::erase_if(candidates, [&](std::size_t s) { return t - s >= minimum_length && best[s] + cost(s, t) > best[t]; });
+    std::erase_if(candidates, [&](std::size_t s) {
+      return t - s >= minimum_length && best[s] + cost(s, t) > best[t];
+    });
     const std::size_t next = t - minimum_length + 1;
     if (next >= minimum_length && std::isfinite(best[next])) candidates.push_back(next);
   }

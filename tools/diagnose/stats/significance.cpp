@@ -22,8 +22,9 @@ namespace {
 std::vector<std::size_t> order_of(std::span<const double> x, bool descending) {
   std::vector<std::size_t> order(x.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return descending ? x[a] > x[b] : x[a] < x[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return descending ? x[a] > x[b] : x[a] < x[b];
+  });
   return order;
 }
 
@@ -34,7 +35,8 @@ std::vector<double> false_discovery_rate(std::span<const double> p) {
   std::vector<double> q(p.size(), 1.0);
   double smallest = 1.0;
   for (std::size_t rank = p.size(); rank-- > 0;) {
-    const double scaled = p[order[rank]] * static_cast<double>(p.size()) / static_cast<double>(rank + 1);
+    const double scaled =
+        p[order[rank]] * static_cast<double>(p.size()) / static_cast<double>(rank + 1);
     smallest = std::min(smallest, scaled);
     q[order[rank]] = smallest;
   }
@@ -49,7 +51,8 @@ std::vector<double> step_down_max_t(std::span<const double> statistic, int draws
   std::vector<double> draw(n);
   for (int b = 0; b < draws; ++b) {
     null_draw(b, draw);
-    double running = -INFINITY;  // maximum over the hypotheses not yet rejected when rank i is tested
+    // maximum over the hypotheses not yet rejected when rank i is tested
+    double running = -INFINITY;
     for (std::size_t rank = n; rank-- > 0;) {
       running = std::max(running, draw[order[rank]]);
       if (running >= statistic[order[rank]]) ++exceed[rank];
@@ -64,7 +67,8 @@ std::vector<double> step_down_max_t(std::span<const double> statistic, int draws
   return p;
 }
 
-MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws, Random random) {
+MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws,
+                                   Random random) {
   MeanWithError result;
   const std::size_t n = x.size();
   result.mean = mean(x);
@@ -91,7 +95,8 @@ double moving_block_lower_bound(std::span<const double> x, double level, int dra
   const double total = n * mean(x);
   if (x.size() < 2) return x.empty() ? 0.0 : total;
   const double wanted = std::max(std::cbrt(n), 3.0 * autocorrelation_time(x));
-  const auto block = static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, std::max(1.0, n / 3.0)));
+  const auto block =
+      static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, std::max(1.0, n / 3.0)));
   const int starts = static_cast<int>(x.size() - block) + 1;
   std::vector<double> sums(static_cast<std::size_t>(draws), 0.0);
   for (double& sum : sums) {
@@ -100,7 +105,8 @@ double moving_block_lower_bound(std::span<const double> x, double level, int dra
       for (std::size_t i = 0; i < block && taken < x.size(); ++i, ++taken) sum += x[from + i];
     }
   }
-  // blocks that cannot wrap around reach the ends less often: their mean is taken out, the sum's own put in
+  // blocks that cannot wrap around reach the ends less often: their mean is taken out, the sum's
+  // own put in
   const double widened = std::sqrt(n / (n - static_cast<double>(block)));
   return total + widened * (quantile(sums, level) - mean(sums));
 }

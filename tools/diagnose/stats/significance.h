@@ -1,4 +1,5 @@
-// From statistics to decisions: tail probabilities, many tests at once, resampling of dependent data.
+// From statistics to decisions: tail probabilities, many tests at once, resampling of dependent
+// data.
 #pragma once
 
 #include <functional>
@@ -11,14 +12,16 @@ namespace sanso::diagnose {
 
 /// P(Z > z) of the standard normal.
 double normal_tail(double z);
-/// P(X > x) of chi-square with k degrees of freedom (Wilson and Hilferty 1931; relative error below 2 % for k >= 3).
+/// P(X > x) of chi-square with k degrees of freedom (Wilson and Hilferty 1931; relative error below
+/// 2 % for k >= 3).
 double chi_square_tail(double x, double k);
 
 /// Benjamini-Hochberg: adjusted p-values (q-values), same order as `p`.
 std::vector<double> false_discovery_rate(std::span<const double> p);
 
-/// Family-wise p by step-down max-T (Westfall and Young 1993, algorithm 4.1). `null_draw(b, out)` fills one joint draw
-/// of all statistics under the null. Large statistic = evidence. Result[i] >= 1 / (draws + 1).
+/// Family-wise p by step-down max-T (Westfall and Young 1993, algorithm 4.1). `null_draw(b, out)`
+/// fills one joint draw of all statistics under the null. Large statistic = evidence. Result[i] >=
+/// 1 / (draws + 1).
 std::vector<double> step_down_max_t(std::span<const double> statistic, int draws,
                                     const std::function<void(int, std::span<double>)>& null_draw);
 
@@ -28,17 +31,20 @@ struct Interval {
   double high = 0.0;
 };
 
-/// Mean of `x` with its standard error, where neighbouring entries may depend: circular block bootstrap.
+/// Mean of `x` with its standard error, where neighbouring entries may depend: circular block
+/// bootstrap.
 struct MeanWithError {
   double mean = 0.0;
   double standard_error = 0.0;
   Interval interval95;
 };
-MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws, Random random);
+MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws,
+                                   Random random);
 
-/// Lower confidence bound (one-sided, `level`) of the sum of `x`, whose neighbours may depend: moving-block bootstrap
-/// (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times (a third of all at most), percentiles
-/// widened by sqrt(n / (n - block)) since fewer blocks spread too little. The sum itself for n < 2.
+/// Lower confidence bound (one-sided, `level`) of the sum of `x`, whose neighbours may depend:
+/// moving-block bootstrap (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times
+/// (a third of all at most), percentiles widened by sqrt(n / (n - block)) since fewer blocks spread
+/// too little. The sum itself for n < 2.
 double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random);
 
 /// Wilson interval (95 %) of a proportion: `successes` of `trials`.

@@ -11,7 +11,8 @@ namespace {
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 
-/// Transition over h with acceleration as a random walk of density s (van Loan's integral, closed form).
+/// Transition over h with acceleration as a random walk of density s (van Loan's integral, closed
+/// form).
 Mat3 transition(double h) {
   Mat3 F;
   F << 1, h, h * h / 2, 0, 1, h, 0, 0, 1;
@@ -32,8 +33,8 @@ struct Filtered {
 };
 
 /// Kalman filter over the rows [0, rows); keeps what the backward pass needs when `keep`.
-Filtered filter(std::span<const double> t, std::span<const double> q, std::span<const double> sigma, double density,
-                std::size_t rows, bool keep) {
+Filtered filter(std::span<const double> t, std::span<const double> q, std::span<const double> sigma,
+                double density, std::size_t rows, bool keep) {
   Filtered f;
   std::size_t first = 0;
   while (first < rows && !std::isfinite(q[first])) ++first;
@@ -55,7 +56,8 @@ Filtered filter(std::span<const double> t, std::span<const double> q, std::span<
       x += gain * e;
       Mat3 A = Mat3::Identity();
       A.col(0) -= gain;
-      P = A * P * A.transpose() + variance * gain * gain.transpose();  // Joseph form: stays symmetric, positive
+      // Joseph form: stays symmetric, positive
+      P = A * P * A.transpose() + variance * gain * gain.transpose();
       if (k > first + 3) f.log_likelihood -= 0.5 * (std::log(S) + e * e / S);
     }
     if (keep) f.x.push_back(x), f.P.push_back(P);
@@ -63,9 +65,12 @@ Filtered filter(std::span<const double> t, std::span<const double> q, std::span<
   return f;
 }
 
-/// Largest likelihood over two decades a step; the first rows suffice (the density is a property of the whole motion).
-double choose_density(std::span<const double> t, std::span<const double> q, std::span<const double> sigma) {
-  constexpr std::size_t kRowsForLikelihood = 6000;  // chosen: 30 s at 200 Hz; more changes the choice by < 1 grid step
+/// Largest likelihood over two decades a step; the first rows suffice (the density is a property of
+/// the whole motion).
+double choose_density(std::span<const double> t, std::span<const double> q,
+                      std::span<const double> sigma) {
+  // chosen: 30 s at 200 Hz; more changes the choice by < 1 grid step
+  constexpr std::size_t kRowsForLikelihood = 6000;
   const std::size_t rows = std::min(t.size(), kRowsForLikelihood);
   double best = -std::numeric_limits<double>::infinity(), density = 1.0;
   for (double exponent = -6.0; exponent <= 9.0; exponent += 1.0) {
@@ -82,7 +87,8 @@ SmoothedState smooth_position(std::span<const double> t, std::span<const double>
   return smooth_position(t, q, std::vector<double>(t.size(), sigma));
 }
 
-SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, std::span<const double> sigma) {
+SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
+                              std::span<const double> sigma) {
   const std::size_t n = t.size();
   SmoothedState out;
   for (auto* v : {&out.q, &out.dq, &out.ddq, &out.q_sigma, &out.dq_sigma}) v->resize(n);

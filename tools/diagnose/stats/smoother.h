@@ -1,4 +1,5 @@
-// Smoothed position, velocity and acceleration of one joint from its (uneven, noisy) position samples.
+// Smoothed position, velocity and acceleration of one joint from its (uneven, noisy) position
+// samples.
 #pragma once
 
 #include <span>
@@ -15,12 +16,14 @@ struct SmoothedState {
   double jerk_density = 0.0;     // spectral density of the jerk that was used     rad^2/s^5
 };
 
-/// Rauch-Tung-Striebel smoother of the constant-jerk (white-jerk) model; state [q, dq, ddq], exact for uneven sampling.
-/// The jerk density is the one of largest likelihood on a logarithmic grid. An empty (NaN) q is a row without
-/// measurement. `t` [s] strictly increasing, at least 3 finite q; `sigma` > 0 is the standard deviation of a position
-/// sample [rad].
+/// Rauch-Tung-Striebel smoother of the constant-jerk (white-jerk) model; state [q, dq, ddq], exact
+/// for uneven sampling.
+/// The jerk density is the one of largest likelihood on a logarithmic grid. An empty (NaN) q is a
+/// row without measurement. `t` [s] strictly increasing, at least 3 finite q; `sigma` > 0 is the
+/// standard deviation of a position sample [rad].
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma);
 /// The same with a deviation for every sample.
-SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, std::span<const double> sigma);
+SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
+                              std::span<const double> sigma);
 
 }  // namespace sanso::diagnose

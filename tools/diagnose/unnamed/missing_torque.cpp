@@ -10,9 +10,10 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Whitened change of every prediction for one more N m (or N) at a joint; all joints at once when they hardly couple.
-Eigen::VectorXd torque_signature(const Problem& problem, const Library& library, const Model& model, int joint,
-                                 const Eigen::VectorXd& base, double torque) {
+/// Whitened change of every prediction for one more N m (or N) at a joint; all joints at once when
+/// they hardly couple.
+Eigen::VectorXd torque_signature(const Problem& problem, const Library& library, const Model& model,
+                                 int joint, const Eigen::VectorXd& base, double torque) {
   Library with = library;
   Candidate push;
   push.apply = [joint](SimParams& p, const std::vector<double>& theta) {
@@ -26,7 +27,8 @@ Eigen::VectorXd torque_signature(const Problem& problem, const Library& library,
   return (prediction_error(problem, with, moved) - base) / torque;
 }
 
-TorqueSample describe(const Problem& problem, const Shot& shot, int joint, const Prediction* replayed) {
+TorqueSample describe(const Problem& problem, const Shot& shot, int joint,
+                      const Prediction* replayed) {
   const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
   const auto j = static_cast<std::size_t>(joint);
   TorqueSample s;
@@ -41,18 +43,21 @@ TorqueSample describe(const Problem& problem, const Shot& shot, int joint, const
     s.t += source.drive.t[k];
     s.q += source.motion.q[j][k];
     s.dq += source.motion.dq[j][k];
-    if (goal && k < command.size() && std::isfinite(command[k])) s.error += command[k] - source.motion.q[j][k];
+    if (goal && k < command.size() && std::isfinite(command[k]))
+      s.error += command[k] - source.motion.q[j][k];
     if (replayed != nullptr) s.motor += replayed->of(replayed->tau, joint)[k - shot.window.first];
   }
   s.t /= n, s.q /= n, s.dq /= n, s.error /= n, s.motor /= n;
   const double span = source.drive.t[shot.window.last] - source.drive.t[shot.window.first];
-  s.ddq = (source.motion.dq[j][shot.window.last] - source.motion.dq[j][shot.window.first]) / std::max(span, 1e-9);
+  s.ddq = (source.motion.dq[j][shot.window.last] - source.motion.dq[j][shot.window.first]) /
+          std::max(span, 1e-9);
   return s;
 }
 
 }  // namespace
 
-std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
+                                         const std::vector<NoiseLevel>& noise,
                                          const Library& library, const Model& model) {
   ProblemOptions options;
   options.shot_seconds = constants::kTorqueWindow;
@@ -63,12 +68,14 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources, con
   const StartElimination starts(problem, library, model);
   const Eigen::VectorXd error = starts.project(base);
   const int n = static_cast<int>(problem.joints.size());
-  constexpr int kCoupled = 4;  // as in StartElimination: beyond, only a joint's own rows answer for it
+  // as in StartElimination: beyond, only a joint's own rows answer for it
+  constexpr int kCoupled = 4;
   std::vector<Eigen::VectorXd> raw(static_cast<std::size_t>(n <= kCoupled ? n : 1));
   parallel_for(static_cast<int>(raw.size()), [&](int i) {
     const auto joint = static_cast<std::size_t>(i);
     const double limit = problem.sources.front().nominal.joints[joint].nominal.torque_limit;
-    raw[joint] = torque_signature(problem, library, model, n <= kCoupled ? i : -1, base, limit > 0.0 ? 0.02 * limit : 0.05);
+    raw[joint] = torque_signature(problem, library, model, n <= kCoupled ? i : -1, base,
+                                  limit > 0.0 ? 0.02 * limit : 0.05);
   });
   std::vector<std::vector<Prediction>> replay(problem.sources.size());
   std::vector<std::size_t> next(problem.sources.size(), 0);
@@ -95,7 +102,8 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources, con
       const auto signature = static_cast<std::size_t>(n <= kCoupled ? joint : 0);
       const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
       const auto rows = static_cast<Eigen::Index>(shot.rows);
-      const double norm = raw[signature].segment(from, rows).dot(projected[signature].segment(from, rows));
+      const double norm =
+          raw[signature].segment(from, rows).dot(projected[signature].segment(from, rows));
       if (!(norm > 1e-9)) continue;
       TorqueSample sample = describe(problem, shot, joint, prediction);
       sample.missing = -raw[signature].segment(from, rows).dot(error.segment(from, rows)) / norm;

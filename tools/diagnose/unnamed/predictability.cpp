@@ -1,8 +1,8 @@
 #include "tools/diagnose/unnamed/predictability.h"
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ std::vector<TorqueSample> of_joint(const std::vector<TorqueSample>& samples, int
   return out;
 }
 
-std::vector<double> column(const std::vector<TorqueSample>& s, double TorqueSample::* field) {
+std::vector<double> column(const std::vector<TorqueSample>& s, double TorqueSample::*field) {
   std::vector<double> out;
   for (const TorqueSample& sample : s) out.push_back(sample.*field);
   return out;
@@ -32,20 +32,23 @@ std::vector<double> column(const std::vector<TorqueSample>& s, double TorqueSamp
 
 /// Standardised state, one row a sample.
 Eigen::MatrixXd state(const std::vector<TorqueSample>& s) {
-  const std::vector<double TorqueSample::*> fields{&TorqueSample::q, &TorqueSample::dq, &TorqueSample::ddq, &TorqueSample::motor,
+  const std::vector<double TorqueSample::*> fields{&TorqueSample::q, &TorqueSample::dq,
+                                                   &TorqueSample::ddq, &TorqueSample::motor,
                                                    &TorqueSample::error};
   Eigen::MatrixXd X(static_cast<Eigen::Index>(s.size()), static_cast<Eigen::Index>(fields.size()));
   for (std::size_t f = 0; f < fields.size(); ++f) {
     const std::vector<double> v = column(s, fields[f]);
     const double centre = median(v), scale = std::max(standard_deviation(v), 1e-12);
     for (std::size_t i = 0; i < v.size(); ++i) {
-      X(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(f)) = std::clamp((v[i] - centre) / scale, -4.0, 4.0);
+      X(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(f)) =
+          std::clamp((v[i] - centre) / scale, -4.0, 4.0);
     }
   }
   return X;
 }
 
-/// The state itself, the sign of the velocity, and random Fourier features of the state (Rahimi and Recht 2007).
+/// The state itself, the sign of the velocity, and random Fourier features of the state (Rahimi and
+/// Recht 2007).
 Eigen::MatrixXd features(const std::vector<TorqueSample>& s, Random random) {
   constexpr Eigen::Index kFourier = 40;
   const Eigen::MatrixXd X = state(s);
@@ -66,8 +69,8 @@ Eigen::MatrixXd features(const std::vector<TorqueSample>& s, Random random) {
   return F;
 }
 
-/// Ridge regression cross-validated over contiguous blocks; the linear map y -> held-out prediction is kept, so that shifted
-/// copies of y cost one product.
+/// Ridge regression cross-validated over contiguous blocks; the linear map y -> held-out prediction
+/// is kept, so that shifted copies of y cost one product.
 class BlockRidge {
  public:
   BlockRidge(const Eigen::MatrixXd& F, int folds) : F_(F) {
@@ -75,7 +78,8 @@ class BlockRidge {
     const double ridge = 1e-2 * static_cast<double>(n);
     for (int f = 0; f < folds; ++f) {
       const Eigen::Index from = n * f / folds, to = n * (f + 1) / folds;
-      Eigen::MatrixXd H = F.transpose() * F - F.middleRows(from, to - from).transpose() * F.middleRows(from, to - from);
+      Eigen::MatrixXd H = F.transpose() * F -
+                          F.middleRows(from, to - from).transpose() * F.middleRows(from, to - from);
       H.diagonal().array() += ridge / static_cast<double>(p);
       folds_.push_back({from, to, H.ldlt().solve(Eigen::MatrixXd::Identity(p, p))});
     }
@@ -85,7 +89,8 @@ class BlockRidge {
     double error = 0.0;
     for (const Fold& f : folds_) {
       const auto block = F_.middleRows(f.from, f.to - f.from);
-      const Eigen::VectorXd w = f.inverse * (full - block.transpose() * y.segment(f.from, f.to - f.from));
+      const Eigen::VectorXd w =
+          f.inverse * (full - block.transpose() * y.segment(f.from, f.to - f.from));
       error += (y.segment(f.from, f.to - f.from) - block * w).squaredNorm();
     }
     const double total = (y.array() - y.mean()).matrix().squaredNorm();
@@ -114,11 +119,13 @@ Predictability predictability(const std::vector<TorqueSample>& samples, int join
   // a single impact must not decide: clip to ten robust deviations
   const double limit = 10.0 * std::max(robust_sigma(missing), out.noise_rms);
   for (double& v : missing) v = std::clamp(v, -limit, limit);
-  const Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(missing.data(), static_cast<Eigen::Index>(missing.size()));
+  const Eigen::VectorXd y =
+      Eigen::Map<const Eigen::VectorXd>(missing.data(), static_cast<Eigen::Index>(missing.size()));
   const Eigen::MatrixXd F = features(s, random);
   const BlockRidge ridge(F, 5);
   out.explained = ridge.explained(y);
-  // shifted by more than the dependence between neighbours, the torque has lost its state but kept its own colour
+  // shifted by more than the dependence between neighbours, the torque has lost its state but kept
+  // its own colour
   const auto n = static_cast<int>(y.size());
   const int block = std::clamp(static_cast<int>(3.0 * autocorrelation_time(missing)), 5, n / 4);
   int exceed = 0;
@@ -145,7 +152,8 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
       {"dq", [](S s) { return s.dq; }},
       {"dq |dq|", [](S s) { return s.dq * std::abs(s.dq); }},
       {"sign(dq)", [](S s) { return std::tanh(s.dq / 0.05); }},
-      {"sign(dq) exp(-|dq|/0.2)", [](S s) { return std::tanh(s.dq / 0.05) * std::exp(-std::abs(s.dq) / 0.2); }},
+      {"sign(dq) exp(-|dq|/0.2)",
+       [](S s) { return std::tanh(s.dq / 0.05) * std::exp(-std::abs(s.dq) / 0.2); }},
       {"ddq", [](S s) { return s.ddq; }},
       {"motor", [](S s) { return s.motor; }},
       {"|motor| sign(dq)", [](S s) { return std::abs(s.motor) * std::tanh(s.dq / 0.05); }},
@@ -166,9 +174,11 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
   Eigen::VectorXd y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     y[i] = s[static_cast<std::size_t>(i)].missing;
-    for (std::size_t t = 0; t < terms.size(); ++t) X(i, static_cast<Eigen::Index>(t)) = terms[t].second(s[static_cast<std::size_t>(i)]);
+    for (std::size_t t = 0; t < terms.size(); ++t)
+      X(i, static_cast<Eigen::Index>(t)) = terms[t].second(s[static_cast<std::size_t>(i)]);
   }
-  const double effective = static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
+  const double effective =
+      static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
   std::vector<Eigen::Index> chosen;
   Eigen::VectorXd w;
   double error = y.squaredNorm();
@@ -182,16 +192,20 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
       std::vector<Eigen::Index> columns = chosen;
       columns.push_back(t);
       Eigen::MatrixXd A(n, static_cast<Eigen::Index>(columns.size()));
-      for (std::size_t k = 0; k < columns.size(); ++k) A.col(static_cast<Eigen::Index>(k)) = X.col(columns[k]);
+      for (std::size_t k = 0; k < columns.size(); ++k)
+        A.col(static_cast<Eigen::Index>(k)) = X.col(columns[k]);
       Eigen::MatrixXd H = A.transpose() * A;
       H.diagonal() *= 1.0 + 1e-9;
       const Eigen::VectorXd trial = H.ldlt().solve(A.transpose() * y);
       const double e = (y - A * trial).squaredNorm();
       if (e < best_error) best_error = e, best = t, best_w = trial;
     }
-    // BIC on the number of independent samples: a term has to pay log(n) / 2 in log-likelihood; and 2 % to be worth reading
-    const bool pays = best >= 0 && effective * std::log(error / std::max(best_error, 1e-30)) > 2.0 * std::log(effective) &&
-                      error - best_error > 0.02 * total;
+    // BIC on the number of independent samples: a term has to pay log(n) / 2 in log-likelihood; and
+    // 2 % to be worth reading
+    const bool pays =
+        best >= 0 &&
+        effective * std::log(error / std::max(best_error, 1e-30)) > 2.0 * std::log(effective) &&
+        error - best_error > 0.02 * total;
     if (!pays) break;
     chosen.push_back(best);
     w = best_w;
@@ -202,8 +216,9 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
     const double value = w[static_cast<Eigen::Index>(k)];
     const std::string& name = terms[static_cast<std::size_t>(chosen[k])].first;
     out.terms.push_back(name);
-    out.text += fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "), std::abs(value),
-                            name == "1" ? "" : " " + name);
+    out.text +=
+        fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "),
+                    std::abs(value), name == "1" ? "" : " " + name);
   }
   if (!out.text.empty()) out.text = "missing torque = " + out.text;
   return out;
@@ -215,12 +230,13 @@ std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, i
   const double dependence = autocorrelation_time(missing);
   struct Axis {
     const char *name, *unit;
-    double TorqueSample::* field;
+    double TorqueSample::*field;
   };
   std::vector<ShapeCurve> out;
-  for (const Axis& axis : {Axis{"velocity", "rad/s", &TorqueSample::dq}, Axis{"position", "rad", &TorqueSample::q},
-                           Axis{"motor torque", "N m", &TorqueSample::motor}, Axis{"tracking error", "rad", &TorqueSample::error},
-                           Axis{"time", "s", &TorqueSample::t}}) {
+  for (const Axis& axis :
+       {Axis{"velocity", "rad/s", &TorqueSample::dq}, Axis{"position", "rad", &TorqueSample::q},
+        Axis{"motor torque", "N m", &TorqueSample::motor},
+        Axis{"tracking error", "rad", &TorqueSample::error}, Axis{"time", "s", &TorqueSample::t}}) {
     ShapeCurve curve = shape_curve(column(s, axis.field), missing, 24, dependence);
     curve.name = axis.name;
     curve.x_unit = axis.unit;

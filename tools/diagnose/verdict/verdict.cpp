@@ -46,11 +46,13 @@ std::string reserve(const Finding& finding) {
 VerdictStatus status_of(const Finding& finding) {
   if (!finding.terms.empty() || finding.spans_null) return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
-  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed : VerdictStatus::present_unnamed;
+  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
+                                            : VerdictStatus::present_unnamed;
 }
 
 double FitScore::explained() const {
-  const double before = nominal * nominal - noise * noise, after = nominal * nominal - patched * patched;
+  const double before = nominal * nominal - noise * noise,
+               after = nominal * nominal - patched * patched;
   return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
 }
 
@@ -144,11 +146,15 @@ std::string verdict_json(const Verdict& v) {
   out["fit"] = fit_json(v);
   out["refused"] = ordered_json::array();
   for (const Defect& d : v.refused) {
-    out["refused"].push_back(
-        {{"file", d.file}, {"channel", d.channel}, {"row", d.row}, {"defect", d.defect}, {"message", d.message}});
+    out["refused"].push_back({{"file", d.file},
+                              {"channel", d.channel},
+                              {"row", d.row},
+                              {"defect", d.defect},
+                              {"message", d.message}});
   }
   out["untestable"] = ordered_json::array();
-  for (const Untestable& u : v.untestable) out["untestable"].push_back({{"effect", u.effect}, {"because", u.because}});
+  for (const Untestable& u : v.untestable)
+    out["untestable"].push_back({{"effect", u.effect}, {"because", u.because}});
   out["detectable"] = ordered_json::array();
   for (const Detectable& d : v.detectable) {
     out["detectable"].push_back({{"effect", d.effect},

@@ -1,4 +1,5 @@
-// What a diagnosis says: the content of verdict.json, and nothing else. Field names are the file's keys (stable).
+// What a diagnosis says: the content of verdict.json, and nothing else. Field names are the file's
+// keys (stable).
 #pragma once
 
 #include <map>
@@ -20,8 +21,8 @@ struct VerdictParameter {
   bool at_bound = false;  // the fit ended at the library's bound: the interval is one-sided
 };
 
-/// What an explanation says that the data should show, and whether they do: slope of (measured change) on (predicted
-/// change).
+/// What an explanation says that the data should show, and whether they do: slope of (measured
+/// change) on (predicted change).
 struct IncidenceRow {
   std::string residual;    // "position, reversal", "duty, high speed", ...
   double predicted = 0.0;  // size of the predicted change, in noise levels
@@ -34,9 +35,10 @@ struct Rival {
   std::string effect;
   std::vector<std::string> where;
   double heldout_gain = 0.0;  // share of the prediction error's energy removed on held-out data
-  double behind_in_se = 0.0;  // how far behind the best, in standard errors of the paired difference
-  double similarity = 0.0;    // |correlation| of the two effects' signatures in these data
-  std::string said_wrong;     // the residual that it should have changed and did not; empty: none
+  // how far behind the best, in standard errors of the paired difference
+  double behind_in_se = 0.0;
+  double similarity = 0.0;  // |correlation| of the two effects' signatures in these data
+  std::string said_wrong;   // the residual that it should have changed and did not; empty: none
 };
 
 struct Finding {
@@ -46,7 +48,8 @@ struct Finding {
   VerdictStatus status = VerdictStatus::confirmed;
   std::map<std::string, VerdictParameter> parameters;
   double p_family = 1.0;
-  double heldout_gain = 0.0;  // share of the prediction error's energy that this effect alone removes, held out
+  // share of the prediction error's energy that this effect alone removes, held out
+  double heldout_gain = 0.0;
   double heldout_gain_se = 0.0;
   double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
   std::vector<std::string> one_of;
@@ -57,16 +60,16 @@ struct Finding {
   std::vector<IncidenceRow> incidence;
 };
 
-/// Parameters that the fit left at a bound of the library, in words; empty: none. What was stopped there is of another
-/// size or another structure.
+/// Parameters that the fit left at a bound of the library, in words; empty: none. What was stopped
+/// there is of another size or another structure.
 std::string stopped_at_bounds(const Finding& finding);
 
-/// Why a finding is not confirmed: an interval that contains the null, a bound, or terms that together describe any
-/// torque of the angle; empty: nothing.
+/// Why a finding is not confirmed: an interval that contains the null, a bound, or terms that
+/// together describe any torque of the angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
-/// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names are left; CONFIRMED
-/// where one is and no bound stopped it; else PRESENT_UNNAMED.
+/// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names
+/// are left; CONFIRMED where one is and no bound stopped it; else PRESENT_UNNAMED.
 VerdictStatus status_of(const Finding& finding);
 
 struct LocationCell {
@@ -81,7 +84,8 @@ struct LocationCell {
 /// One joint (or "all") at one horizon, on recordings that were not fitted.
 struct FitScore {
   double nominal = 0.0, patched = 0.0, noise = 0.0;
-  double explained() const;  // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
+  // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
+  double explained() const;
 };
 
 struct Untestable {
@@ -111,10 +115,13 @@ struct Stretch {
 };
 
 struct Unexplained {
-  std::string channel;       // where it shows: "torque", "velocity channel", "stretches", "position"
-  double predictable = 0.0;  // cross-validated share of it that joint state predicts (torque, velocity channel)
+  // where it shows: "torque", "velocity channel", "stretches", "position"
+  std::string channel;
+  // cross-validated share of it that joint state predicts (torque, velocity channel)
+  double predictable = 0.0;
   double p = 1.0;
-  double energy_share = 0.0;  // of the original prediction error beyond noise, still there after the patch
+  // of the original prediction error beyond noise, still there after the patch
+  double energy_share = 0.0;
   std::string where, regime;
   std::string formula;  // sparse regression's answer: a description of the shape, not a name
   std::string nearest_effect;
@@ -126,7 +133,8 @@ struct Verdict {
   std::string answer;  // one sentence
   std::vector<Finding> findings;
   std::vector<LocationCell> locations;
-  std::map<std::string, std::map<std::string, FitScore>> heldout;  // horizon -> "all" | channel -> score
+  // horizon -> "all" | channel -> score
+  std::map<std::string, std::map<std::string, FitScore>> heldout;
   std::vector<std::string> heldout_recordings;
   std::vector<Defect> refused;
   std::vector<Untestable> untestable;

@@ -1,4 +1,5 @@
-// Planning problems drawn from the shipped motions: a moment of a motion, a disturbed state, other layers, a network.
+// Planning problems drawn from the shipped motions: a moment of a motion, a disturbed state, other
+// layers, a network.
 #pragma once
 
 #include <array>
@@ -19,7 +20,9 @@ namespace sanso::mpc::problems {
 inline host::ResidualNetwork random_network(unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<float> normal;
-  const auto fill = [&](auto& m, float scale) { m = m.NullaryExpr([&] { return scale * normal(random); }); };
+  const auto fill = [&](auto& m, float scale) {
+    m = m.NullaryExpr([&] { return scale * normal(random); });
+  };
   host::ResidualNetwork n;
   fill(n.W1, 0.15f), fill(n.W2, 0.12f), fill(n.W3, 0.12f), fill(n.b1, 0.1f), fill(n.b2, 0.1f);
   n.output_scale.setConstant(0.001f);
@@ -36,12 +39,17 @@ inline model::Tangent random_disturbance(std::mt19937& random, double size = 1.0
   return d;
 }
 
-/// Context of a plan that starts at `tick` of `reference`; with `middle`, a middle layer of random gains.
-inline std::unique_ptr<ProblemContext> make_context(const std::vector<model::State>& reference, int tick, int horizon,
-                                                    const CostWeights& weights, std::mt19937* middle = nullptr) {
+/// Context of a plan that starts at `tick` of `reference`; with `middle`, a middle layer of random
+/// gains.
+inline std::unique_ptr<ProblemContext> make_context(const std::vector<model::State>& reference,
+                                                    int tick, int horizon,
+                                                    const CostWeights& weights,
+                                                    std::mt19937* middle = nullptr) {
   auto c = std::make_unique<ProblemContext>();
   std::normal_distribution<double> normal;
-  const auto at = [&](int t) { return reference[std::min(static_cast<std::size_t>(t), reference.size() - 1)]; };
+  const auto at = [&](int t) {
+    return reference[std::min(static_cast<std::size_t>(t), reference.size() - 1)];
+  };
   for (int k = 0; k < horizon; ++k) {
     std::copy_n(at(tick + 6 * k).data(), kNx, c->x_ref[k]);
     if (k + 1 == horizon) break;

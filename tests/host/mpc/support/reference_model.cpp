@@ -24,7 +24,8 @@ Quadratic state_cost_model(const Model& m, int knot, const State& x) {
   constexpr double h = 1e-6;
   for (int i = 0; i < kNdx; ++i)
     J.col(i) = (model::minus(model::plus(x, h * Tangent::Unit(i)), ref) -
-                model::minus(model::plus(x, -h * Tangent::Unit(i)), ref)) / (2 * h);
+                model::minus(model::plus(x, -h * Tangent::Unit(i)), ref)) /
+               (2 * h);
   const Eigen::Map<const Tangent> w(m.context().state_weight);
   return {2 * J.transpose() * w.cwiseProduct(e), 2 * J.transpose() * w.asDiagonal() * J};
 }
@@ -38,18 +39,20 @@ double total_cost(const Model& m, const Solution& s) {
   return sum;
 }
 
-Solution roll_out(const Model& m, const Solution& nominal, const std::vector<Input>& k, const std::vector<Gain>& K,
-                  double alpha, double limit) {
+Solution roll_out(const Model& m, const Solution& nominal, const std::vector<Input>& k,
+                  const std::vector<Gain>& K, double alpha, double limit) {
   Solution s = nominal;
   for (std::size_t i = 0; i < nominal.u.size(); ++i) {
-    s.u[i] = clamped(nominal.u[i] + alpha * k[i] + K[i] * model::minus(s.x[i], nominal.x[i]), limit);
+    s.u[i] =
+        clamped(nominal.u[i] + alpha * k[i] + K[i] * model::minus(s.x[i], nominal.x[i]), limit);
     s.x[i + 1] = m.step(static_cast<int>(i), s.x[i], s.u[i]);
   }
   s.cost = total_cost(m, s);
   return s;
 }
 
-void backward(const Model& m, const Solution& s, double mu, std::vector<Input>& k, std::vector<Gain>& K) {
+void backward(const Model& m, const Solution& s, double mu, std::vector<Input>& k,
+              std::vector<Gain>& K) {
   const int stages = static_cast<int>(s.u.size());
   Quadratic V = state_cost_model(m, stages, s.x.back());
   const Eigen::Map<const Input> wu(m.context().input_weight);
@@ -71,7 +74,8 @@ void backward(const Model& m, const Solution& s, double mu, std::vector<Input>& 
     k[at] = -solver.solve(Qu);
     K[at] = -solver.solve(Qux);
     V.gradient = Qx + K[at].transpose() * (Quu * k[at] + Qu) + Qux.transpose() * k[at];
-    V.hessian = Qxx + K[at].transpose() * Quu * K[at] + K[at].transpose() * Qux + Qux.transpose() * K[at];
+    V.hessian =
+        Qxx + K[at].transpose() * Quu * K[at] + K[at].transpose() * Qux + Qux.transpose() * K[at];
     V.hessian = (0.5 * (V.hessian + V.hessian.transpose())).eval();
   }
 }
@@ -111,12 +115,14 @@ Solution solve(const Model& m, int stages, const State& x0, double limit, int ma
 
 double Solution::cost_stopped(double convergence, int max_iterations) const {
   for (std::size_t i = 1; i < costs.size(); ++i)
-    if (static_cast<int>(i) == max_iterations || costs[i - 1] - costs[i] < convergence * costs[i - 1]) return costs[i];
+    if (static_cast<int>(i) == max_iterations ||
+        costs[i - 1] - costs[i] < convergence * costs[i - 1])
+      return costs[i];
   return costs.back();
 }
 
-double closed_loop_cost(const Model& m, const State& x0, const std::vector<State>& x, const std::vector<Input>& u,
-                        const std::vector<Gain>& K, double limit) {
+double closed_loop_cost(const Model& m, const State& x0, const std::vector<State>& x,
+                        const std::vector<Input>& u, const std::vector<Gain>& K, double limit) {
   Solution nominal;
   nominal.x = x;
   nominal.x[0] = x0;

@@ -1,5 +1,7 @@
-// The planning problem once more, written for clarity only: one state, double precision, dense algebra, central differences.
-// Shares with the product the step's formula (op3_step.h) and nothing of the lanes, kernels, or the solver.
+// The planning problem once more, written for clarity only: one state, double precision, dense
+// algebra, central differences.
+// Shares with the product the step's formula (op3_step.h) and nothing of the lanes, kernels, or the
+// solver.
 #pragma once
 
 #include <Eigen/Dense>
@@ -17,7 +19,8 @@ using Jacobian = Eigen::Matrix<double, model::kNdx, kColumns>;
 class Model {
  public:
   /// `sweeps` 0: as the model says.
-  Model(const host::AugmentedModel& model, const ProblemContext& context, double dt_s, int sweeps = 0)
+  Model(const host::AugmentedModel& model, const ProblemContext& context, double dt_s,
+        int sweeps = 0)
       : model_(model), context_(context), dt_(dt_s) {
     if (sweeps > 0) model_.analytical.contact.sweeps = sweeps;
   }
@@ -45,7 +48,8 @@ class Model {
     const model::Input u = other_layers(stage, x) + u_upper;
     model::State next;
     model::StepScratch scratch;
-    model::analytical_step(model_.analytical, model_.ground, x.data(), u.data(), dt_, model_.substeps, next.data(), scratch);
+    model::analytical_step(model_.analytical, model_.ground, x.data(), u.data(), dt_,
+                           model_.substeps, next.data(), scratch);
     if (model_.residual) next = model::plus(next, host::residual_tangent(*model_.residual, x, u));
     return next;
   }
@@ -63,14 +67,16 @@ class Model {
   }
 
   /// Column c of [A | B] by a difference of total width 2 h about x, u.
-  model::Tangent column(int stage, const model::State& x, const model::Input& u, int c, double h) const {
+  model::Tangent column(int stage, const model::State& x, const model::Input& u, int c,
+                        double h) const {
     const auto at = [&](double s) {
       if (c < kNdx) return step(stage, model::plus(x, s * model::Tangent::Unit(c)), u);
       return step(stage, x, u + s * model::Input::Unit(c - kNdx));
     };
     return model::minus(at(h), at(-h)) / (2 * h);
   }
-  Jacobian central_differences(int stage, const model::State& x, const model::Input& u, double h) const {
+  Jacobian central_differences(int stage, const model::State& x, const model::Input& u,
+                               double h) const {
     Jacobian J;
     for (int c = 0; c < kColumns; ++c) J.col(c) = column(stage, x, u, c, h);
     return J;
@@ -90,15 +96,19 @@ struct Solution {
   int iterations = 0;
   std::vector<double> costs;  // before the first iteration and after each
 
-  /// Cost at the first iteration that gains less than the fraction `convergence`, at most after max_iterations.
+  /// Cost at the first iteration that gains less than the fraction `convergence`, at most after
+  /// max_iterations.
   double cost_stopped(double convergence, int max_iterations) const;
 };
 
-/// Textbook iLQG without noise: central differences, dense solves, a finely graded line search, many iterations.
-Solution solve(const Model& model, int stages, const model::State& x0, double input_limit_rad, int max_iterations);
+/// Textbook iLQG without noise: central differences, dense solves, a finely graded line search,
+/// many iterations.
+Solution solve(const Model& model, int stages, const model::State& x0, double input_limit_rad,
+               int max_iterations);
 
 /// Cost of the closed loop u = clamp(ū + K (x ⊖ x̄)) from x0.
-double closed_loop_cost(const Model& model, const model::State& x0, const std::vector<model::State>& x,
-                        const std::vector<model::Input>& u, const std::vector<model::Gain>& K, double input_limit_rad);
+double closed_loop_cost(const Model& model, const model::State& x0,
+                        const std::vector<model::State>& x, const std::vector<model::Input>& u,
+                        const std::vector<model::Gain>& K, double input_limit_rad);
 
 }  // namespace sanso::mpc::reference
