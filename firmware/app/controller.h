@@ -12,8 +12,8 @@
 #include "firmware/bus/bus_setup.h"
 #include "firmware/config/settings.h"
 #include "firmware/estimate/estimator.h"
+#include "firmware/exchange/handover.h"
 #include "firmware/guard/guard.h"
-#include "firmware/link/handover.h"
 
 namespace sanso::firmware {
 

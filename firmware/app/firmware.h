@@ -7,9 +7,9 @@
 #include "firmware/app/controller.h"
 #include "firmware/board/board.h"
 #include "firmware/config/settings.h"
+#include "firmware/exchange/handover.h"
 #include "firmware/imu/imu_reader.h"
 #include "firmware/imu/pose_reader.h"
-#include "firmware/link/handover.h"
 #include "firmware/link/link.h"
 #include "shared/wire/secure_channel.h"
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "firmware/guard/faults.h"
+#include "firmware/exchange/faults.h"
 #include "shared/wire/messages.h"
 
 namespace sanso::firmware {

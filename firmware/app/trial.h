@@ -3,8 +3,8 @@
 // tick on.
 #pragma once
 
-#include "firmware/guard/faults.h"
-#include "firmware/link/handover.h"
+#include "firmware/exchange/faults.h"
+#include "firmware/exchange/handover.h"
 #include "shared/policy/layer_sum.h"
 
 namespace sanso::firmware {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "firmware/bus/bus_master.h"
-#include "firmware/guard/faults.h"
+#include "firmware/exchange/faults.h"
 
 namespace sanso::firmware {
 

@@ -10,7 +10,7 @@
 #include "firmware/config/settings.h"
 #include "firmware/estimate/axis_filter.h"
 #include "firmware/estimate/leg_kinematics.h"
-#include "firmware/imu/samples.h"
+#include "firmware/exchange/samples.h"
 #include "shared/model/state_layout.h"
 
 namespace sanso::firmware {

@@ -5,8 +5,8 @@
 
 #include "firmware/bus/readings.h"
 #include "firmware/config/settings.h"
-#include "firmware/guard/faults.h"
-#include "firmware/imu/samples.h"
+#include "firmware/exchange/faults.h"
+#include "firmware/exchange/samples.h"
 #include "shared/model/state_layout.h"
 
 namespace sanso::firmware {

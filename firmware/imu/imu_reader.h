@@ -5,9 +5,9 @@
 
 #include "firmware/board/board.h"
 #include "firmware/config/settings.h"
+#include "firmware/exchange/mailbox.h"
+#include "firmware/exchange/samples.h"
 #include "firmware/imu/hid_descriptor.h"
-#include "firmware/imu/samples.h"
-#include "firmware/link/mailbox.h"
 
 namespace sanso::firmware {
 

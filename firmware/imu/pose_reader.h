@@ -2,8 +2,8 @@
 #pragma once
 
 #include "firmware/board/board.h"
-#include "firmware/imu/samples.h"
-#include "firmware/link/mailbox.h"
+#include "firmware/exchange/mailbox.h"
+#include "firmware/exchange/samples.h"
 
 namespace sanso::firmware {
 

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "firmware/board/board.h"
-#include "firmware/guard/faults.h"
-#include "firmware/link/handover.h"
+#include "firmware/exchange/faults.h"
+#include "firmware/exchange/handover.h"
 #include "shared/policy/policy_bytes.h"
 #include "shared/wire/secure_channel.h"
 #include "shared/wire/upload.h"

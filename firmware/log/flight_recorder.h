@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/link/handover.h"
+#include "firmware/exchange/handover.h"
 
 namespace sanso::firmware {
 

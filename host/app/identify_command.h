@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/learn/identify.h"
+#include "host/learn/model/identify.h"
 
 namespace sanso::app {
 

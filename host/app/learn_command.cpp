@@ -6,9 +6,9 @@
 
 #include "host/app/interrupt.h"
 #include "host/app/motion_judge.h"
-#include "host/learn/progress.h"
-#include "host/learn/session.h"
-#include "host/learn/summary.h"
+#include "host/learn/session/progress.h"
+#include "host/learn/session/session.h"
+#include "host/learn/session/summary.h"
 #include "host/motion/motion.h"
 #include "host/mpc/upper_layer.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/learn/robot_access.h"
-#include "host/learn/trial.h"
+#include "host/learn/session/robot_access.h"
+#include "host/learn/session/trial.h"
 
 namespace sanso::app {
 

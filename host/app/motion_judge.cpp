@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/motion/body_kinematics.h"
+#include "host/motion/make/body_kinematics.h"
 
 namespace sanso::app {
 namespace {

@@ -1,7 +1,7 @@
 // Judges an episode by the success clauses of its motion, from the truth where there is one.
 #pragma once
 
-#include "host/learn/episode.h"
+#include "host/learn/episodes/episode.h"
 #include "host/motion/motion.h"
 
 namespace sanso::app {

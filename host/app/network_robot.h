@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "host/learn/robot_access.h"
+#include "host/learn/session/robot_access.h"
 #include "host/link/udp_channel.h"
 
 namespace sanso::app {

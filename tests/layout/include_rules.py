@@ -7,6 +7,16 @@ import pathlib
 import re
 import sys
 
+
+
+def rooms(base, outside, order):
+    """Rules for rooms that build on each other: each may include `outside` and the rooms before it."""
+    table = {base: outside}
+    for number, room in enumerate(order):
+        table[f"{base}/{room}"] = outside + [f"{base}/{r}" for r in order[:number]] + [f"{base}/constants.h"]
+    return table
+
+
 # Folder -> folders it may include. The longest matching folder decides; a folder may always include itself.
 MAY = {
     "shared/base": [],
@@ -22,7 +32,11 @@ MAY = {
     "tools/plant": ["shared/base", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/servo_bus", "tools/plant"],
     "tools/conceal": ["shared/base", "tools/recording", "tools/plant"],
-    "tools/diagnose": ["shared", "host", "tools/recording", "tools/report"],
+    # The rooms of the diagnosis, in the order of the method: each may include those above it.
+    **rooms("tools/diagnose", ["shared", "host/model", "host/learn/hash.h", "tools/recording"],
+            ["stats", "model_folder", "gate", "sim", "effects", "compare", "fit", "explain",
+             "verdict", "run"]),
+    "tools/diagnose/run": ["shared", "host", "tools/recording", "tools/report", "tools/diagnose"],
     "tools/bench": ["shared", "host", "firmware", "tools/recording", "tools/report", "tools/diagnose"],
     # The places where everything meets.
     "tools/inprocess": ["shared", "firmware", "host", "tools"],

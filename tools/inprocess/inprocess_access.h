@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "host/learn/robot_access.h"
+#include "host/learn/session/robot_access.h"
 #include "tools/inprocess/inprocess_robot.h"
 
 namespace sanso::inprocess {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "host/learn/episode.h"
+#include "host/learn/episodes/episode.h"
 
 namespace sanso::inprocess {
 

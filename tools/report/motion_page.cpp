@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/motion/balance.h"
-#include "host/motion/body_kinematics.h"
-#include "host/motion/retarget.h"
+#include "host/motion/make/balance.h"
+#include "host/motion/make/body_kinematics.h"
+#include "host/motion/make/retarget.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
 

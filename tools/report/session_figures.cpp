@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/learn/summary.h"
+#include "host/learn/session/summary.h"
 #include "shared/model/joints.h"
 #include "tools/report/svg_chart.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "host/learn/session_state.h"
+#include "host/learn/session/session_state.h"
 
 namespace sanso::report {
 

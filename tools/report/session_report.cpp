@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "host/learn/atomic_file.h"
-#include "host/learn/session_state.h"
-#include "host/learn/summary.h"
+#include "host/learn/session/session_state.h"
+#include "host/learn/session/summary.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
 #include "tools/report/session_figures.h"

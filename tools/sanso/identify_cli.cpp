@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/app/identify_command.h"
-#include "tools/diagnose/identify/identify.h"
+#include "tools/diagnose/run/identify.h"
 #include "tools/sanso/commands.h"
 
 namespace sanso::cli {

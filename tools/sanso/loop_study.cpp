@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "host/learn/session.h"
+#include "host/learn/session/session.h"
 #include "host/motion/motion.h"
 #include "host/mpc/solver.h"
 #include "tools/inprocess/inprocess_access.h"

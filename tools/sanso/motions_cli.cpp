@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/learn/atomic_file.h"
-#include "host/motion/import.h"
+#include "host/motion/make/import.h"
 #include "host/motion/motion.h"
 #include "tools/report/motion_page.h"
 #include "tools/sanso/commands.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/score/score.h"
+#include "tools/diagnose/run/score.h"
 #include "tools/recording/input_error.h"
 #include "tools/sanso/commands.h"
 

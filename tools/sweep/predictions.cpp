@@ -6,8 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/learn/model_learner.h"
-#include "host/learn/session_state.h"
+#include "host/learn/model/model_learner.h"
+#include "host/learn/session/session_state.h"
 #include "host/motion/motion.h"
 #include "shared/model/joints.h"
 

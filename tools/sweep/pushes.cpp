@@ -11,9 +11,9 @@
 
 #include "host/app/interrupt.h"
 #include "host/app/learn_command.h"
-#include "host/learn/model_learner.h"
+#include "host/learn/model/model_learner.h"
 #include "host/learn/seeds.h"
-#include "host/learn/session.h"
+#include "host/learn/session/session.h"
 #include "host/motion/motion.h"
 #include "shared/policy/policy_bytes.h"
 #include "tools/inprocess/inprocess_access.h"

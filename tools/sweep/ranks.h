@@ -4,7 +4,7 @@
 
 #include <mpi.h>
 
-#include "host/learn/identify.h"
+#include "host/learn/model/identify.h"
 
 namespace sanso::sweep {
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <thread>
 
-#include "firmware/link/mailbox.h"
-#include "firmware/link/spsc_ring.h"
+#include "firmware/exchange/mailbox.h"
+#include "firmware/exchange/spsc_ring.h"
 
 namespace sanso::firmware {
 namespace {

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "firmware/guard/faults.h"
+#include "firmware/exchange/faults.h"
 #include "tools/recording/csv_reader.h"
 
 namespace sanso::firmware {

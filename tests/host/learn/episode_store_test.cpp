@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "host/learn/atomic_file.h"
-#include "host/learn/binary_io.h"
-#include "host/learn/episode.h"
+#include "host/learn/episodes/binary_io.h"
+#include "host/learn/episodes/episode.h"
 #include "host/learn/seeds.h"
 
 namespace sanso::learn {

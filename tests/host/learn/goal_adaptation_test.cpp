@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "host/learn/goal_adaptation.h"
+#include "host/learn/layers/goal_adaptation.h"
 
 namespace sanso::learn {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/learn/identification_store.h"
+#include "host/learn/model/identification_store.h"
 
 #include <gtest/gtest.h>
 

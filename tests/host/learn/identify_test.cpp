@@ -1,4 +1,4 @@
-#include "host/learn/identify.h"
+#include "host/learn/model/identify.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "host/learn/pseudo_inertia.h"
+#include "host/learn/model/pseudo_inertia.h"
 #include "shared/model/op3_step.h"
 
 namespace sanso::learn {

@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "host/learn/model_learner.h"
+#include "host/learn/model/model_learner.h"
 #include "shared/model/op3_step.h"
 
 namespace sanso::learn {

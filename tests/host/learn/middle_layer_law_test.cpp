@@ -3,7 +3,7 @@
 #include <memory>
 #include <random>
 
-#include "host/learn/middle_layer.h"
+#include "host/learn/layers/middle_layer.h"
 
 namespace sanso::learn {
 namespace {

@@ -1,4 +1,4 @@
-#include "host/learn/residual_training.h"
+#include "host/learn/model/residual_training.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "host/learn/residual_trust.h"
+#include "host/learn/model/residual_trust.h"
 
 #include <gtest/gtest.h>
 

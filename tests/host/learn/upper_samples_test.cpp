@@ -2,7 +2,7 @@
 // first plan arrives.
 #include <gtest/gtest.h>
 
-#include "host/learn/session.h"
+#include "host/learn/session/session.h"
 
 namespace sanso::learn {
 namespace {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <random>
 
-#include "host/motion/balance.h"
-#include "host/motion/body_kinematics.h"
-#include "host/motion/footsteps.h"
-#include "host/motion/leg_ik.h"
-#include "host/motion/retarget.h"
+#include "host/motion/make/balance.h"
+#include "host/motion/make/body_kinematics.h"
+#include "host/motion/make/footsteps.h"
+#include "host/motion/make/leg_ik.h"
+#include "host/motion/make/retarget.h"
 
 namespace sanso::motion {
 namespace {

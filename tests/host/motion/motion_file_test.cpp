@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include "host/motion/balance.h"
-#include "host/motion/body_kinematics.h"
 #include "host/motion/catalogue.h"
-#include "host/motion/import.h"
+#include "host/motion/make/balance.h"
+#include "host/motion/make/body_kinematics.h"
+#include "host/motion/make/import.h"
 #include "host/motion/motion.h"
 #include "shared/model/joints.h"
 

@@ -1,6 +1,6 @@
 // Each thing that can go wrong, switched on in the middle of a planned trial: the trial ends with
 // the documented fault, or carries on with the documented limit.
-#include "firmware/guard/faults.h"
+#include "firmware/exchange/faults.h"
 #include "tests/loop/support/loop_fixture.h"
 
 namespace sanso::loop {

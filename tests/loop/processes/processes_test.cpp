@@ -19,7 +19,7 @@
 #include <optional>
 #include <thread>
 
-#include "host/learn/session.h"
+#include "host/learn/session/session.h"
 #include "host/link/udp_channel.h"
 #include "host/motion/motion.h"
 #include "tests/loop/support/clock_witness.h"

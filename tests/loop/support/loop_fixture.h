@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "host/learn/session.h"
+#include "host/learn/session/session.h"
 #include "host/motion/motion.h"
 #include "tools/inprocess/inprocess_access.h"
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <sstream>
 
-#include "host/learn/session_state.h"
+#include "host/learn/session/session_state.h"
 
 namespace sanso::report {
 namespace {

@@ -7,8 +7,8 @@
 #include "tools/bench/diagnose/perceptron.h"
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/gate/load.h"
-#include "tools/diagnose/heldout/heldout.h"
 #include "tools/diagnose/stats/significance.h"
+#include "tools/diagnose/verdict/heldout.h"
 
 namespace sanso::bench {
 namespace {

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/diagnosis_report.h"
-#include "tools/diagnose/search/parallel.h"
 
 namespace sanso::diagnose {
 namespace {

@@ -6,18 +6,18 @@
 #include <cmath>
 #include <limits>
 
+#include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
-#include "tools/diagnose/experiment/experiment.h"
+#include "tools/diagnose/explain/events.h"
+#include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/gate/load.h"
-#include "tools/diagnose/heldout/heldout.h"
-#include "tools/diagnose/locate/incidence.h"
-#include "tools/diagnose/run/conclude.h"
-#include "tools/diagnose/run/decide.h"
-#include "tools/diagnose/search/events.h"
-#include "tools/diagnose/search/parallel.h"
 #include "tools/diagnose/stats/robust.h"
-#include "tools/diagnose/unnamed/velocity.h"
+#include "tools/diagnose/verdict/conclude.h"
+#include "tools/diagnose/verdict/decide.h"
+#include "tools/diagnose/verdict/experiment.h"
+#include "tools/diagnose/verdict/heldout.h"
+#include "tools/diagnose/verdict/velocity.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
@@ -228,11 +228,6 @@ class Run {
     options.seed = options_.seed;
     options.progress = progress_;
     options.keep_groups = options_.first_look_by_group;
-    const Regimes regimes = find_regimes(problem_);
-    options.refuted_by = [&regimes](const Surroundings& around, const FitResult& without,
-                                    const FitResult& with) {
-      return refuted_by(incidence(around, regimes, without, with));
-    };
     selection_ = select(problem_, library_, options);
     out_.log = selection_.log;
     Screening& first = selection_.first;

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/locate/location_map.h"
+#include "tools/diagnose/explain/select.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/diagnose/search/select.h"
-#include "tools/diagnose/unnamed/predictability.h"
+#include "tools/diagnose/verdict/location_map.h"
+#include "tools/diagnose/verdict/predictability.h"
 #include "tools/diagnose/verdict/verdict.h"
 
 namespace sanso::diagnose {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/gate/gate.h"
 
 namespace sanso::diagnose {
@@ -19,15 +20,6 @@ struct VerdictParameter {
   double value = 0.0, low = 0.0, high = 0.0;
   std::string unit;
   bool at_bound = false;  // the fit ended at the library's bound: the interval is one-sided
-};
-
-/// What an explanation says that the data should show, and whether they do: slope of (measured
-/// change) on (predicted change).
-struct IncidenceRow {
-  std::string residual;    // "position, reversal", "duty, high speed", ...
-  double predicted = 0.0;  // size of the predicted change, in noise levels
-  double slope = 0.0;      // 1: as predicted; 0: did not happen
-  double low = 0.0, high = 0.0;
 };
 
 /// Another name for the same data, with its held-out score.

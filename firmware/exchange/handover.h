@@ -1,0 +1,38 @@
+// Everything that the tick shares with the other threads: fixed size, lock-free, each queue with
+// one producer and one consumer. The tick never waits for any of them.
+#pragma once
+
+#include <atomic>
+
+#include "firmware/exchange/mailbox.h"
+#include "firmware/exchange/record.h"
+#include "firmware/exchange/samples.h"
+#include "firmware/exchange/spsc_ring.h"
+#include "shared/policy/policy_types.h"
+#include "shared/policy/primitives.h"
+#include "shared/wire/messages.h"
+
+namespace sanso::firmware {
+
+struct Handover {
+  // link -> tick
+  SpscRing<wire::Command, 16> commands;
+  Mailbox<policy::PrimitiveSet> primitives;
+  Mailbox<policy::MiddleTable> middle;
+  Mailbox<policy::UpperPolicy> upper;
+  std::atomic<Nanoseconds> host_heard{0};  // time of the last good datagram; 0: never
+  std::atomic<std::uint32_t> datagrams_dropped{0};
+
+  // IMU and pose threads -> tick
+  Mailbox<ImuSample> imu;
+  Mailbox<PoseSample> pose;
+
+  // tick -> link
+  SpscRing<wire::Observation, 16> observations;
+  SpscRing<wire::CommandAck, 16> acks;
+
+  // tick -> log writer
+  SpscRing<LogRecord, 256> log;
+};
+
+}  // namespace sanso::firmware

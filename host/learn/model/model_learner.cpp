@@ -1,0 +1,216 @@
+#include "host/learn/model/model_learner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "host/learn/episodes/binary_io.h"
+#include "host/learn/seeds.h"
+#include "shared/model/op3_step.h"
+
+namespace sanso::learn {
+namespace {
+
+constexpr char kMagic[] = "SANSOMDL";
+constexpr std::uint32_t kVersion = 1;
+constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
+constexpr double kStep_s = 0.06;
+
+void visit_network(auto& n, auto&& io) {
+  io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2),
+      io(n.b3), io(n.output_mean);
+  io(n.output_scale);
+}
+
+// BinaryWriter and BinaryReader know column-major matrices; the network's are row-major, so go
+// entry by entry.
+void put_all(BinaryWriter& out, const auto& m) {
+  for (Eigen::Index i = 0; i < m.size(); ++i) out.put(m.data()[i]);
+}
+void get_all(BinaryReader& in, auto& m) {
+  for (Eigen::Index i = 0; i < m.size(); ++i) in.get(m.data()[i]);
+}
+
+}  // namespace
+
+double sigma_of_loss(double loss) {
+  if (!std::isfinite(loss)) return kSigmaStart;
+  return kSigmaFloor + (kSigmaStart - kSigmaFloor) * loss / (loss + kHalfwayLoss);
+}
+
+ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
+                           const ModelLearningSettings& settings, std::uint64_t seed)
+    : initial_(initial),
+      weights_(weights),
+      settings_(settings),
+      seed_(seed),
+      map_(model::nominal_parameters()),
+      z_(Eigen::VectorXd::Zero(map_.size())) {}
+
+host::AugmentedModel ModelLearner::current() const {
+  host::AugmentedModel m = initial_;
+  if (residual_ && trust_.share > 0.0) m.residual = with_share(*residual_, trust_.share);
+  // the very bits of the initial model: going through its parameters would round
+  if (z_.isZero(0.0)) return m;
+  const model::ContactSettings contact = m.analytical.contact;
+  m.analytical = model::make_step_model(map_.parameters(z_));
+  m.analytical.contact = contact;
+  return m;
+}
+
+ModelLosses ModelLearner::losses(const std::vector<PredictionWindow>& windows) const {
+  const host::AugmentedModel m = current();
+  ModelLosses l;
+  l.initial = n_step_loss(windows, initial_.analytical, initial_.ground, weights_);
+  l.analytical =
+      z_.isZero(0.0) ? l.initial : n_step_loss(windows, m.analytical, m.ground, weights_);
+  l.augmented = m.residual ? n_step_loss(windows, m.analytical, m.ground, weights_, &*m.residual)
+                           : l.analytical;
+  return l;
+}
+
+std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episode) const {
+  return upright_windows_of(episode, settings_.tilt_limit_rad, settings_.window_stride_ticks);
+}
+
+/// The newest episodes that have something to learn from: not those that fell at once.
+std::vector<Episode> ModelLearner::usable(const std::vector<Episode>& all) const {
+  const auto keep = std::min(all.size(), static_cast<std::size_t>(settings_.newest_episodes));
+  std::vector<Episode> episodes(all.end() - static_cast<std::ptrdiff_t>(keep), all.end());
+  std::erase_if(episodes, [this](const Episode& e) { return usable_windows(e).empty(); });
+  return episodes;
+}
+
+ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) const {
+  Data data;
+  const std::size_t trained =
+      episodes.size() - newest_heldout(episodes.size(), settings_.residual.heldout_fraction);
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    auto& part = i < trained ? data.train : data.heldout;
+    for (const PredictionWindow& w : usable_windows(episodes[i])) part.push_back(w);
+  }
+  return data;
+}
+
+LearningRound ModelLearner::learn(const std::vector<Episode>& all) {
+  LearningRound round;
+  const std::vector<Episode> episodes = usable(all);
+  if (episodes.size() < 2) return round;
+  const Data data = split(episodes);
+  round.episodes = static_cast<int>(episodes.size());
+  round.heldout_before = losses(data.heldout);
+  ++rounds_;
+  identify_parameters(data, round);
+  if (settings_.use_residual) train_network(episodes, data, round);
+  round.heldout_after = losses(data.heldout);
+  sigma_ = sigma_of_loss(round.heldout_after.augmented);
+  return round;
+}
+
+void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
+  const std::uint64_t seed =
+      derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::identification);
+  IdentifyRun from_the_last;
+  from_the_last.start_z = z_;
+  const Identification found = identify(data.train, map_, initial_.ground, weights_,
+                                        settings_.identify, seed, from_the_last);
+  const double before = round.heldout_before.analytical;
+  const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters),
+                                   initial_.ground, weights_);
+  round.identification_used = after < before;
+  if (!round.identification_used) return;
+  z_ = found.z;
+  residual_.reset();  // it was trained on what the old parameters missed
+  trust_ = {};
+}
+
+void ModelLearner::train_network(const std::vector<Episode>& episodes, const Data& data,
+                                 LearningRound& round) {
+  host::AugmentedModel m = current();
+  const TransitionSet set = transitions(episodes, m.analytical);
+  if (set.size() < static_cast<std::size_t>(settings_.residual.batch)) return;
+  const std::uint64_t seed =
+      derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::residual);
+  const ResidualTraining trained =
+      train_residual(set, weights_, settings_.residual, seed, residual_ ? &*residual_ : nullptr);
+  round.residual_one_step = trained.heldout_loss;
+  round.residual_one_step_without = trained.heldout_loss_without;
+  // Better over one step is not enough: the planner rolls the model out, and an error that feeds
+  // itself shows only there.
+  const double in_use = n_step_loss(data.heldout, m.analytical, m.ground, weights_,
+                                    m.residual ? &*m.residual : nullptr);
+  const double fresh = trained.network ? n_step_loss(data.heldout, m.analytical, m.ground, weights_,
+                                                     &*trained.network)
+                                       : std::numeric_limits<double>::infinity();
+  if (fresh < kClearlyBetter * in_use) {
+    residual_ = trained.network;
+    trust_ = {};
+  }
+  round.residual_kept = residual_.has_value();
+}
+
+bool ModelLearner::judge_residual(const Episode& episode) {
+  if (!residual_) return false;
+  const host::AugmentedModel m = current();
+  const ResidualTrust before = trust_;
+  trust_ = judged(before, usable_windows(episode), m.analytical, m.ground, weights_, *residual_);
+  return trust_.share != before.share;
+}
+
+TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
+                                        const model::StepModel& analytical) const {
+  TransitionSet set;
+  model::StepScratch scratch;
+  for (const Episode& episode : episodes) {
+    std::map<int, const wire::Observation*> at;
+    for (const wire::Observation& o : episode.ticks) at[o.trial_tick] = &o;
+    if (at.empty()) continue;
+    for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first;
+         t += settings_.transition_stride_ticks) {
+      model::Input u = model::Input::Zero();
+      bool whole = at.count(t + kTicksPerStep) > 0;
+      for (int k = 0; k < kTicksPerStep && whole; ++k) {
+        whole = at.count(t + k) > 0;
+        if (whole) u += at[t + k]->u_out / kTicksPerStep;
+      }
+      if (!whole || tilt_of(at[t]->x) > settings_.tilt_limit_rad) continue;
+      model::State next;
+      model::analytical_step(analytical, initial_.ground, at[t]->x.data(), u.data(), kStep_s,
+                             initial_.substeps, next.data(), scratch);
+      set.add(episode.trial, host::residual_features(at[t]->x, u),
+              host::residual_target(at[t]->x, next, at[t + kTicksPerStep]->x));
+    }
+  }
+  return set;
+}
+
+void ModelLearner::save(const std::filesystem::path& path) const {
+  BinaryWriter out;
+  out.put(static_cast<std::uint32_t>(z_.size()));
+  put_all(out, z_);
+  out.put(sigma_);
+  out.put(static_cast<std::int32_t>(rounds_));
+  out.put(static_cast<std::uint8_t>(residual_.has_value()));
+  if (residual_) visit_network(*residual_, [&out](const auto& m) { put_all(out, m); });
+  save_framed(path, kMagic, kVersion, out.bytes());
+}
+
+void ModelLearner::load(const std::filesystem::path& path) {
+  BinaryReader in = load_framed(path, kMagic, kVersion);
+  if (in.read<std::uint32_t>() != static_cast<std::uint32_t>(map_.size())) {
+    throw std::runtime_error(path.string() +
+                             ": holds another set of model parameters; delete it and learn again");
+  }
+  get_all(in, z_);
+  in.get(sigma_);
+  rounds_ = in.read<std::int32_t>();
+  residual_.reset();
+  if (in.read<std::uint8_t>() != 0) {
+    residual_.emplace();
+    visit_network(*residual_, [&in](auto& m) { get_all(in, m); });
+  }
+  trust_ = {};
+}
+
+}  // namespace sanso::learn

@@ -1,0 +1,113 @@
+// One learner for the whole augmented model: identification, residual network and noise amplitude,
+// with held-out episodes deciding whether what was learned is used. Held out are the newest: they
+// show the motion as it is run now.
+// The session calls learn() every ten trials, judge_residual() after every trial, and stores its
+// state.
+//
+// Noise amplitude (the paper fixes only its ends): sigma = 0.1 + 0.6 E / (E + E1), E the N-step
+// loss of the model in use on held-out episodes, E1 = 1. A falling loss lowers sigma, from 0.7 for
+// a useless model to 0.1 for a perfect one;
+// at a loss of 1, below which no run fell in a feasibility study, it is half-way. Before the first
+// learning it is 0.7.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "host/learn/model/identify.h"
+#include "host/learn/model/residual_training.h"
+#include "host/learn/model/residual_trust.h"
+
+namespace sanso::learn {
+
+inline constexpr double kSigmaStart = 0.7, kSigmaFloor = 0.1;  // paper
+double sigma_of_loss(double n_step_loss);
+
+struct ModelLearningSettings {
+  IdentifySettings identify;
+  ResidualSettings residual;
+  bool use_residual = true;         // false: ablation "without residual"
+  int window_stride_ticks = 6;      // identification: one window every 60 ms
+  int transition_stride_ticks = 2;  // residual network: one transition every 20 ms
+  // learn from so many of the newest episodes: older ones were run with other policies
+  int newest_episodes = 20;
+  double tilt_limit_rad = kUprightTilt_rad;
+
+  ModelLearningSettings() {
+    identify.search.population = 48;
+    identify.search.elites = 10;
+    identify.search.generations = 12;
+    identify.max_windows = 120;
+  }
+};
+
+/// N-step losses of one episode under the three models the paper compares.
+struct ModelLosses {
+  double augmented = 0, analytical = 0, initial = 0;
+};
+
+/// What a round of learning found; for the log and the report.
+struct LearningRound {
+  int episodes = 0;
+  ModelLosses heldout_before, heldout_after;  // on the held-out episodes
+  bool identification_used = false;
+  // a network passed the held-out episodes; the trials that follow decide on its share
+  bool residual_kept = false;
+  double residual_one_step = 0, residual_one_step_without = 0;  // held-out one-step losses in W_x
+};
+
+class ModelLearner {
+ public:
+  ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
+               const ModelLearningSettings& settings, std::uint64_t seed);
+
+  /// The model to plan with now: the residual network with its trusted share, or without when that
+  /// is zero.
+  host::AugmentedModel current() const;
+  double sigma() const { return sigma_; }
+  int rounds() const { return rounds_; }
+  ModelLosses losses(const std::vector<PredictionWindow>& windows) const;
+  ModelLosses losses(const Episode& episode) const { return losses(usable_windows(episode)); }
+
+  /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is
+  /// learned, nothing changes.
+  LearningRound learn(const std::vector<Episode>& episodes);
+
+  /// Judges the residual network on a trial run since its training. True when current() has changed
+  /// by that.
+  bool judge_residual(const Episode& episode);
+  /// Changes after every trial: stored by the session, not with the model.
+  const ResidualTrust& residual_trust() const { return trust_; }
+  void set_residual_trust(const ResidualTrust& trust) { trust_ = trust; }
+
+  /// Windows of an episode without the stretches in which the robot was already falling.
+  std::vector<PredictionWindow> usable_windows(const Episode& episode) const;
+
+  void save(const std::filesystem::path& path) const;
+  /// Throws std::runtime_error when the file is missing, damaged, or of another set of parameters.
+  void load(const std::filesystem::path& path);
+
+ private:
+  struct Data {
+    std::vector<PredictionWindow> train, heldout;
+  };
+  std::vector<Episode> usable(const std::vector<Episode>& all) const;
+  Data split(const std::vector<Episode>& episodes) const;
+  void identify_parameters(const Data& data, LearningRound& round);
+  void train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round);
+  TransitionSet transitions(const std::vector<Episode>& episodes,
+                            const model::StepModel& analytical) const;
+
+  host::AugmentedModel initial_;
+  model::Tangent weights_;
+  ModelLearningSettings settings_;
+  std::uint64_t seed_;
+  ParameterMap map_;
+  Eigen::VectorXd z_;
+  std::optional<host::ResidualNetwork> residual_;  // as trained, whole
+  ResidualTrust trust_;
+  double sigma_ = kSigmaStart;
+  int rounds_ = 0;
+};
+
+}  // namespace sanso::learn

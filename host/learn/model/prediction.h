@@ -1,0 +1,53 @@
+// What a model predicts beside what was recorded: the N-step loss of the paper (eq. 6), the measure
+// of the model everywhere.
+#pragma once
+
+#include <vector>
+
+#include "host/learn/episodes/episode.h"
+#include "host/model/augmented_model.h"
+#include "shared/model/ground.h"
+#include "shared/model/step_model.h"
+
+namespace sanso::learn {
+
+inline constexpr int kPredictionSteps = 12;           // N
+inline constexpr int kTicksPerStep = kTicksPerUpper;  // one model step is 60 ms
+
+/// A stretch of a recording: state, then what followed. x[0] is given, x[1..N] are compared.
+struct PredictionWindow {
+  std::uint32_t trial = 0;
+  model::State x[kPredictionSteps + 1];
+  model::Input u[kPredictionSteps];  // mean of the applied targets over each 60 ms, rad
+};
+
+/// All windows of an episode that start every `stride_ticks` ticks. Windows with a gap in the
+/// observations are left out.
+std::vector<PredictionWindow> windows_of(const Episode& episode, int stride_ticks = kTicksPerStep);
+
+/// A base that leans more is a fall in progress: not the robot's model.
+inline constexpr double kUprightTilt_rad = 0.5;
+/// Angle between the base's z axis and the vertical, rad.
+double tilt_of(const model::State& x);
+/// Windows of an episode without the stretches in which the base leans more than `tilt_limit_rad`.
+std::vector<PredictionWindow> upright_windows_of(const Episode& episode,
+                                                 double tilt_limit_rad = kUprightTilt_rad,
+                                                 int stride_ticks = kTicksPerStep);
+
+/// At most `count` of them, spread evenly: keeps the work of identification bounded.
+std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows,
+                                      std::size_t count);
+
+/// Mean over windows and steps of ||x ⊖ x̂||²_W with x̂ from N steps of the analytical model, plus
+/// the residual network when `residual` is not null. Infinity when a prediction is not finite; 0
+/// for no windows.
+double n_step_loss(const std::vector<PredictionWindow>& windows, const model::StepModel& model,
+                   const model::Ground& ground, const model::Tangent& weights,
+                   const host::ResidualNetwork* residual = nullptr);
+
+/// One prediction, step by step (for figures): (N + 1) states, the first is window.x[0].
+std::vector<model::State> predicted(const PredictionWindow& window, const model::StepModel& model,
+                                    const model::Ground& ground,
+                                    const host::ResidualNetwork* residual = nullptr);
+
+}  // namespace sanso::learn

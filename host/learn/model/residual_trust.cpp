@@ -1,0 +1,37 @@
+#include "host/learn/model/residual_trust.h"
+
+#include <algorithm>
+
+namespace sanso::learn {
+
+host::ResidualNetwork with_share(host::ResidualNetwork network, double share) {
+  network.output_mean *= static_cast<float>(share);
+  network.output_scale *= static_cast<float>(share);
+  return network;
+}
+
+double best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
+                  const model::Ground& ground, const model::Tangent& weights,
+                  const host::ResidualNetwork& network, double highest) {
+  double lowest = kClearlyBetter * n_step_loss(windows, analytical, ground, weights);
+  double best = 0.0;
+  for (double share = kShareStep; share <= highest; share += kShareStep) {  // quarters: exact
+    const host::ResidualNetwork scaled = with_share(network, share);
+    const double loss = n_step_loss(windows, analytical, ground, weights, &scaled);
+    if (!(loss < lowest)) continue;
+    lowest = loss;
+    best = share;
+  }
+  return best;
+}
+
+ResidualTrust judged(const ResidualTrust& before, const std::vector<PredictionWindow>& windows,
+                     const model::StepModel& analytical, const model::Ground& ground,
+                     const model::Tangent& weights, const host::ResidualNetwork& network) {
+  if (windows.size() < kFewestJudgedWindows) return before;
+  const double highest = std::min(before.ceiling, before.share + kShareStep);
+  const double share = best_share(windows, analytical, ground, weights, network, highest);
+  return {share, share < before.share ? share : before.ceiling};
+}
+
+}  // namespace sanso::learn

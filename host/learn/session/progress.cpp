@@ -1,0 +1,54 @@
+#include "host/learn/session/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+
+namespace sanso::learn {
+namespace {
+
+Nanoseconds steady_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string minutes_seconds(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return fmt::format("{}:{:02d}", s / 60, s % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::FILE* out, std::string label, int total, int done_before)
+    : out_(out),
+      label_(std::move(label)),
+      total_(total),
+      done_before_(done_before),
+      begin_(steady_now()),
+      terminal_(::isatty(::fileno(out)) != 0) {}
+
+Progress::~Progress() {
+  if (line_open_) std::fputc('\n', out_);
+}
+
+void Progress::update(int done, const std::string& note) {
+  const double elapsed = to_seconds(steady_now() - begin_);
+  const int here = done - done_before_;
+  const std::string left = here > 0 ? minutes_seconds(elapsed / here * (total_ - done)) : "-:--";
+  constexpr int kWidth = 24;
+  const int filled = total_ > 0 ? kWidth * done / total_ : kWidth;
+  const std::string line =
+      fmt::format("{} [{}{}] {}/{}  {} left  {}", label_, std::string(filled, '#'),
+                  std::string(kWidth - filled, '.'), done, total_, left, note);
+  if (terminal_) {
+    fmt::print(out_, "\r\033[K{}", line);
+    line_open_ = true;
+  } else {
+    fmt::print(out_, "{}\n", line);
+  }
+  std::fflush(out_);
+}
+
+}  // namespace sanso::learn

@@ -1,0 +1,90 @@
+// A session: N trials of one motion, each run, stored and learned from. A session that was killed
+// continues at the trial after the last finished one and ends with the same bits as one that was
+// not.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "host/learn/layers/goal_adaptation.h"
+#include "host/learn/layers/middle_layer.h"
+#include "host/learn/model/model_learner.h"
+#include "host/learn/session/robot_access.h"
+#include "host/learn/session/session_state.h"
+#include "host/learn/session/trial.h"
+
+namespace sanso::learn {
+
+/// The motion as a session needs it; host/motion reads it from the motion's file.
+struct Task {
+  std::string name;
+  policy::PrimitiveSet primitives;
+  mpc::CostWeights weights;
+  /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold.
+  /// May be absent.
+  std::function<std::vector<std::string>(const Episode&)> broken_clauses;
+};
+
+struct SessionSettings {
+  int iterations = 10;
+  std::uint64_t seed = 1;
+  std::filesystem::path out;  // folder of the session; created
+  // continue what is in `out`; without it `out` must hold no session
+  bool resume = false;
+  Layers layers;
+  std::string world;           // for the summary
+  int learn_model_every = 10;  // trials (paper); 0 = the model stays as it is
+  ModelLearningSettings model;
+  MiddleLayerSettings middle;
+  GoalAdaptationSettings goals;
+  TrialSettings trial;
+};
+
+class Session {
+ public:
+  /// Throws std::runtime_error when `out` cannot be used or, resuming, belongs to another session.
+  /// `model` is what `upper` plans with at the beginning; learned models replace it there.
+  Session(const Task& task, const SessionSettings& settings, RobotAccess& robot,
+          mpc::UpperLayer& upper, const host::AugmentedModel& model = {});
+  ~Session();
+
+  /// Runs the trials that are left; `after_trial` sees every stored one. Throws std::runtime_error
+  /// when a trial cannot be run.
+  /// Ends earlier when `stop` says so between two trials.
+  void run(
+      const std::function<void(const TrialSummary&)>& after_trial,
+      const std::function<bool()>& stop = [] { return false; });
+
+  const SessionState& state() const { return *state_; }
+  /// Trials that an earlier run of this session finished.
+  int finished_before() const { return finished_before_; }
+
+ private:
+  TrialSummary run_one();
+  void learn_from(const Episode& episode, const std::vector<model::State>& reference);
+  void learn_model();
+  void store();
+
+  Task task_;
+  SessionSettings settings_;
+  RobotAccess& robot_;
+  mpc::UpperLayer& upper_;
+  std::unique_ptr<SessionState> state_;
+  ModelLearner learner_;
+  std::vector<model::State> x_init_;  // of the middle layer, one a knot
+  int finished_before_ = 0;
+};
+
+/// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first
+/// plan see its first knot.
+std::vector<UpperSample> upper_samples(const Episode& episode);
+
+/// The same motion beginning at the origin of the trial, which the controller puts under the robot
+/// when the trial starts.
+policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives);
+
+/// x_DMP at every tick of the motion, first and last included.
+std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives);
+
+}  // namespace sanso::learn

@@ -1,0 +1,94 @@
+#include "host/learn/session/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "host/learn/atomic_file.h"
+#include "host/learn/session/session.h"
+
+namespace sanso::learn {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json updates_json(const std::vector<float>& ms) {
+  return {
+      {"p50", percentile(ms, 0.5)}, {"p99", percentile(ms, 0.99)}, {"max", percentile(ms, 1.0)}};
+}
+
+Json iteration_json(const TrialSummary& s) {
+  Json j{{"trial", s.trial},
+         {"cost", s.cost},
+         {"failed", s.failed()},
+         {"end", to_string(s.end)},
+         {"succeeded", s.succeeded()},
+         {"broken_clauses", s.broken_clauses},
+         {"duration_s", s.duration_s},
+         {"model_loss", nullptr},
+         {"model_loss_analytical", s.model_loss_analytical},
+         {"model_loss_initial", s.model_loss_initial},
+         {"residual_share", s.residual_share},
+         {"sigma", s.sigma},
+         {"fault", s.fault},
+         {"u_upper_rms_rad", s.u_upper_rms},
+         {"u_middle_rms_rad", s.u_middle_rms},
+         {"gain_upper", s.gain_upper},
+         {"gain_middle", s.gain_middle},
+         {"policy_update_ms", updates_json(s.update_ms)},
+         {"late_updates", s.late_updates},
+         {"bus_lost", s.bus_lost},
+         {"bus_corrupt", s.bus_corrupt},
+         {"wall_s", s.wall_s},
+         {"digest", fmt::format("{:016x}", s.digest)}};
+  if (s.model_loss >= 0) j["model_loss"] = s.model_loss;
+  return j;
+}
+
+Json without_json(const Layers& on) {
+  Json out = Json::array();
+  if (!on.lower) out.push_back("lower");
+  if (!on.middle) out.push_back("middle");
+  if (!on.upper) out.push_back("upper");
+  if (!on.residual) out.push_back("residual");
+  if (!on.stochastic) out.push_back("stochastic");
+  return out;
+}
+
+}  // namespace
+
+double percentile(std::vector<float> values, double p) {
+  if (values.empty()) return 0.0;
+  const auto rank = static_cast<std::size_t>(std::ceil(p * static_cast<double>(values.size())));
+  const std::size_t index = std::clamp<std::size_t>(rank, 1, values.size()) - 1;
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index),
+                   values.end());
+  return values[index];
+}
+
+void write_summary(const std::filesystem::path& path, const std::string& motion,
+                   const SessionSettings& settings, const SessionState& state,
+                   const std::string& robot) {
+  std::vector<float> updates;
+  std::uint32_t late = 0;
+  Json iterations = Json::array();
+  for (const TrialSummary& s : state.history) {
+    updates.insert(updates.end(), s.update_ms.begin(), s.update_ms.end());
+    late += s.late_updates;
+    iterations.push_back(iteration_json(s));
+  }
+  const Json summary{{"motion", motion},
+                     {"seed", settings.seed},
+                     {"world", settings.world},
+                     {"robot", robot},
+                     {"without", without_json(settings.layers)},
+                     {"policy_update_ms", updates_json(updates)},
+                     {"late_updates", late},
+                     {"learned_digest", fmt::format("{:016x}", learned_digest(state))},
+                     {"iterations", iterations}};
+  write_atomically(path, summary.dump(1) + "\n");
+}
+
+}  // namespace sanso::learn

@@ -1,0 +1,66 @@
+// One trial, from a robot in hold to the episode: start, plan every 60 ms, judge, stop. The same
+// code on every robot;
+// what differs is the channel and the clock under the link.
+#pragma once
+
+#include <atomic>
+#include <span>
+
+#include "host/learn/episodes/episode.h"
+#include "host/link/robot_link.h"
+#include "host/mpc/upper_layer.h"
+#include "shared/policy/primitives.h"
+
+namespace sanso::learn {
+
+/// Which parts take part: the ablations of `sanso learn --without`.
+struct Layers {
+  bool lower = true, middle = true, upper = true;
+  bool residual = true;    // the learned residual network
+  bool stochastic = true;  // the noise term of the planner
+  std::uint8_t mask() const;
+};
+
+struct TrialSettings {
+  // standing in the first pose before the trial, lower and middle layer on
+  double settle_s = 1.5;
+  double cost_limit = 350.0;      // J_th (paper)
+  double tilt_limit_rad = 0.698;  // 40 deg between the base's and the reference's vertical
+  double drop_limit_m = 0.09;     // base below the reference
+  // a plan from every so many observations; it holds from the next multiple on
+  int upper_period_ticks = kTicksPerUpper;
+  // virtual clocks only: when a plan leaves the host, after its observation
+  double modelled_planning_s = 0.030;
+  // real clocks: the planner returns its best after this; 0 = no budget
+  double planning_budget_s = 0.0;
+  double silence_limit_s = 0.5;  // no observation for so long: link lost
+};
+
+/// What one trial is made of. Everything must outlive run_trial().
+struct TrialSetup {
+  // new for every trial of a controller's life, never 0
+  std::uint32_t trial_id = 1;
+  const policy::PrimitiveSet* primitives = nullptr;
+  std::span<const model::State> reference;      // x_DMP at every tick of the trial
+  const policy::MiddleTable* middle = nullptr;  // values rounded to the wire
+  mpc::CostWeights weights;
+  Layers layers;
+  double sigma = 0.1;
+  int duration_ticks = 0;
+};
+
+/// Why a trial could not be started or carried on: not the motion's fault, nothing was learned.
+struct TrialError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Brings the controller from idle to hold in the first pose: uploads, arm, settle. Throws
+/// TrialError.
+void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings);
+
+/// Runs the trial on a controller in hold. Returns when the controller is out of `run`. `stop`,
+/// when not null, ends the trial early.
+Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup,
+                  const TrialSettings& settings);
+
+}  // namespace sanso::learn

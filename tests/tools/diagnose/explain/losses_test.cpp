@@ -1,0 +1,89 @@
+// Lost commands are found at the rows at which they were lost, and where none were lost none are
+// found.
+#include "tools/diagnose/explain/losses.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/stats/random.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
+constexpr double kNoise = 4e-4;  // rad
+
+/// 10 s at 100 Hz of a servo in a world with `effects` that did not get the commands of `lost`.
+recording::Recording record(const std::vector<EffectEntry>& effects, int index,
+                            const std::vector<std::size_t>& lost) {
+  ModelFolder world = test::pendulum(kServo);
+  world.effects = effects;
+  const Drive sent = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
+    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
+  });
+  Drive received = sent;
+  for (const std::size_t row : lost)
+    received.joints[0].command[row] = received.joints[0].command[row - 1];
+  const Window window = test::whole(sent, {0.0}, {0.0});
+  Prediction p =
+      simulate(params_with_effects(world), received, std::vector<Window>{window}).front();
+  Random random(23, static_cast<std::uint64_t>(index));
+  for (double& q : p.q) q += kNoise * random.normal();
+  recording::Recording r;
+  r.file = "made_" + std::to_string(index) + ".csv";
+  r.t = sent.t;
+  r.set("u:a", sent.joints[0].command);
+  r.set("q:a", p.q);
+  r.set("pwm:a", p.pwm);
+  return r;
+}
+
+/// What is found when the nominal model is all that was fitted. `lost`: of every recording.
+LossScore found(const std::vector<EffectEntry>& effects, const std::vector<std::size_t>& lost) {
+  const std::vector<NoiseLevel> noise{{"q:a", 0.0, kNoise, {}}, {"pwm:a", 0.0, 1e-3, {}}};
+  std::vector<recording::Recording> recordings;
+  for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost));
+  const Problem problem = make_problem(make_sources(test::pendulum(kServo), recordings, noise),
+                                       noise, ProblemOptions{});
+  Library library;
+  library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
+  library.nuisances = make_nuisances(problem);
+  const Surroundings around = make_surroundings(problem, library, Model{});
+  LossScore out = find_losses(around, fit(around, Model{}, 3));
+  if (out.candidate >= 0) {
+    EXPECT_EQ(library.candidates[static_cast<std::size_t>(out.candidate)].effect, "packet_loss");
+  }
+  return out;
+}
+
+TEST(Losses, AreFoundAtTheirRows) {
+  const std::vector<std::size_t> lost{130, 131, 222, 347, 510, 511, 512, 668, 815, 905};
+  const LossScore score = found({}, lost);
+  ASSERT_GE(score.candidate, 0);
+  std::size_t right = 0;
+  for (const LostCommand& l : score.lost)
+    right += std::count(lost.begin(), lost.end(), l.row) > 0 ? 1 : 0;
+  EXPECT_GE(right, 24U);  // of 30; where the goal turns a loss changes nothing
+  EXPECT_LE(score.lost.size(), right + 2);
+  EXPECT_TRUE(score.blind);
+  EXPECT_LT(score.misfit, 2.0);
+  EXPECT_NEAR(score.left, 1.0, 0.2);
+  EXPECT_LT(score.low, 0.01);
+  EXPECT_GT(score.high, 0.01);
+}
+
+TEST(Losses, NoneInACleanWorld) { EXPECT_LT(found({}, {}).candidate, 0); }
+
+TEST(Losses, AnotherErrorIsNotMadeOfWholeLosses) {
+  const LossScore score = found({{"command_delay", {"a"}, {{"delay", 0.004}}, 0}}, {});
+  EXPECT_TRUE(score.candidate < 0 || score.misfit > 2.0 || score.left > 1.42 || !score.blind)
+      << score.lost.size() << " found, misfit " << score.misfit << ", left " << score.left;
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

@@ -1,0 +1,142 @@
+// Rivals for one place of a model: what is tried, and who wins.
+#include "tools/diagnose/explain/rivals.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/from_model.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_noise = "
+    "3e-4\n";
+
+recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
+  ModelFolder world = test::pendulum(kServo);
+  world.effects = effects;
+  const Drive drive = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
+    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
+  });
+  const SimParams params = params_with_effects(world);
+  Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
+  add_sensor_noise(params, 31 + static_cast<std::uint64_t>(index), p);
+  recording::Recording r;
+  r.file = "made_" + std::to_string(index) + ".csv";
+  r.t = drive.t;
+  r.set("u:a", drive.joints[0].command);
+  r.set("q:a", p.q);
+  if (duty) r.set("pwm:a", p.pwm);
+  return r;
+}
+
+/// Three recordings of a world, the library's `effects` on them, and everything fits need.
+struct Bench {
+  Problem problem;
+  Library library;
+  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects,
+        bool duty = false) {
+    const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}};
+    problem = make_problem(
+        make_sources(test::pendulum(kServo),
+                     {record(hidden, 0, duty), record(hidden, 1, duty), record(hidden, 2, duty)},
+                     noise),
+        noise, ProblemOptions{});
+    library.candidates = place_library(problem, effects).candidates;
+    library.nuisances = make_nuisances(problem);
+  }
+  int of(const std::string& effect) const {
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) {
+      if (library.candidates[i].effect == effect) return static_cast<int>(i);
+    }
+    return -1;
+  }
+  std::vector<int> all() const {
+    std::vector<int> out;
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) out.push_back(static_cast<int>(i));
+    return out;
+  }
+};
+
+/// Every candidate screened and fitted, best first.
+struct Race {
+  Surroundings around;
+  Screening seen;
+  std::vector<Alternative> fitted;
+  explicit Race(const Bench& b) : around(make_surroundings(b.problem, b.library, Model{})) {
+    const FitResult nominal = fit(around, Model{}, 3);
+    seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
+    fitted = fit_all(around, Model{}, nominal.objective, b.all(), seen);
+    rank(b.library, b.problem, fitted);
+  }
+};
+
+TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
+  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}},
+          {"viscous_friction", "coulomb_friction", "cable_spring"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const FitResult nominal = fit(around, Model{}, 3);
+  const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
+  const std::vector<int> which = rivals(b.library, seen, 10.0);
+  ASSERT_FALSE(which.empty());
+  std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, which, seen);
+  rank(b.library, b.problem, fitted);
+  EXPECT_EQ(fitted.front().candidate, b.of("viscous_friction"));
+  // the damping that the motor itself gives, kt ke / R, may be wrong by its tolerance of 5 %
+  EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[0], 0.12, 0.05 * 1.78 * 2.49 / 5.22);
+  EXPECT_TRUE(leaves_null(b.library, fitted.front()));
+  EXPECT_FALSE(at_bound(b.library, fitted.front()));
+}
+
+TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
+  // nothing but the joint's own encoder and its command: a shift is a shift. The fits must reach
+  // it, both of them
+  Bench b({{"command_delay", {"a"}, {{"delay", 0.0173}}}}, {"command_delay", "sensor_delay"});
+  const Race race(b);
+  ASSERT_EQ(race.fitted.size(), 2U);
+  for (const Alternative& a : race.fitted)
+    EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
+  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
+  const std::vector<int> others = replacements(b.library, race.seen, race.fitted.front().fit.model,
+                                               race.fitted.front().candidate, {});
+  EXPECT_EQ(others, std::vector<int>{race.fitted.back().candidate});
+}
+
+TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
+  // a reading falls before or after a jump of the command: from the wrong side no derivative leads
+  // across
+  constexpr double kDelay = 0.0248;
+  Bench b({{"sensor_delay", {"a"}, {{"delay", kDelay}}}}, {"command_delay", "sensor_delay"}, true);
+  const Race race(b);
+  ASSERT_EQ(race.fitted.size(), 2U);
+  for (const Alternative& a : race.fitted)
+    EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
+  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
+}
+
+TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {
+  // no end of the motion shows it: the joint runs into a cable and deep beyond where it first
+  // touches
+  Bench b({{"joint_stop", {"a"}, {{"stiffness", 0.5}, {"position", 0.12}, {"side", 1.0}}}},
+          {"joint_stop", "cable_spring", "cogging"});
+  const Race race(b);
+  EXPECT_EQ(race.seen.ranking().front(), b.of("joint_stop"));
+  EXPECT_EQ(race.fitted.front().candidate, b.of("joint_stop"));
+  EXPECT_NEAR(race.fitted.front().fit.model.effects.back().theta[0], 0.5, 0.03);
+  EXPECT_NEAR(race.fitted.front().fit.model.effects.back().theta[1], 0.12, 0.02);
+}
+
+TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
+  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const Screening seen = screen(around, Model{}, fit(around, Model{}, 3).r, b.all(), Random(1));
+  EXPECT_TRUE(rivals(b.library, seen, 1e12).empty());
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

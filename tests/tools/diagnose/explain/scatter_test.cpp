@@ -1,0 +1,138 @@
+// Effects that are chance are recognised by the scatter that they make, and by nothing else.
+#include "tools/diagnose/explain/scatter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/from_model.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr const char* kServo =
+    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
+constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
+
+/// 10 s at 100 Hz of a servo in a world with `effects`, chance drawn, readings quantised.
+recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
+  ModelFolder world = test::pendulum(kServo);
+  world.effects = effects;
+  const Drive drive = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
+    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
+  });
+  const SimParams params = params_with_effects(world);
+  SimOptions options;
+  options.random_seed = 91 + static_cast<std::uint64_t>(index);
+  Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}, options)
+          .front();
+  add_reading_jitter(params, options.random_seed, p);
+  Random random(17, static_cast<std::uint64_t>(index));
+  for (double& q : p.q)
+    q = kQuantum * std::round((q + 0.3 * kQuantum * random.normal()) / kQuantum);
+  recording::Recording r;
+  r.file = "made_" + std::to_string(index) + ".csv";
+  r.t = drive.t;
+  r.set("u:a", drive.joints[0].command);
+  r.set("q:a", p.q);
+  if (!duty) return r;
+  for (double& x : p.pwm) x = std::round(885 * x) / 885;
+  r.set("pwm:a", p.pwm);
+  return r;
+}
+
+/// What is said about three recordings of the world, best first, when the nominal model is all that
+/// was fitted.
+std::vector<ScatterScore> judged(const std::vector<EffectEntry>& effects, bool duty,
+                                 Library& library) {
+  const double sigma = kQuantum * std::sqrt(0.09 + 1.0 / 12.0);
+  const std::vector<NoiseLevel> noise{{"q:a", kQuantum, sigma, {}},
+                                      {"pwm:a", 1.0 / 885, 0.3 / 885, {}}};
+  const Problem problem = make_problem(
+      make_sources(test::pendulum(kServo),
+                   {record(effects, 0, duty), record(effects, 1, duty), record(effects, 2, duty)},
+                   noise),
+      noise, ProblemOptions{});
+  library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
+  library.nuisances = make_nuisances(problem);
+  const Surroundings around = make_surroundings(problem, library, Model{});
+  return judge_scatter(around, fit(around, Model{}, 3), 10.0, Random(1));
+}
+
+const std::string& name_of(const Library& library, const ScatterScore& s) {
+  return library.candidates[static_cast<std::size_t>(s.candidate)].effect;
+}
+
+TEST(Scatter, QuantisedReadingsOfACleanWorldAreNoChance) {
+  Library library;
+  const std::vector<ScatterScore> scores = judged({}, false, library);
+  ASSERT_EQ(scores.size(), 2U);
+  EXPECT_GT(scores.front().p_family, 0.01) << name_of(library, scores.front());
+}
+
+TEST(Scatter, JitterIsNamedAndMeasured) {
+  Library library;
+  const std::vector<ScatterScore> scores =
+      judged({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, false, library);
+  ASSERT_EQ(scores.size(), 2U);
+  EXPECT_EQ(name_of(library, scores.front()), "timing_jitter");
+  EXPECT_LT(scores.front().p_family, 0.01);
+  EXPECT_NEAR(scores.front().size, 0.003, 0.0006);
+  EXPECT_LT(scores.front().low, 0.003);
+  EXPECT_GT(scores.front().high, 0.003);
+  // shots begin on readings that are 10 times worse than the encoder
+  EXPECT_NEAR(scores.front().left, 1.0, 0.3);
+}
+
+TEST(Scatter, MotionIsSmoothedByHowWellReadingsAreKnown) {
+  const NoiseLevel level{"q:a", kQuantum, kQuantum * std::sqrt(0.09 + 1.0 / 12.0), {}};
+  const std::vector<recording::Recording> made{
+      record({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, 0, false)};
+  const std::vector<recording::Recording> exact{record({}, 0, false)};
+  Problem problem =
+      make_problem(make_sources(test::pendulum(kServo), made, {level}), {level}, ProblemOptions{});
+  const Source truth = make_sources(test::pendulum(kServo), exact, {level}).front();
+  const auto error = [&] {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < truth.motion.q[0].size(); ++k)
+      sum += std::pow(problem.sources[0].motion.q[0][k] - truth.motion.q[0][k], 2.0);
+    return sum;
+  };
+  const double before = error();
+  resmooth(problem, {0.0});
+  EXPECT_EQ(error(), before);
+  resmooth(problem, {0.003});
+  EXPECT_LT(error(), 0.5 * before);
+  const Shot& shot = problem.shots.back();
+  EXPECT_EQ(shot.window.q[0], problem.sources[0].motion.q[0][shot.window.first]);
+}
+
+TEST(Scatter, LostCommandsAreNamedAndMeasured) {
+  Library library;
+  const std::vector<ScatterScore> scores =
+      judged({{"packet_loss", {"a"}, {{"loss", 0.2}}, 0}}, true, library);
+  ASSERT_EQ(scores.size(), 2U);
+  EXPECT_EQ(name_of(library, scores.front()), "packet_loss");
+  EXPECT_LT(scores.front().p_family, 0.01);
+  EXPECT_NEAR(scores.front().size, 0.2, 0.1);
+}
+
+TEST(Scatter, TheRoughPartForgetsStraightLines) {
+  Problem problem;
+  problem.channels.resize(1);
+  problem.shots.resize(1);
+  problem.shots[0].rows = 6;
+  problem.size = 6;
+  Eigen::VectorXd x(6);
+  x << 0, 1, 2, 3, 5, 5;
+  const Eigen::VectorXd rough = rough_part(problem, x);
+  EXPECT_EQ(rough.head(3).norm(), 0.0);
+  EXPECT_DOUBLE_EQ(rough[3], -0.5);
+  EXPECT_DOUBLE_EQ(rough[4], 1.0);
+  EXPECT_EQ(rough[5], 0.0);
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

@@ -1,0 +1,143 @@
+// An effect tied over joints and a second term that takes it back at one of them.
+#include "tools/diagnose/explain/untie.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/from_model.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// Two links in one plane, each a mass on a rod.
+constexpr const char* kTwoLinks = R"(<robot name="two"><link name="base"/>
+<joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+</joint>
+<link name="upper"><inertial><origin xyz="0 0 -0.15"/><mass value="0.6"/>
+<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0001"/></inertial></link>
+<joint name="b" type="continuous"><parent link="upper"/><child link="lower"/>
+<origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/></joint>
+<link name="lower"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/>
+<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0001"/></inertial></link></robot>)";
+
+ModelFolder robot() {
+  return parse_model(
+      "format = 1\n[joint_default]\nactuator = \"position_pd\"\nkp = 12\nkd = 0.3\nposition_noise "
+      "= 1e-3\n",
+      kTwoLinks, "two/model.toml");
+}
+
+recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
+  ModelFolder world = robot();
+  world.effects = effects;
+  const Drive drive = test::make_test_drive(world, 6.0, 0.01, [index](int joint, double t) {
+    return 0.7 * std::sin((3.3 + 0.4 * index + joint) * t) +
+           0.3 * std::sin((7.1 + 0.7 * index - joint) * t);
+  });
+  const SimParams params = params_with_effects(world);
+  Prediction p =
+      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0, 0.0}, {0.0, 0.0})})
+          .front();
+  add_sensor_noise(params, 5 + static_cast<std::uint64_t>(index), p);
+  recording::Recording r;
+  r.file = "made_" + std::to_string(index) + ".csv";
+  r.t = drive.t;
+  for (const int j : {0, 1}) {
+    const std::string name = j == 0 ? "a" : "b";
+    r.set("u:" + name, drive.joints[static_cast<std::size_t>(j)].command);
+    const auto q = p.of(p.q, j);
+    r.set("q:" + name, {q.begin(), q.end()});
+  }
+  return r;
+}
+
+struct Bench {
+  Problem problem;
+  Library library;
+  explicit Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects) {
+    const std::vector<NoiseLevel> noise{{"q:a", 0.0, 1e-3, {}}, {"q:b", 0.0, 1e-3, {}}};
+    problem = make_problem(
+        make_sources(robot(), {record(hidden, 0), record(hidden, 1), record(hidden, 2)}, noise),
+        noise, {});
+    library.candidates = place_library(problem, effects).candidates;
+    library.nuisances = make_nuisances(problem);
+  }
+  int of(const std::string& effect, const std::vector<int>& joints) const {
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) {
+      if (library.candidates[i].effect == effect && library.candidates[i].joints == joints)
+        return static_cast<int>(i);
+    }
+    return -1;
+  }
+};
+
+TEST(Untie, TakesATiedEffectAndWhatStandsInsideItApart) {
+  const Bench b({}, {"link_inertia", "coulomb_friction", "rotor_inertia"});
+  Model model;
+  model.effects = {{b.of("link_inertia", {0, 1}), {0.6}},
+                   {b.of("coulomb_friction", {0, 1}), {0.1}},
+                   {b.of("link_inertia", {1}), {-0.6}}};
+  const std::vector<Untied> apart = untied(b.library, model);
+  ASSERT_EQ(apart.size(), 1U);  // the friction is tied too, with nothing of its kind beside it
+  EXPECT_EQ(apart[0].replaced, (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(apart[0].stay, std::vector<std::size_t>{1});
+  ASSERT_EQ(apart[0].model.effects.size(), 3U);
+  EXPECT_EQ(apart[0].model.effects[0].candidate, b.of("coulomb_friction", {0, 1}));
+  EXPECT_EQ(apart[0].model.effects[1].candidate, b.of("link_inertia", {0}));
+  EXPECT_EQ(apart[0].model.effects[2].candidate, b.of("link_inertia", {1}));
+  EXPECT_EQ(apart[0].model.effects[2].theta, std::vector<double>{0.6});
+  // a documented twin of it inside counts as well; the effect over the same joints does not
+  model.effects.back().candidate = b.of("rotor_inertia", {1});
+  EXPECT_EQ(untied(b.library, model).size(), 1U);
+  model.effects.back().candidate = b.of("rotor_inertia", {0, 1});
+  EXPECT_TRUE(untied(b.library, model).empty());
+}
+
+TEST(Untie, ANumberForEachJointTakesThePlaceOfATermAtItsBound) {
+  Bench b({{"link_inertia", {"upper"}, {{"share", 0.5}}},
+           {"link_inertia", {"lower"}, {{"share", 0.15}}}},
+          {"link_inertia"});
+  const Model tied{{{b.of("link_inertia", {0, 1}), {0.5}}, {b.of("link_inertia", {1}), {-0.5}}},
+                   {}};
+  correct_step(b.problem, b.library, tied);
+  const Surroundings around = make_surroundings(b.problem, b.library, tied);
+  const FitResult pair = fit(around, tied, constants::kIterations);
+  const std::optional<FitResult> apart =
+      fit_untied(around, untied(b.library, pair.model).front(), pair);
+  ASSERT_TRUE(apart);
+  EXPECT_NEAR(apart->model.effects[0].theta[0], 0.5, 0.06);
+  EXPECT_NEAR(apart->model.effects[1].theta[0], 0.15, 0.06);
+}
+
+TEST(Untie, TwoEffectsThatAreBothThereStayTwo) {
+  const Bench b({{"coulomb_friction", {"a", "b"}, {{"coulomb", 0.1}}},
+                 {"backlash", {"b"}, {{"width", 0.05}}}},
+                {"coulomb_friction", "backlash"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  constexpr double kEncoderAtLink = 0.0;
+  const Model start{
+      {{b.of("coulomb_friction", {0, 1}), {0.1}}, {b.of("backlash", {1}), {0.05, kEncoderAtLink}}},
+      {}};
+  const FitResult pair = fit(around, start, constants::kIterations);
+  const std::vector<Untied> apart = untied(b.library, pair.model);
+  ASSERT_EQ(apart.size(), 1U);
+  EXPECT_FALSE(fit_untied(around, apart.front(), pair));
+}
+
+TEST(Untie, ARefitWithoutAGroupPredictsItAsTheLinearStepSays) {
+  const Bench b({{"link_inertia", {"upper"}, {{"share", 0.1}}}}, {"link_inertia"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const FitResult found =
+      fit(around, Model{{{b.of("link_inertia", {0}), {0.0}}}, {}}, constants::kIterations);
+  const double linear = heldout_energy(around, found).sum(),
+               refitted = refitted_energy(around, found).sum();
+  const double seen = around.bounded(around.starts.energy_by_shot(found.r)).sum();
+  EXPECT_GT(refitted, seen);  // what a fit has not seen it predicts worse
+  EXPECT_NEAR(refitted, linear, 0.1 * linear);
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

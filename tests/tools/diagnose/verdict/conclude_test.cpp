@@ -1,0 +1,72 @@
+// From the search's result to findings.
+#include "tools/diagnose/verdict/conclude.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/diagnose/worlds.h"
+#include "tools/diagnose/effects/effect.h"
+
+namespace sanso::diagnose {
+namespace {
+
+CandidateParameter parameter(const char* name, double null, bool structural = false) {
+  CandidateParameter p;
+  p.name = name;
+  p.null = null;
+  p.structural = structural;
+  return p;
+}
+
+TEST(SpansNull, OneFittedParameterBesideItsNullIsEnough) {
+  Candidate c;
+  c.parameters = {parameter("resistance", 1.0), parameter("torque", 1.0),
+                  parameter("mode", 0.0, true)};
+  std::map<std::string, VerdictParameter> found{{"resistance", {0.89, 0.85, 0.94, "-", false}},
+                                                {"torque", {1.01, 0.95, 1.07, "-", false}},
+                                                {"mode", {1.0, 1.0, 1.0, "-", false}}};
+  EXPECT_FALSE(spans_null(c, found));
+  // what is chosen and not fitted has no interval
+  found["resistance"] = {0.89, 0.78, 1.0, "-", false};
+  EXPECT_TRUE(spans_null(c, found));
+  found["torque"] = {1.07, 0.95, 1.07, "-", true};  // a bound that stopped it is another reserve
+  EXPECT_FALSE(spans_null(c, found));
+}
+
+TEST(SpansNull, AChoiceWithoutFittedParametersHasNoInterval) {
+  Candidate c;
+  c.parameters = {parameter("mode", 0.0, true)};
+  EXPECT_FALSE(spans_null(c, {{"mode", {0.0, 0.0, 0.0, "-", false}}}));
+}
+
+TEST(SpansNull, ChanceIsJudgedByItsSize) {
+  Candidate c;
+  c.random = true;
+  c.parameters = {parameter("share", 0.0, true), parameter("seed", 0.0, true)};
+  EXPECT_FALSE(spans_null(
+      c, {{"share", {0.02, 0.01, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
+  EXPECT_TRUE(spans_null(
+      c, {{"share", {0.02, 0.0, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
+}
+
+Candidate at(const char* effect, int joint) {
+  Candidate c;
+  c.effect = effect;
+  c.joints = {joint};
+  return c;
+}
+
+/// On one joint any load is a sum of two masses; on the second of two joints the first one's motion
+/// tells them apart.
+TEST(Terms, AMassIsATermOfALoadOnlyWhereItsJointHangsOnTheBase) {
+  const auto tree = test::arm("actuator = \"passive\"").tree.joints;
+  EXPECT_EQ(terms_of(at("payload", 0), tree), kOfAngle | kOfAcceleration);
+  EXPECT_EQ(terms_of(at("payload", 1), tree), 0U);
+  EXPECT_EQ(terms_of(at("tether", 0), tree), unsigned{kOfAngle});
+  // of its own joint, wherever that hangs
+  EXPECT_EQ(terms_of(at("cable_spring", 1), tree), unsigned{kOfAngle});
+  EXPECT_EQ(terms_of(at("rotor_inertia", 1), tree), unsigned{kOfAcceleration});
+  EXPECT_EQ(terms_of(at("coulomb_friction", 0), tree), 0U);
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

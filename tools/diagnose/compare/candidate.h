@@ -1,0 +1,96 @@
+// What can be asked of the data: candidate explanations (an effect of the library at a place) and
+// nuisances (what a nominal model may be wrong by). A model is a choice of candidates with
+// parameters, and values of the nuisances.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/compare/problem.h"
+#include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/sim/sim_params.h"
+
+namespace sanso::diagnose {
+
+struct CandidateParameter {
+  std::string name, unit;
+  double null = 0.0, low = 0.0, high = 0.0;
+  // a size at which the effect matters in practice; scale of the fit's coordinate
+  double typical = 1.0;
+  bool structural = false;  // stays what the probe says; not fitted
+  Role role = Role::size;
+};
+
+/// Within rounding of the null, in units of the range: a limit that is not switched on is at no
+/// bound.
+bool at_null(const CandidateParameter& parameter, double value);
+
+struct Candidate {
+  std::string effect;              // id of the library
+  std::string family;              // "friction", ...
+  std::vector<std::string> where;  // joints or links; empty: the whole robot
+  std::vector<int> joints;         // the same, as indices
+  std::vector<CandidateParameter> parameters;
+  std::vector<std::vector<double>> probes;  // parameter vectors whose signature is looked for
+  bool two_sided = true;                    // both signs of a signature are possible
+  // judged by scatter (scatter.h), never by one simulated course of events
+  bool random = false;
+  std::vector<std::string> confounders;  // library ids known to look alike
+  // library ids that this effect is, for some of its parameters
+  std::vector<std::string> contains;
+  std::function<void(SimParams&, const std::vector<double>&)> apply;
+  std::string title() const;  // "backlash at l_knee"
+};
+
+/// A quantity the nominal model states with finite accuracy: zero-mean Gaussian, standard deviation
+/// `tolerance`. It acts as an effect of the library with theta = null + value * direction, so that
+/// a calibrated model can be written like any other.
+struct Nuisance {
+  std::string name;
+  std::string effect;  // id of the library
+  std::vector<int> joints;
+  std::vector<double> null, direction;
+  double tolerance = 1.0;
+  std::function<void(SimParams&, int, std::span<const double>)> run;
+  std::vector<double> theta(double value) const;
+  void apply(SimParams& params, double value) const;
+};
+
+/// Instants at which what begins somewhere in a recording is probed: 0 and this many equal steps,
+/// less one.
+inline constexpr int kInstants = 5;
+
+/// The library on this robot and these channels: every effect at every joint, at mirror pairs and
+/// all joints alike, or at the robot; and what cannot be tested, (effect, because). `only` (library
+/// ids) restricts the library; empty: all.
+struct Placement {
+  std::vector<Candidate> candidates;
+  std::vector<std::pair<std::string, std::string>> untestable;
+};
+Placement place_library(const Problem& problem, const std::vector<std::string>& only);
+
+/// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of
+/// constants.h; one common lag.
+std::vector<Nuisance> make_nuisances(const Problem& problem);
+
+struct Chosen {
+  int candidate = 0;
+  std::vector<double> theta;
+};
+
+struct Model {
+  std::vector<Chosen> effects;
+  std::vector<double> nuisance;
+  bool has(int candidate) const;
+};
+
+/// Everything that a simulation of a model needs beside the recordings.
+struct Library {
+  std::vector<Candidate> candidates;
+  std::vector<Nuisance> nuisances;
+  void apply(const Model& model, SimParams& params) const;
+};
+
+}  // namespace sanso::diagnose

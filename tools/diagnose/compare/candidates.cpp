@@ -1,0 +1,188 @@
+// The library of effects, placed on this robot.
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "tools/diagnose/compare/candidate.h"
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/joint_scale.h"
+#include "tools/diagnose/model_folder/joint_units.h"
+#include "tools/diagnose/stats/robust.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// All drives as the library's checks want them.
+std::vector<Drive> drives_of(const Problem& problem) {
+  std::vector<Drive> out;
+  for (const Source& s : problem.sources) out.push_back(s.drive);
+  return out;
+}
+
+// of a joint's motion: nearer to its end too few rows show anything
+constexpr double kEndMargin = 0.03;
+
+/// What begins at a position is looked for at several depths below the end of what the joint did,
+/// not at the library's example positions. Near the ends only, what acts on half of the motion
+/// looks like nothing that was probed.
+void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::position) continue;
+    std::vector<double> q;
+    for (const Source& s : problem.sources)
+      q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
+    const double low = quantile(q, 0.0), high = quantile(q, 1.0);
+    const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
+    for (const double share : {kEndMargin, 0.25, 0.5, 0.75}) {
+      for (std::vector<double> probe : own) {
+        const double depth = share * (high - low);
+        probe[i] = probe[i] > 0.0 ? high - depth : low + depth;
+        c.probes.push_back(std::move(probe));
+      }
+    }
+  }
+}
+
+/// What begins at an instant is looked for at several instants of the recordings beside the
+/// library's own.
+void place_instants(Candidate& c, const Problem& problem) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::instant) continue;
+    const std::vector<std::vector<double>> own = c.probes;
+    for (int k = 1; k < kInstants; ++k) {
+      for (std::vector<double> probe : own) {
+        probe[i] = longest_recording(problem) * k / kInstants;
+        c.probes.push_back(std::move(probe));
+      }
+    }
+  }
+}
+
+/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of
+/// such a shot, and at one joint that is struck: a blow is no property of a pair.
+void place_events(Candidate& c, const Problem& problem) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::event) continue;
+    const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
+    const bool struck = c.joints.size() == 1 &&
+                        std::find(problem.struck.begin(), problem.struck.end(), c.joints.front()) !=
+                            problem.struck.end();
+    for (const double from : struck ? problem.instants : std::vector<double>{}) {
+      for (const double later : {0.0, 0.5 * constants::kShotSeconds}) {
+        for (std::vector<double> probe : own) {
+          probe[i] = from + later;
+          c.probes.push_back(std::move(probe));
+        }
+      }
+    }
+  }
+}
+
+/// "l_knee" and "r_knee" are of one class, "knee".
+std::string joint_class(const std::string& name) {
+  for (const char* side : {"l_", "r_", "left_", "right_", "L_", "R_"}) {
+    if (name.rfind(side, 0) == 0) return name.substr(std::string(side).size());
+  }
+  return name;
+}
+
+/// Places with more than one joint: mirror pairs, then all joints alike.
+std::vector<std::vector<std::size_t>> tied_places(const Problem& problem) {
+  std::map<std::string, std::vector<std::size_t>> classes;
+  std::vector<std::size_t> all;
+  for (std::size_t j = 0; j < problem.joints.size(); ++j) {
+    classes[joint_class(problem.joints[j])].push_back(j);
+    all.push_back(j);
+  }
+  std::vector<std::vector<std::size_t>> out;
+  for (const auto& [name, members] : classes) {
+    if (members.size() > 1 && members.size() < all.size()) out.push_back(members);
+  }
+  if (all.size() > 1) out.push_back(all);
+  return out;
+}
+
+Candidate place(const Effect& effect, const Problem& problem, const std::vector<JointScale>& scales,
+                const std::vector<std::size_t>& joints) {
+  const SimParams& nominal = problem.sources.front().nominal;
+  // tied joints share one number: scaled by the first (they are alike, or tying them makes no
+  // sense)
+  const JointScale& scale = scales[joints.empty() ? 0 : joints.front()];
+  Candidate c;
+  c.effect = std::string(effect.id);
+  c.family = std::string(to_string(effect.family));
+  c.two_sided = effect.sign == 0;
+  c.random = effect.random;
+  for (const std::string_view id : effect.confounders) c.confounders.emplace_back(id);
+  for (const std::string_view id : effect.contains) c.contains.emplace_back(id);
+  const bool prismatic = !joints.empty() && effect.scope != Scope::link &&
+                         nominal.tree.joints[joints.front()].prismatic;
+  for (const EffectParameter& p : effect.parameters) {
+    const EffectParameter here = scaled(p, scale);
+    c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic),
+                            here.null, here.low, here.high, here.typical, p.structural, p.role});
+  }
+  c.probes = scaled_probes(effect, scale);
+  for (const std::size_t j : joints) {
+    c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link
+                                                  : problem.joints[j]);
+    c.joints.push_back(static_cast<int>(j));
+  }
+  if (joints.size() == 1) place_positions(c, problem, joints.front());
+  place_instants(c, problem);
+  place_events(c, problem);
+  const auto apply = effect.apply;
+  if (joints.empty()) {
+    c.apply = [apply](SimParams& p, const std::vector<double>& theta) { apply(p, 0, theta); };
+  } else {
+    c.apply = [apply, joints](SimParams& p, const std::vector<double>& theta) {
+      for (const std::size_t j : joints) apply(p, static_cast<int>(j), theta);
+    };
+  }
+  return c;
+}
+
+}  // namespace
+
+Placement place_library(const Problem& problem, const std::vector<std::string>& only) {
+  Placement out;
+  const std::vector<Drive> drives = drives_of(problem);
+  const SimParams& nominal = problem.sources.front().nominal;
+  const std::vector<JointScale> scales = joint_scales(nominal, drives);
+  const std::vector<std::vector<std::size_t>> tied = tied_places(problem);
+  for (const Effect& effect : library()) {
+    if (!only.empty() && std::find(only.begin(), only.end(), effect.id) == only.end()) continue;
+    const bool robot = effect.scope == Scope::robot;
+    std::vector<std::size_t> able;
+    std::string reason;
+    for (std::size_t j = 0; j < (robot ? 1 : problem.joints.size()); ++j) {
+      const std::string missing =
+          why_untestable(effect, nominal, drives, robot ? -1 : static_cast<int>(j));
+      if (missing.empty())
+        able.push_back(j);
+      else
+        reason = missing;
+    }
+    if (able.empty()) {
+      out.untestable.emplace_back(std::string(effect.id), reason);
+      continue;
+    }
+    if (robot) {
+      out.candidates.push_back(place(effect, problem, scales, {}));
+      continue;
+    }
+    for (const std::size_t j : able) out.candidates.push_back(place(effect, problem, scales, {j}));
+    for (const std::vector<std::size_t>& joints : tied) {
+      if (effect.random) continue;  // every joint scatters for itself
+      const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
+        return std::find(able.begin(), able.end(), j) != able.end();
+      });
+      if (all) out.candidates.push_back(place(effect, problem, scales, joints));
+    }
+  }
+  std::erase_if(out.candidates, [](const Candidate& c) { return c.probes.empty(); });
+  return out;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,436 @@
+#include "tools/diagnose/compare/prediction_error.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/stats/random.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// How a pass differs from the plain one.
+struct Pass {
+  double step_s = constants::kSearchStep;
+  std::function<void(Window&)> move_start = [](Window&) {};
+  std::vector<char> wanted = {};        // by joint; empty: all
+  std::uint64_t seed = 0;               // not 0: chance is drawn
+  std::vector<LostCommand> lost = {};   // sorted
+  std::vector<char> wanted_shots = {};  // by shot; empty: all
+};
+
+/// Shots of one recording: [begin, end); shots are sorted by source.
+struct Batch {
+  std::size_t source, begin, end;
+};
+std::vector<Batch> by_source(const Problem& problem) {
+  std::vector<Batch> out;
+  for (std::size_t i = 0; i < problem.shots.size(); ++i) {
+    const auto source = static_cast<std::size_t>(problem.shots[i].source);
+    if (out.empty() || out.back().source != source) out.push_back({source, i, i});
+    out.back().end = i + 1;
+  }
+  return out;
+}
+
+/// The commands of one recording as they were received; empty when none of `lost` is its own.
+std::optional<Drive> drive_with_lost(const Drive& drive, int source,
+                                     const std::vector<LostCommand>& lost) {
+  std::optional<Drive> out;
+  for (const LostCommand& l : lost) {
+    if (l.source != source) continue;
+    if (!out) out = drive;
+    std::vector<double>& command = out->joints[static_cast<std::size_t>(l.joint)].command;
+    // switched off: nothing to hold
+    if (std::isnan(command[l.row]) || std::isnan(command[l.row - 1])) continue;
+    // in order: of two lost in a row the last one received stays
+    command[l.row] = command[l.row - 1];
+  }
+  return out;
+}
+
+void simulate_batch(const Problem& problem, const Library& library, const Model& model,
+                    const Pass& pass, const Batch& batch, Eigen::VectorXd& r) {
+  std::vector<Window> windows;
+  std::vector<std::size_t> shots;
+  for (std::size_t i = batch.begin; i < batch.end; ++i) {
+    if (!pass.wanted_shots.empty() && pass.wanted_shots[i] == 0) continue;
+    shots.push_back(i);
+    windows.push_back(problem.shots[i].window);
+    pass.move_start(windows.back());
+  }
+  if (shots.empty()) return;
+  const Source& source = problem.sources[batch.source];
+  const std::optional<Drive> held =
+      drive_with_lost(source.drive, static_cast<int>(batch.source), pass.lost);
+  SimParams params = source.nominal;
+  library.apply(model, params);
+  SimOptions options;
+  options.motion = &source.motion;
+  options.max_step_s = pass.step_s;
+  options.wanted = pass.wanted;
+  if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
+  std::vector<Prediction> predictions =
+      simulate(params, held ? *held : source.drive, windows, options);
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const Shot& shot = problem.shots[shots[i]];
+    if (pass.seed != 0)
+      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + shots[i]).bits(),
+                         predictions[i]);
+    whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
+  }
+}
+
+/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its
+/// own shots, so the result does not depend on the number of threads.
+void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
+              Eigen::VectorXd& r) {
+  const std::vector<Batch> batches = by_source(problem);
+  parallel_for(static_cast<int>(batches.size()), [&](int i) {
+    simulate_batch(problem, library, model, pass, batches[static_cast<std::size_t>(i)], r);
+  });
+}
+
+/// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when
+/// `joints` is.
+std::vector<char> branches_with(const Problem& problem, const std::vector<int>& joints) {
+  if (joints.empty()) return {};
+  const std::vector<TreeJoint>& tree = problem.sources.front().nominal.tree.joints;
+  const auto root = [&](int j) {
+    while (tree[static_cast<std::size_t>(j)].parent >= 0)
+      j = tree[static_cast<std::size_t>(j)].parent;
+    return j;
+  };
+  std::vector<char> wanted(tree.size(), 0);
+  for (std::size_t j = 0; j < tree.size(); ++j) {
+    wanted[j] = std::any_of(joints.begin(), joints.end(),
+                            [&](int i) { return root(i) == root(static_cast<int>(j)); });
+  }
+  return wanted;
+}
+
+/// Beyond this many joints the starts are moved all at once and coupling between joints is left out
+/// of their derivative.
+constexpr std::size_t kCoupledStarts = 4;
+
+}  // namespace
+
+Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
+                                 const Model& model) {
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  one_pass(problem, library, model, {}, r);
+  return r;
+}
+
+Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library,
+                                       const Model& model, std::uint64_t seed) {
+  Pass pass;
+  pass.seed = seed;
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
+                                      const Model& model, const Eigen::VectorXd& base,
+                                      const std::vector<int>& joints) {
+  Pass pass;
+  SimParams params = problem.sources.front().nominal;
+  library.apply(model, params);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  Eigen::VectorXd r = base;
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+bool LostCommand::operator<(const LostCommand& other) const {
+  return std::tie(source, joint, row) < std::tie(other.source, other.joint, other.row);
+}
+
+void hold(Problem& problem, std::vector<LostCommand> lost) {
+  std::sort(lost.begin(), lost.end());
+  for (std::size_t i = 0; i < problem.sources.size(); ++i) {
+    Drive& drive = problem.sources[i].drive;
+    if (std::optional<Drive> held = drive_with_lost(drive, static_cast<int>(i), lost))
+      drive = std::move(*held);
+  }
+}
+
+Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library,
+                                           const Model& model, const Eigen::VectorXd& base,
+                                           std::vector<LostCommand> lost,
+                                           const std::vector<char>& wanted_shots,
+                                           const std::vector<int>& joints) {
+  Pass pass;
+  std::sort(lost.begin(), lost.end());
+  pass.lost = std::move(lost);
+  pass.wanted_shots = wanted_shots;
+  SimParams params = problem.sources.front().nominal;
+  library.apply(model, params);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  Eigen::VectorXd r = base;
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+void correct_step(Problem& problem, const Library& library, const Model& model) {
+  problem.step_error.clear();
+  const double coarse = constants::kSearchStep, fine = std::min(constants::kFineStep, 0.5 * coarse);
+  Eigen::VectorXd at_coarse(static_cast<Eigen::Index>(problem.size)), at_fine = at_coarse;
+  parallel_for(2, [&](int i) {
+    Pass pass;
+    pass.step_s = i == 0 ? fine : coarse;
+    one_pass(problem, library, model, pass, i == 0 ? at_fine : at_coarse);
+  });
+  // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the
+  // step
+  const Eigen::VectorXd error = (at_fine - at_coarse) * (coarse / (coarse - fine));
+  problem.step_error.assign(problem.size, 0.0);
+  for (const Shot& shot : problem.shots) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      for (std::size_t k = 0; k < shot.rows; ++k) {
+        const std::size_t at = shot.offset + c * shot.rows + k;
+        problem.step_error[at] = error[static_cast<Eigen::Index>(at)] * problem.channels[c].sigma;
+      }
+    }
+  }
+}
+
+Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library,
+                                                  const Model& model, int joint, double dq0,
+                                                  double ddq0) {
+  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  Pass pass;
+  pass.move_start = [&](Window& w) {
+    for (std::size_t j = 0; j < w.q.size(); ++j) {
+      if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
+      w.q[j] += dq0;
+      w.dq[j] += ddq0;
+    }
+  };
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+StartElimination::StartElimination(const Problem& problem, const Library& library,
+                                   const Model& model)
+    : problem_(&problem) {
+  make_blocks();
+  const std::size_t n = problem.joints.size();
+  const bool coupled = n <= kCoupledStarts;
+  J_.setZero(static_cast<Eigen::Index>(problem.size), static_cast<Eigen::Index>(2 * n));
+  // steps well above the integrator's rounding and below any regime's width
+  constexpr double kStepPosition = 1e-4, kStepVelocity = 1e-3;
+  const int passes = coupled ? static_cast<int>(2 * n) : 2;
+  std::vector<Eigen::VectorXd> moved(static_cast<std::size_t>(passes));
+  Eigen::VectorXd base;
+  parallel_for(passes + 1, [&](int i) {
+    if (i == passes) {
+      base = prediction_error(problem, library, model);
+      return;
+    }
+    const int joint = coupled ? i / 2 : -1;
+    const bool position = i % 2 == 0;
+    moved[static_cast<std::size_t>(i)] = prediction_error_from_moved_start(
+        problem, library, model, joint, position ? kStepPosition : 0.0,
+        position ? 0.0 : kStepVelocity);
+  });
+  for (int i = 0; i < passes; ++i) {
+    const Eigen::VectorXd derivative =
+        (moved[static_cast<std::size_t>(i)] - base) / (i % 2 == 0 ? kStepPosition : kStepVelocity);
+    if (coupled) {
+      J_.col(i) = derivative;
+      continue;
+    }
+    for (const Shot& shot : problem.shots) {
+      for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+        const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+        const auto rows = static_cast<Eigen::Index>(shot.rows);
+        J_.block(from, 2 * problem.channels[c].joint + i % 2, rows, 1) =
+            derivative.segment(from, rows);
+      }
+    }
+  }
+  for (const Shot& shot : problem.shots) {
+    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
+    auto J = J_.middleRows(static_cast<Eigen::Index>(shot.offset), entries(shot));
+    // in units of the starts' deviations, so that the arrival cost is the identity
+    for (std::size_t j = 0; j < n; ++j) {
+      J.col(static_cast<Eigen::Index>(2 * j)) *=
+          std::max(source.q_sigma[j][shot.window.first], 1e-9);
+      J.col(static_cast<Eigen::Index>(2 * j + 1)) *=
+          constants::kArrivalInflation * std::max(source.dq_sigma[j][shot.window.first], 1e-9);
+    }
+    const Eigen::MatrixXd H = J.transpose() * J + Eigen::MatrixXd::Identity(J.cols(), J.cols());
+    W_.push_back(H.llt().solve(Eigen::MatrixXd::Identity(J.cols(), J.cols())));
+  }
+}
+
+void StartElimination::make_blocks() {
+  const std::vector<TreeJoint>& tree = problem_->sources.front().nominal.tree.joints;
+  const auto n = static_cast<Eigen::Index>(tree.size());
+  // few joints: every start was moved by itself, and a sagging supply may have carried it to
+  // another branch
+  const bool whole = static_cast<std::size_t>(n) <= kCoupledStarts;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const bool begins = blocks_.empty() || (!whole && tree[static_cast<std::size_t>(j)].parent < 0);
+    if (begins) blocks_.push_back({0, 0, 2 * j, 0});
+    blocks_.back().starts += 2;
+  }
+  std::size_t c = 0;  // channels are sorted by joint
+  for (Block& block : blocks_) {
+    block.first_channel = c;
+    while (c < problem_->channels.size() &&
+           2 * problem_->channels[c].joint < block.first_start + block.starts)
+      ++c;
+    block.channels = c - block.first_channel;
+  }
+}
+
+/// Columns that are not zero throughout the block.
+template <class Columns>
+std::vector<Eigen::Index> StartElimination::support(const Columns& columns,
+                                                    const Block& block) const {
+  std::vector<Eigen::Index> out;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    const bool any =
+        std::any_of(problem_->shots.begin(), problem_->shots.end(), [&](const Shot& shot) {
+          const auto from =
+              static_cast<Eigen::Index>(shot.offset + block.first_channel * shot.rows);
+          const auto piece =
+              columns.col(k).segment(from, static_cast<Eigen::Index>(block.channels * shot.rows));
+          return (piece.array() != 0).any();
+        });
+    if (any) out.push_back(k);
+  }
+  return out;
+}
+
+template <class Columns>
+std::vector<Eigen::MatrixXd> StartElimination::gram_of(
+    const Columns& columns, int parts, const std::function<int(const Shot&)>& part_of,
+    const Eigen::VectorXd& weights) const {
+  const int blocks = static_cast<int>(blocks_.size());
+  std::vector<std::vector<Eigen::Index>> supports(blocks_.size());
+  parallel_for(blocks, [&](int b) {
+    const auto k = static_cast<std::size_t>(b);
+    supports[k] = support(columns, blocks_[k]);
+  });
+  // part by part, lower triangles
+  std::vector<Eigen::MatrixXd> pieces(static_cast<std::size_t>(parts * blocks));
+  parallel_for(parts * blocks, [&](int task) {
+    const int part = task / blocks;
+    const auto b = static_cast<std::size_t>(task % blocks);
+    const Block& block = blocks_[b];
+    const auto m = static_cast<Eigen::Index>(supports[b].size());
+    Eigen::MatrixXd& G = pieces[static_cast<std::size_t>(task)];
+    G.setZero(m, m);
+    Eigen::MatrixXd B;
+    for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+      const Shot& shot = problem_->shots[s];
+      if (part_of(shot) != part) continue;
+      const auto from = static_cast<Eigen::Index>(shot.offset + block.first_channel * shot.rows);
+      const auto rows = static_cast<Eigen::Index>(block.channels * shot.rows);
+      B.resize(rows, m);
+      for (Eigen::Index k = 0; k < m; ++k) {
+        B.col(k) = columns.col(supports[b][static_cast<std::size_t>(k)])
+                       .segment(from, rows)
+                       .template cast<double>();
+      }
+      const double weight = weights.size() == 0 ? 1.0 : weights[static_cast<Eigen::Index>(s)];
+      // B' (1 - J W J') B = B' B - |root(W)' J' B|^2
+      const Eigen::MatrixXd W =
+          W_[s].block(block.first_start, block.first_start, block.starts, block.starts);
+      const Eigen::MatrixXd Z =
+          W.llt().matrixU() *
+          (J_.block(from, block.first_start, rows, block.starts).transpose() * B);
+      G.selfadjointView<Eigen::Lower>().rankUpdate(B.transpose(), weight);
+      G.selfadjointView<Eigen::Lower>().rankUpdate(Z.transpose(), -weight);
+    }
+  });
+  std::vector<Eigen::MatrixXd> out(static_cast<std::size_t>(parts));
+  parallel_for(parts, [&](int part) {
+    Eigen::MatrixXd& total = out[static_cast<std::size_t>(part)];
+    total.setZero(columns.cols(), columns.cols());
+    for (int b = 0; b < blocks; ++b) {
+      const std::vector<Eigen::Index>& at = supports[static_cast<std::size_t>(b)];
+      const Eigen::MatrixXd& G = pieces[static_cast<std::size_t>(part * blocks + b)];
+      for (std::size_t j = 0; j < at.size(); ++j) {
+        for (std::size_t i = j; i < at.size(); ++i) {
+          total(at[i], at[j]) += G(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+        }
+      }
+    }
+    total.triangularView<Eigen::StrictlyUpper>() = total.transpose();
+  });
+  return out;
+}
+
+std::vector<Eigen::MatrixXd> StartElimination::gram_by(
+    const Eigen::MatrixXd& columns, int parts, const std::function<int(const Shot&)>& part_of,
+    const Eigen::VectorXd& weights) const {
+  return gram_of(columns, parts, part_of, weights);
+}
+
+namespace {
+Eigen::MatrixXd sum(const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::MatrixXd total = parts.front();
+  for (std::size_t i = 1; i < parts.size(); ++i) total += parts[i];
+  return total;
+}
+int group_of(const Shot& shot) { return shot.group; }
+}  // namespace
+
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXd& columns,
+                                       const Eigen::VectorXd& weights) const {
+  return sum(gram_of(columns, problem_->groups, group_of, weights));
+}
+
+Eigen::MatrixXd StartElimination::gram(const Eigen::MatrixXf& columns,
+                                       const Eigen::VectorXd& weights) const {
+  return sum(gram_of(columns, problem_->groups, group_of, weights));
+}
+
+std::vector<Eigen::MatrixXd> StartElimination::gram_by_group(const Eigen::MatrixXf& columns,
+                                                             const Eigen::VectorXd& weights) const {
+  return gram_of(columns, problem_->groups, group_of, weights);
+}
+
+Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd energy(static_cast<Eigen::Index>(problem_->shots.size()));
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
+    const auto from = static_cast<Eigen::Index>(shot.offset);
+    const auto piece = r.segment(from, entries(shot));
+    double total = piece.squaredNorm();
+    for (const Block& block : blocks_) {
+      const auto first = static_cast<Eigen::Index>(block.first_channel * shot.rows);
+      const auto rows = static_cast<Eigen::Index>(block.channels * shot.rows);
+      const Eigen::VectorXd z =
+          J_.block(from + first, block.first_start, rows, block.starts).transpose() *
+          piece.segment(first, rows);
+      total -=
+          z.dot(W_[s].block(block.first_start, block.first_start, block.starts, block.starts) * z);
+    }
+    energy[static_cast<Eigen::Index>(s)] = total;
+  }
+  return energy;
+}
+
+Eigen::VectorXd StartElimination::project(const Eigen::VectorXd& r) const {
+  Eigen::VectorXd out = r;
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
+    const auto from = static_cast<Eigen::Index>(shot.offset);
+    const auto J = J_.middleRows(from, entries(shot));
+    out.segment(from, entries(shot)) -=
+        J * (W_[s] * (J.transpose() * r.segment(from, entries(shot))));
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose

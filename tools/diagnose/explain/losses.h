@@ -1,0 +1,43 @@
+// Lost commands are events: each one happened at a row, and the simulation in which just that
+// command is held shows the motion that was recorded. They are looked for one by one where a fitted
+// model leaves more than noise.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <vector>
+
+#include "tools/diagnose/fit/fit.h"
+
+namespace sanso::diagnose {
+
+/// What is said about the lost commands of one candidate (an effect that sets JointParams::loss).
+struct LossScore {
+  int candidate = -1;
+  std::vector<LostCommand> lost;  // those found, in order
+  // losses found among the commands whose loss would show
+  int seen = 0, visible = 0;
+  // seen / visible, with its 95 % interval (Wilson, a run of losses is one)
+  double size = 0.0, low = 0.0, high = 0.0;
+  // no larger share is lost among the commands whose loss shows little
+  bool blind = false;
+  // standard errors between a typical loss and a whole one, see losses.cpp
+  double misfit = INFINITY;
+  // of the clearest loss, times the number of commands tried
+  double p_family = 1.0;
+  // noise levels squared that the losses take from the position error, starts taken out
+  double energy = 0.0;
+  // noise levels in the position error with the losses, see position_error_level
+  double left = INFINITY;
+  // error with the losses, starts taken out, in noise levels (Observed::floor)
+  Eigen::VectorXd repaired;
+};
+
+/// Looks for lost commands at every joint where a candidate of the library could have lost some.
+/// Shots whose error is noise are not tried. A hold is believed when its likelihood ratio beats the
+/// number of holds tried at the family-wise level: for two fixed hypotheses P(ratio > x) <= 1 / x,
+/// whatever the size of what the hold changes. `candidate` -1:
+/// none found.
+LossScore find_losses(const Surroundings& around, const FitResult& final);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,57 @@
+// Rivals for one place of a model: which candidates are worth a full fit, their fits, and who is
+// best.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/fit/fit.h"
+#include "tools/diagnose/fit/screen.h"
+
+namespace sanso::diagnose {
+
+/// A candidate that was fitted fully at one place of the model, with everything else refitted.
+struct Alternative {
+  int candidate = 0;
+  FitResult fit;
+  Eigen::VectorXd heldout;  // energy by shot
+  bool far_behind = false;  // after the first steps of its fit: not polished
+  double behind = 0.0;      // held-out energy above the best alternative's
+  double behind_se = 0.0;   // standard error of that difference
+  double similarity = 0.0;  // of its signature to the chosen one's
+};
+
+/// A difference of this many energy units is one unit of log-likelihood.
+inline constexpr double kNoiseUnit = 2.0;
+
+/// Energy that an effect of the smallest size that matters removes, at one joint alone.
+double practical_energy(const Problem& problem);
+
+/// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
+/// strongest, then the strongest members, then the rest by score. `least_energy`: what promises
+/// less is not tried.
+std::vector<int> rivals(const Library& library, const Screening& screening, double least_energy);
+
+/// Which candidates to try in place of an accepted one of `model`: its cluster, its known
+/// confounders, what was fitted beside it.
+std::vector<int> replacements(const Library& library, const Screening& first, const Model& model,
+                              int accepted, const std::vector<Alternative>& fitted);
+
+/// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of
+/// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
+/// was, without derivatives.
+/// Candidates far behind after the first steps (by what the best removes of `base_objective`) are
+/// not polished.
+std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
+                                 double base_objective, const std::vector<int>& which,
+                                 const Screening& screening,
+                                 const std::vector<Alternative>& known = {});
+
+/// Best first. Among those within one standard error of the best (one-SE rule) or a difference that
+/// does not matter, the one with fewest parameters.
+void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
+
+/// Of the last effect of a fit: its interval excludes the null; a parameter was stopped at a bound.
+bool leaves_null(const Library& library, const Alternative& a);
+bool at_bound(const Library& library, const Alternative& a);
+
+}  // namespace sanso::diagnose

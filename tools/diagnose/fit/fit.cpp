@@ -1,0 +1,507 @@
+#include "tools/diagnose/fit/fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/series.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+
+Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model) {
+  Surroundings s{&problem, &library, StartElimination(problem, library, model), {}};
+  const auto count = static_cast<int>(library.nuisances.size());
+  s.A.resize(static_cast<Eigen::Index>(problem.size), count);
+  const Eigen::VectorXd base = prediction_error(problem, library, model);
+  parallel_for(count, [&](int i) {
+    Model moved = model;
+    moved.nuisance.resize(library.nuisances.size(), 0.0);
+    const double step = library.nuisances[static_cast<std::size_t>(i)].tolerance;
+    moved.nuisance[static_cast<std::size_t>(i)] += step;
+    s.A.col(i) = prediction_error_near(problem, library, moved, base,
+                                       library.nuisances[static_cast<std::size_t>(i)].joints) -
+                 base;
+  });
+  return s;
+}
+
+void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
+  std::vector<double> mean_square;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
+    mean_square.push_back(energy_by_shot[static_cast<Eigen::Index>(s)] / rows);
+  }
+  shot_scale =
+      constants::kShotOutlier * constants::kShotOutlier * std::max(1.0, median(mean_square));
+}
+
+Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
+  Eigen::VectorXd out = energy_by_shot;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const Shot& shot = problem->shots[s];
+    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
+    double& e = out[static_cast<Eigen::Index>(s)];
+    if (scale > 0.0) e = scale * std::log1p(std::max(e, 0.0) / scale);
+    if (shot.group == left_out) e = 0.0;
+  }
+  return out;
+}
+
+Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) const {
+  Eigen::VectorXd out = Eigen::VectorXd::Ones(energy_by_shot.size());
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    const Shot& shot = problem->shots[s];
+    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
+    double& weight = out[static_cast<Eigen::Index>(s)];
+    if (scale > 0.0)
+      weight = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    if (shot.group == left_out) weight = 0.0;
+  }
+  return out;
+}
+
+namespace {
+
+/// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances /
+/// tolerance.
+class Coordinates {
+ public:
+  Coordinates(const Library& library, const Model& shape) : library_(&library), shape_(shape) {
+    shape_.nuisance.resize(library.nuisances.size(), 0.0);
+    for (const Chosen& c : shape_.effects) {
+      for (const CandidateParameter& p :
+           library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
+        parameters_.push_back(p);
+        joints_.push_back(&library.candidates[static_cast<std::size_t>(c.candidate)].joints);
+      }
+    }
+  }
+  Eigen::Index effects() const { return static_cast<Eigen::Index>(parameters_.size()); }
+  Eigen::Index size() const {
+    return effects() + static_cast<Eigen::Index>(library_->nuisances.size());
+  }
+  const CandidateParameter& parameter(Eigen::Index i) const {
+    return parameters_[static_cast<std::size_t>(i)];
+  }
+  /// The joints that effect parameter i acts on; empty: the whole robot.
+  const std::vector<int>& joints(Eigen::Index i) const {
+    return *joints_[static_cast<std::size_t>(i)];
+  }
+
+  Eigen::VectorXd of(const Model& model) const {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
+    Eigen::Index i = 0;
+    for (const Chosen& c : model.effects) {
+      for (double v : c.theta) x[i] = v / parameter(i).typical, ++i;
+    }
+    for (std::size_t k = 0; k < model.nuisance.size(); ++k)
+      x[i++] = model.nuisance[k] / library_->nuisances[k].tolerance;
+    return x;
+  }
+  Model model(const Eigen::VectorXd& x) const {
+    Model m = shape_;
+    Eigen::Index i = 0;
+    for (Chosen& c : m.effects) {
+      for (double& v : c.theta) v = x[i] * parameter(i).typical, ++i;
+    }
+    for (std::size_t k = 0; k < m.nuisance.size(); ++k)
+      m.nuisance[k] = x[i++] * library_->nuisances[k].tolerance;
+    return m;
+  }
+  double low(Eigen::Index i) const {
+    if (i < effects()) return parameter(i).low / parameter(i).typical;
+    return -constants::kToleranceReach;
+  }
+  double high(Eigen::Index i) const {
+    return i < effects() ? parameter(i).high / parameter(i).typical : constants::kToleranceReach;
+  }
+  Eigen::VectorXd inside(Eigen::VectorXd x) const {
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i], low(i), high(i));
+    return x;
+  }
+
+ private:
+  const Library* library_;
+  Model shape_;
+  std::vector<CandidateParameter> parameters_;
+  std::vector<const std::vector<int>*> joints_;
+};
+
+/// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
+Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates,
+                         const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+  Eigen::MatrixXd J(r.size(), coordinates.size());
+  J.rightCols(around.A.cols()) = around.A;
+  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of
+  // the integrator's step
+  constexpr double kStep = 0.03;
+  parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
+    if (coordinates.parameter(i).structural) {
+      J.col(i).setZero();
+      return;
+    }
+    Eigen::VectorXd moved = x;
+    const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
+    moved[i] += step;
+    J.col(i) = (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r,
+                                      coordinates.joints(i)) -
+                r) /
+               step;
+  });
+  return J;
+}
+
+struct Normal {
+  Eigen::MatrixXd H;  // J' M J + prior
+  Eigen::VectorXd g;  // half gradient of the objective
+  double objective;
+};
+
+/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the
+/// tolerance on nuisances.
+double prior(Eigen::Index effects, Eigen::Index i) {
+  return i < effects ? 1e-6 : constants::kTolerancePrecision;
+}
+
+Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
+  Eigen::MatrixXd all(J.rows(), J.cols() + 1);
+  all << J, r;
+  return all;
+}
+
+Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& J,
+                const Eigen::VectorXd& r, const Eigen::VectorXd& x) {
+  const Eigen::Index n = c.size();
+  const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
+  const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
+  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1), around.bounded(energy).sum()};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    out.H(i, i) += prior(c.effects(), i);
+    if (i < c.effects()) continue;
+    out.g[i] += constants::kTolerancePrecision * x[i];
+    out.objective += constants::kTolerancePrecision * x[i] * x[i];
+  }
+  return out;
+}
+
+double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
+                    const Eigen::VectorXd& r) {
+  return around.bounded(around.starts.energy_by_shot(r)).sum() +
+         constants::kTolerancePrecision * x.tail(x.size() - c.effects()).squaredNorm();
+}
+
+/// Step of the damped normal equations with coordinates at an active bound held still.
+Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Eigen::VectorXd& x,
+                            double damping) {
+  Eigen::MatrixXd H = normal.H;
+  H.diagonal() *= 1.0 + damping;
+  Eigen::VectorXd g = normal.g;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const bool held = (x[i] <= c.low(i) && g[i] > 0.0) || (x[i] >= c.high(i) && g[i] < 0.0);
+    if (!held) continue;
+    H.row(i).setZero();
+    H.col(i).setZero();
+    H(i, i) = 1.0;
+    g[i] = 0.0;
+  }
+  return -H.ldlt().solve(g);
+}
+
+}  // namespace
+
+namespace {
+
+/// Goes on from `x` with prediction error `r`; `out.J` holds its derivative already where
+/// `derived`.
+FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x,
+                Eigen::VectorXd r, FitResult out, bool derived, int iterations) {
+  out.parameters = static_cast<int>(c.effects());
+  out.converged = false;
+  double damping = 1e-4;
+  Normal normal;
+  for (int iteration = 0;; ++iteration) {
+    if (iteration > 0 || !derived) out.J = jacobian(around, c, x, r);
+    normal = assemble(around, c, out.J, r, x);
+    if (iteration >= iterations || out.converged) break;
+    bool improved = false;
+    for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
+      const Eigen::VectorXd trial = c.inside(x + step_inside(c, normal, x, damping));
+      const Eigen::VectorXd r_trial =
+          prediction_error(*around.problem, *around.library, c.model(trial));
+      const double objective = objective_at(around, c, trial, r_trial);
+      if (objective < normal.objective) {
+        improved = true;
+        out.converged = normal.objective - objective < constants::kConverged * objective;
+        x = trial;
+        r = r_trial;
+        damping = std::max(damping * 0.2, 1e-6);
+      } else {
+        damping = damping * 10.0 + 1e-3;
+      }
+    }
+    if (!improved) out.converged = true;
+  }
+  out.model = c.model(x);
+  out.objective = normal.objective;
+  out.r = std::move(r);
+  out.fixed.assign(static_cast<std::size_t>(c.size()), 0);
+  Eigen::MatrixXd H = normal.H;
+  for (Eigen::Index i = 0; i < c.size(); ++i) {
+    const double width = c.high(i) - c.low(i);
+    const bool structural = i < c.effects() && c.parameter(i).structural;
+    if (!structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
+    out.fixed[static_cast<std::size_t>(i)] = 1;
+  }
+  out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+  return out;
+}
+
+}  // namespace
+
+FitResult fit(const Surroundings& around, const Model& start, int iterations) {
+  const Coordinates c(*around.library, start);
+  const Eigen::VectorXd x = c.inside(c.of(start));
+  return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {},
+               false, iterations);
+}
+
+FitResult resume(const Surroundings& around, FitResult from, int iterations) {
+  const Coordinates c(*around.library, from.model);
+  const Eigen::VectorXd x = c.of(from.model);
+  Eigen::VectorXd r = std::move(from.r);
+  return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
+}
+
+double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
+                            const Eigen::VectorXd& expected_scatter) {
+  const Problem& problem = *around.problem;
+  const Eigen::VectorXd projected = around.starts.project(r);
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
+  double square = 0.0, rows = 0.0;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    if (channel.signal != Signal::q) continue;
+    const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
+    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+      const Shot& shot = problem.shots[s];
+      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
+      const auto count = static_cast<Eigen::Index>(shot.rows);
+      const double weight = weights[static_cast<Eigen::Index>(s)];
+      Eigen::ArrayXd squares = unit * projected.segment(from, count).array().square();
+      if (expected_scatter.size() > 0)
+        squares /= 1.0 + unit * expected_scatter.segment(from, count).array().max(0.0);
+      square += weight * squares.sum();
+      rows += weight * static_cast<double>(count);
+    }
+  }
+  return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
+}
+
+std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
+  std::vector<double> out;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    std::vector<double> values;
+    for (const Shot& shot : problem.shots) {
+      const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows,
+                                          shot.rows);
+      const double mean_square = rms(piece) * rms(piece);
+      if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
+    }
+    out.push_back(values.empty() ? 1.0 : std::max(1e-6, median(values)));
+  }
+  return out;
+}
+
+std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {
+  std::vector<double> out;
+  Eigen::Index i = 0;
+  for (const Chosen& chosen : result.model.effects) {
+    for (const CandidateParameter& p :
+         library.candidates[static_cast<std::size_t>(chosen.candidate)].parameters) {
+      out.push_back(p.typical * std::sqrt(std::max(0.0, result.covariance(i, i))));
+      ++i;
+    }
+  }
+  return out;
+}
+
+namespace {
+
+int group_of(const Shot& shot) { return shot.group; }
+int condition_of(const Shot& shot) { return shot.condition; }
+
+/// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the
+/// model is linear.
+class LeaveOneOut {
+ public:
+  LeaveOneOut(const Surroundings& around, const FitResult& result, int parts,
+              int (*part_of)(const Shot&))
+      : result_(result), n_(result.J.cols()) {
+    grams_ = around.starts.gram_by(with_error(result.J, result.r), parts, part_of,
+                                   around.weights(around.starts.energy_by_shot(result.r)));
+  }
+
+  /// J' M J of all shots.
+  Eigen::MatrixXd gram() const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n_, n_);
+    for (const Eigen::MatrixXd& G : grams_) sum += G.topLeftCorner(n_, n_);
+    return sum;
+  }
+
+  /// Change of the parameters without this part.
+  Eigen::VectorXd delta(std::size_t part) const {
+    const Eigen::MatrixXd& G = grams_[part];
+    Eigen::MatrixXd rest = gram() - G.topLeftCorner(n_, n_);
+    // of the part alone; the whole gradient is zero
+    Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      rest(i, i) += prior(result_.parameters, i);
+      if (!result_.fixed[static_cast<std::size_t>(i)]) continue;
+      rest.row(i).setZero();
+      rest.col(i).setZero();
+      rest(i, i) = 1.0;
+      gradient[i] = 0.0;
+    }
+    return rest.ldlt().solve(gradient);
+  }
+
+  /// Delete-one-group variance, widened to Student's 95 % half-width for so few groups over the
+  /// normal's (Tukey 1958).
+  Eigen::VectorXd jackknife_variance() const {
+    const auto parts = static_cast<double>(grams_.size());
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(n_), square = sum;
+    for (std::size_t part = 0; part < grams_.size(); ++part) {
+      const Eigen::VectorXd d = delta(part);
+      sum += d;
+      square += d.cwiseAbs2();
+    }
+    if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
+    const double freedom = parts - 1.0;
+    // t / 1.96 at 95 %: within 5 % from 2 up
+    const double student = 1.0 + 1.4 / freedom + 2.0 / (freedom * freedom);
+    return student * student * (parts - 1.0) / parts * (square - sum.cwiseAbs2() / parts);
+  }
+
+ private:
+  const FitResult& result_;
+  Eigen::Index n_;
+  std::vector<Eigen::MatrixXd> grams_;
+};
+
+}  // namespace
+
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& result,
+                                  double inflation) {
+  const LeaveOneOut left_out(around, result, around.problem->groups, group_of);
+  const Eigen::Index n = result.J.cols();
+  Eigen::MatrixXd H = left_out.gram() / std::max(1.0, inflation);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    H(i, i) += prior(result.parameters, i);
+    const bool structural = i < result.parameters && H(i, i) < 1e-5;  // moves nothing: no interval
+    if (!structural) continue;
+    H.row(i).setZero();
+    H.col(i).setZero();
+    H(i, i) = 1.0;
+  }
+  Eigen::MatrixXd covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+  Eigen::VectorXd spread = left_out.jackknife_variance();
+  // a formula that is a little wrong gives each condition its own value; two conditions say too
+  // little about that
+  if (around.problem->conditions >= 3) {
+    spread = spread.cwiseMax(
+        LeaveOneOut(around, result, around.problem->conditions, condition_of).jackknife_variance());
+  }
+  Eigen::VectorXd stretch = Eigen::VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (covariance(i, i) > 0.0) stretch[i] = std::sqrt(std::max(1.0, spread[i] / covariance(i, i)));
+  }
+  return stretch.asDiagonal() * covariance * stretch.asDiagonal();
+}
+
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result,
+                               bool by_condition) {
+  const Problem& problem = *around.problem;
+  const int parts = by_condition ? problem.conditions : problem.groups;
+  const auto part_of = by_condition ? condition_of : group_of;
+  const LeaveOneOut left_out(around, result, parts, part_of);
+  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
+  for (int part = 0; part < parts; ++part) {
+    const Eigen::VectorXd delta = left_out.delta(static_cast<std::size_t>(part));
+    const Eigen::VectorXd energy = around.starts.energy_by_shot(result.r + result.J * delta);
+    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+      if (part_of(problem.shots[s]) == part)
+        heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
+    }
+  }
+  return around.bounded(heldout);
+}
+
+Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& result) {
+  const Problem& problem = *around.problem;
+  std::vector<Eigen::VectorXd> energy(static_cast<std::size_t>(problem.groups));
+  parallel_for(problem.groups, [&](int group) {
+    Surroundings rest = around;
+    rest.left_out = group;
+    const FitResult fitted = fit(rest, result.model, constants::kFirstIterations);
+    energy[static_cast<std::size_t>(group)] =
+        around.bounded(around.starts.energy_by_shot(fitted.r));
+  });
+  Eigen::VectorXd heldout(static_cast<Eigen::Index>(problem.shots.size()));
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const auto i = static_cast<Eigen::Index>(s);
+    heldout[i] = energy[static_cast<std::size_t>(problem.shots[s].group)][i];
+  }
+  return heldout;
+}
+
+namespace {
+double lower_bound(const std::vector<double>& values) {
+  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
+  return moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws,
+                                  Random(kSeed));
+}
+double standard_error(const std::vector<double>& values) {
+  return standard_deviation(values) *
+         std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+}
+}  // namespace
+
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                    const std::vector<int>& occurrence) {
+  HeldoutGain gain = compare(before, after);
+  std::map<int, double> there;
+  std::vector<double> rest;
+  for (Eigen::Index i = 0; i < before.size(); ++i) {
+    const int which = occurrence[static_cast<std::size_t>(i)];
+    if (which < 0) rest.push_back(before[i] - after[i]);
+    if (which >= 0) there[which] += before[i] - after[i];
+  }
+  if (there.empty()) return gain;
+  std::vector<double> occurrences;
+  for (const auto& [which, removed] : there) occurrences.push_back(removed);
+  gain.lower = lower_bound(occurrences) + lower_bound(rest);
+  gain.standard_error = std::hypot(standard_error(occurrences), standard_error(rest));
+  return gain;
+}
+
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  HeldoutGain gain;
+  const Eigen::VectorXd d = before - after;
+  std::vector<double> values(d.data(), d.data() + d.size());
+  gain.total = d.sum();
+  gain.standard_error = standard_error(values);
+  gain.lower = lower_bound(values);
+  std::sort(values.rbegin(), values.rend());
+  double best = 0.0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i)
+    best += std::max(0.0, values[i]);
+  gain.concentration = gain.total > 0.0 ? std::min(1.0, best / gain.total) : 0.0;
+  return gain;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,100 @@
+// Full fit of a model: all parameters of its effects, the nuisances within their tolerances, the
+// shots' starts
+// eliminated. Objective   sum over shots rho(r' M r) + sum (nuisance / tolerance)^2 rho(e) = c n
+// log(1 + e / (c n)), n the shot's rows: a shot that runs away (a fall through an unstable posture,
+// a blow) counts, but does not decide alone.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/compare/prediction_error.h"
+
+namespace sanso::diagnose {
+
+/// What all fits around one model share: start elimination and nuisance derivatives.
+struct Surroundings {
+  const Problem* problem = nullptr;
+  const Library* library = nullptr;
+  StartElimination starts;
+  Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
+  double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
+  int left_out = -1;        // held-out group that fits do not see; -1: none
+
+  /// c from the errors of a reference model: kShotOutlier^2 times the median shot's mean square.
+  void set_shot_scale(const Eigen::VectorXd& energy_by_shot);
+  /// rho of every shot's energy, and its derivative; 0 for shots left out.
+  Eigen::VectorXd bounded(const Eigen::VectorXd& energy_by_shot) const;
+  Eigen::VectorXd weights(const Eigen::VectorXd& energy_by_shot) const;
+};
+
+/// Linearises starts and nuisances at `model`; 2n + nuisances passes.
+Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model);
+
+struct FitResult {
+  Model model;
+  double objective = 0.0;
+  Eigen::VectorXd r;           // prediction error at the optimum
+  Eigen::MatrixXd J;           // d r / d (effects' parameters / typical, nuisances / tolerance)
+  Eigen::MatrixXd covariance;  // of the same coordinates
+  std::vector<char> fixed;     // by the same coordinates: held at a bound, or structural
+  int parameters = 0;          // number of effect parameters = leading columns of J
+  bool converged = false;
+};
+
+/// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and
+/// linearises.
+FitResult fit(const Surroundings& around, const Model& start, int iterations);
+/// Goes on with a fit in the same surroundings, from its prediction error and derivatives.
+FitResult resume(const Surroundings& around, FitResult from, int iterations);
+
+/// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots
+/// weighed as in the fits:
+/// one that runs away does not decide alone. `expected_scatter`: squares by entry that chance
+/// explains; empty: none. An error counts in units of noise and chance together: what chance alone
+/// makes large says little about the rest.
+double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
+                            const Eigen::VectorXd& expected_scatter);
+
+/// Overdispersion of a projected error by channel: median over shots of mean square x
+/// autocorrelation time. Errors that are correlated or larger than the noise carry less information
+/// than their number says.
+std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
+
+/// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left
+/// projects on the other candidates' signatures with this mean square where noise gives 1); and no
+/// variance is below that between groups of recordings, or between conditions (jackknife).
+/// Coordinates of FitResult::covariance.
+Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& fit,
+                                  double inflation);
+
+/// Standard deviations of the effect parameters, natural units.
+std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
+
+/// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one
+/// Gauss-Newton step from the full fit, exact where the model is linear. `by_condition`: leaves out
+/// whole conditions instead of groups.
+Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
+                               bool by_condition = false);
+
+/// The same from fits that are really made without each group, within the bounds. The one step
+/// above takes a parameter at its bound for known, and goes too far where a group alone determines
+/// two parameters that look alike.
+Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit);
+
+/// Paired comparison of two models' held-out energies.
+struct HeldoutGain {
+  double total = 0.0;           // energy removed
+  double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
+  double lower = 0.0;           // bound of `total` at kGainLevel, moving-block bootstrap over shots
+  double concentration = 0.0;   // share of the gain that comes from the three best shots
+};
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+/// The same for an effect that acts only now and then. `occurrence`: by shot, which of its
+/// occurrences the shot belongs to, -1: none. Bound and error are those over occurrences and over
+/// the other shots, added: resampling all shots alike would ask whether the effect acts, not
+/// whether the name explains it.
+HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                    const std::vector<int>& occurrence);
+
+}  // namespace sanso::diagnose

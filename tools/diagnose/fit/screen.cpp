@@ -1,0 +1,316 @@
+#include "tools/diagnose/fit/screen.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// [nuisances | signatures | error], single precision: thousands of signatures of a robot with many
+/// joints fill gigabytes. A signature is the change of the prediction error for a full probe.
+Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& known,
+                           const Model& model, const Eigen::VectorXd& r,
+                           const std::vector<ProbeScore>& probes) {
+  const Eigen::Index nuisances = known.cols(), count = static_cast<Eigen::Index>(probes.size());
+  Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
+  columns.leftCols(nuisances) = known.cast<float>();
+  columns.rightCols(1) = r.cast<float>();
+  parallel_for(static_cast<int>(probes.size()), [&](int i) {
+    const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
+    Model with = model;
+    with.effects.push_back(
+        {probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
+                              .probes[static_cast<std::size_t>(probe.probe)]});
+    const std::vector<int>& joints =
+        around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
+    columns.col(nuisances + i) =
+        (prediction_error_near(*around.problem, *around.library, with, r, joints) - r)
+            .cast<float>();
+  });
+  return columns;
+}
+
+/// Nuisances of a linearised model inside their tolerances: argmin |r + A d|^2_M + prior |x + d|^2
+/// with x + d in its box, by coordinate descent. `free`: those not at an end of their box.
+struct BoxedNuisances {
+  Eigen::VectorXd d;
+  std::vector<Eigen::Index> free;
+};
+BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library,
+                               const Model& model, Eigen::Index known) {
+  const auto n = static_cast<Eigen::Index>(library.nuisances.size());
+  const Eigen::Index last = gram.cols() - 1;
+  BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
+    x[static_cast<Eigen::Index>(i)] = model.nuisance[i] / library.nuisances[i].tolerance;
+  }
+  constexpr int kSweeps = 300;  // far more than these few, weakly coupled coordinates need
+  constexpr double kEdge = 1e-6;
+  const double prior = constants::kTolerancePrecision;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double gradient =
+          gram(i, last) + gram.row(i).head(n).dot(out.d) + prior * (x[i] + out.d[i]);
+      const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + prior);
+      out.d[i] = std::clamp(moved, -constants::kToleranceReach, constants::kToleranceReach) - x[i];
+    }
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double at = x[i] + out.d[i];
+    if (std::abs(at) < constants::kToleranceReach - kEdge) out.free.push_back(i);
+  }
+  out.d.conservativeResizeLike(Eigen::VectorXd::Zero(known));
+  for (Eigen::Index i = n; i < known; ++i) out.free.push_back(i);  // parameters of accepted effects
+  return out;
+}
+
+/// Inner products after eliminating the nuisances that are free to move within their prior: Schur
+/// complement. A nuisance at the end of its tolerance explains no more, so that an effect of the
+/// same shape keeps its signature.
+struct Eliminated {
+  Eigen::MatrixXd G;  // probes x probes
+  Eigen::VectorXd b;  // probes: s' M r
+};
+Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eigen::Index nuisances,
+                     Eigen::Index probes) {
+  const auto n = static_cast<Eigen::Index>(at.free.size());
+  Eigen::MatrixXd H(n, n), cross(n, probes);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
+    for (Eigen::Index j = 0; j < n; ++j)
+      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) +
+                (i == j ? constants::kTolerancePrecision : 0.0);
+    cross.row(i) = gram.block(row, nuisances, 1, probes);
+  }
+  // the free nuisances are at their optimum: they contribute no gradient of their own
+  const auto S = gram.block(nuisances, 0, probes, nuisances);
+  return {
+      gram.block(nuisances, nuisances, probes, probes) - cross.transpose() * H.ldlt().solve(cross),
+      gram.block(nuisances, nuisances + probes, probes, 1) + S * at.d};
+}
+
+/// Every shot's entries times its weight.
+Eigen::VectorXd by_shot(const Problem& problem, const Eigen::VectorXd& weights, Eigen::VectorXd r) {
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    const Shot& shot = problem.shots[s];
+    const auto entries = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
+    r.segment(static_cast<Eigen::Index>(shot.offset), entries) *=
+        weights[static_cast<Eigen::Index>(s)];
+  }
+  return r;
+}
+
+/// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal
+/// matching pursuit):
+/// the error level of a model large enough, as in ordinary regression.
+std::vector<double> saturated_overdispersion(const Surroundings& around,
+                                             const Eigen::MatrixXd& known,
+                                             const Eigen::MatrixXf& columns,
+                                             const Eigen::VectorXd& weights) {
+  const Eigen::Index a = known.cols(), k = columns.cols() - a - 1;
+  std::vector<double> energy(static_cast<std::size_t>(k)), score(energy.size());
+  parallel_for(static_cast<int>(k), [&](int c) {
+    energy[static_cast<std::size_t>(c)] =
+        around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
+  });
+  const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
+  Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
+  Eigen::VectorXd left;           // M times what they leave
+  std::vector<Eigen::Index> chosen;
+  constexpr int kPursuit = 5;
+  for (int round = 0; round <= kPursuit; ++round) {
+    Eigen::MatrixXd with_error(r.size(), taken.cols() + 1);
+    with_error << taken, r;
+    const Eigen::MatrixXd gram = around.starts.gram(with_error, weights);
+    Eigen::MatrixXd H = gram.topLeftCorner(taken.cols(), taken.cols());
+    for (Eigen::Index i = 0; i < H.rows(); ++i)
+      H(i, i) += i < a ? constants::kTolerancePrecision : 1e-9 * (1.0 + H(i, i));
+    left = around.starts.project(r - taken * H.ldlt().solve(gram.topRightCorner(taken.cols(), 1)));
+    if (round == kPursuit) break;
+    const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
+    parallel_for(static_cast<int>(k), [&](int c) {
+      const double b = columns.col(a + c).cast<double>().dot(weighted);
+      score[static_cast<std::size_t>(c)] =
+          b * b / std::max(energy[static_cast<std::size_t>(c)], 1e-12);
+    });
+    const auto best = std::max_element(score.begin(), score.end()) - score.begin();
+    if (k == 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
+    chosen.push_back(best);
+    taken.conservativeResize(Eigen::NoChange, taken.cols() + 1);
+    taken.rightCols(1) = columns.col(a + best).cast<double>();
+  }
+  return overdispersion(*around.problem, left);
+}
+
+/// Divides every channel's rows by the square root of its overdispersion; the scale never falls
+/// below the channel's floor.
+void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXf& columns,
+             std::vector<double>& sigma) {
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
+    for (const Shot& shot : problem.shots) {
+      columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
+                         static_cast<Eigen::Index>(shot.rows)) *=
+          static_cast<float>(channel.sigma / sigma.back());
+    }
+  }
+}
+
+/// Square root: draws with this covariance are root * standard normals. Cholesky is much faster
+/// than eigenvalues for thousands of probes; signatures that are alike make the matrix singular, so
+/// a hundred-thousandth of independent noise on each keeps the factor real and moves no draw
+/// visibly. Where rounding spoils even that, eigenvalues.
+Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
+  Eigen::MatrixXd regular = correlation;
+  regular.diagonal().array() += 1e-5;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(regular);
+  if (cholesky.info() == Eigen::Success) return cholesky.matrixL();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const Random& random) {
+  const auto k = static_cast<Eigen::Index>(out.probes.size());
+  const Eigen::MatrixXd root = square_root(out.correlation);
+  Random generator = random;
+  Eigen::MatrixXd normals(k, constants::kNullDraws);
+  for (Eigen::Index c = 0; c < normals.cols(); ++c) {
+    for (Eigen::Index i = 0; i < k; ++i) normals(i, c) = generator.normal();
+  }
+  Eigen::MatrixXd draws = root * normals;
+  std::vector<double> statistic(out.probes.size()), maxima;
+  for (std::size_t i = 0; i < out.probes.size(); ++i) {
+    statistic[i] = out.probes[i].score;
+    // what cannot be seen cannot be mistaken for something either
+    if (out.probes[i].signature == 0.0) draws.row(static_cast<Eigen::Index>(i)).setZero();
+    if (one_sided_probe[i] == 0)
+      draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+  }
+  const std::vector<double> p =
+      step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
+        for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
+      });
+  for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
+  for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
+  out.critical = quantile(maxima, 1.0 - constants::kFamilyWise);
+}
+
+}  // namespace
+
+Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
+                 const std::vector<int>& which, Random random, const Screening* earlier,
+                 const Eigen::MatrixXd& accepted, bool keep_groups) {
+  Eigen::MatrixXd known(r.size(), around.A.cols() + accepted.cols());
+  known.leftCols(around.A.cols()) = around.A;
+  if (accepted.cols() > 0) known.rightCols(accepted.cols()) = accepted;
+  Screening out;
+  std::vector<char> signed_probe;
+  for (int candidate : which) {
+    const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
+    const std::vector<int> again =
+        earlier != nullptr ? earlier->two_probes(candidate) : std::vector<int>{};
+    for (std::size_t p = 0; p < c.probes.size(); ++p) {
+      if (earlier != nullptr &&
+          std::find(again.begin(), again.end(), static_cast<int>(p)) == again.end())
+        continue;
+      out.probes.push_back({candidate, static_cast<int>(p)});
+      signed_probe.push_back(!c.two_sided);
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(out.probes.size());
+  Eigen::MatrixXf columns = columns_of(around, known, model, r, out.probes);
+  // a shot that runs away (a joint that sticks at its start in one world and not in the other) does
+  // not decide alone
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
+  rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns,
+          out.channel_sigma);
+  if (count == 0) {  // every candidate is in the model already
+    out.critical = INFINITY;
+    return out;
+  }
+  std::vector<Eigen::MatrixXd> groups = around.starts.gram_by_group(columns, weights);
+  Eigen::MatrixXd gram = groups.front();
+  for (std::size_t g = 1; g < groups.size(); ++g) gram += groups[g];
+  if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
+  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()),
+                                 known.cols(), count);
+  out.correlation.resize(count, count);
+  // a signature below rounding says nothing
+  const auto says_something = [&](Eigen::Index i) {
+    constexpr double kRounding = 1e-10;  // of its energy before the nuisances took their share
+    const Eigen::Index at = known.cols() + i;
+    return e.G(i, i) > std::max(1e-12, kRounding * gram(at, at));
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];
+    const double norm = says_something(i) ? std::sqrt(e.G(i, i)) : 0.0;
+    probe.signature = norm;
+    if (norm > 0.0) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
+    probe.score =
+        signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const double scale = std::sqrt(e.G(i, i) * e.G(j, j));
+      out.correlation(i, j) = i == j                                   ? 1.0
+                              : says_something(i) && says_something(j) ? e.G(i, j) / scale
+                                                                       : 0.0;
+    }
+  }
+  family_wise(out, signed_probe, random);
+  return out;
+}
+
+double Screening::mean_square() const {
+  double square = 0.0;
+  for (const ProbeScore& p : probes) square += p.z * p.z;
+  return probes.empty() ? 1.0 : square / static_cast<double>(probes.size());
+}
+
+std::vector<int> Screening::ranking() const {
+  std::vector<std::pair<double, int>> order;
+  for (const ProbeScore& p : probes) {
+    if (best(p.candidate) == &p) order.emplace_back(p.score, p.candidate);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<int> out;
+  for (const auto& [score, candidate] : order) out.push_back(candidate);
+  return out;
+}
+
+const ProbeScore* Screening::best(int candidate) const {
+  const ProbeScore* found = nullptr;
+  for (const ProbeScore& p : probes) {
+    if (p.candidate == candidate && (found == nullptr || p.score > found->score)) found = &p;
+  }
+  return found;
+}
+
+std::vector<int> Screening::two_probes(int candidate) const {
+  const ProbeScore* strongest = best(candidate);
+  if (strongest == nullptr) return {};
+  const ProbeScore* different = strongest;
+  double least = 2.0;
+  for (const ProbeScore& p : probes) {
+    if (p.candidate != candidate) continue;
+    const double alike = std::abs(correlation(&p - probes.data(), strongest - probes.data()));
+    if (alike < least) least = alike, different = &p;
+  }
+  return {strongest->probe, different->probe};
+}
+
+double Screening::similarity(int a, int b) const {
+  const ProbeScore *pa = best(a), *pb = best(b);
+  if (pa == nullptr || pb == nullptr) return 0.0;
+  return std::abs(correlation(pa - probes.data(), pb - probes.data()));
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,226 @@
+#include "tools/diagnose/fit/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/gate/checks.h"
+
+namespace sanso::diagnose {
+namespace {
+
+// a null beyond it means "off": such a parameter is scaled, not moved away from its null
+constexpr double kFar = 1e5;
+constexpr int kOrderSteps = 16;  // tried at most between two probed orders
+
+double error_energy(const Surroundings& around, const Model& model) {
+  const Eigen::VectorXd r = prediction_error(*around.problem, *around.library, model);
+  return around.bounded(around.starts.energy_by_shot(r)).sum();
+}
+
+/// A little inside the bounds (rule 2 of the method page: no fit starts at one).
+std::vector<double> inside(const Candidate& effect, std::vector<double> theta) {
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = effect.parameters[i];
+    if (p.structural) continue;
+    // an effect that is off at infinity has no meaningful width: there half a typical size is the
+    // margin
+    const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
+    const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
+    theta[i] = std::clamp(theta[i], low, p.high - margin);
+  }
+  return theta;
+}
+
+/// The probe at `factor` times its distance from the null.
+std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe,
+                           double factor) {
+  std::vector<double> theta = probe;
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = effect.parameters[i];
+    if (p.structural || probe[i] == p.null) continue;
+    theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor)
+                                       : p.null + factor * (probe[i] - p.null);
+  }
+  return inside(effect, std::move(theta));
+}
+
+Model with(const Model& base, int candidate, std::vector<double> theta) {
+  Model out{base.effects, {}};
+  out.effects.push_back({candidate, std::move(theta)});
+  return out;
+}
+
+/// Sizes along the line from the null through the probe: what the matched filter promises, and
+/// fractions and multiples of the probe to both sides of it.
+Model best_size(const Surroundings& around, const Model& base, int candidate,
+                const std::vector<double>& probe, double amount) {
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
+  for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2})
+    factors.push_back(std::copysign(f, amount));
+  Model best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double f : factors) {
+    Model trial = with(base, candidate, scaled(effect, probe, f));
+    const double energy = error_energy(around, trial);
+    if (energy < least) least = energy, best = std::move(trial);
+  }
+  return best;
+}
+
+/// Orders around the probed one, up to the next ones that were probed.
+std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order) {
+  double below = effect.parameters[index].low, above = effect.parameters[index].high;
+  for (const std::vector<double>& probe : effect.probes) {
+    if (probe[index] < order) below = std::max(below, probe[index]);
+    if (probe[index] > order) above = std::min(above, probe[index]);
+  }
+  above = std::min(above, 1.5 * order);  // beyond the last probe
+  const double unit = effect.parameters[index].typical;
+  const double step = unit * std::max(1.0, std::ceil((above - below) / (unit * kOrderSteps)));
+  std::vector<double> out;
+  for (double o = order - step; o > below; o -= step) out.push_back(o);
+  for (double o = order + step; o < above; o += step) out.push_back(o);
+  return out;
+}
+
+/// The one of `values` of this parameter, or the model's own, whose other parameters leave the
+/// least after `iterations` Gauss-Newton steps.
+Model best_value(const Surroundings& around, const Model& model, std::size_t index,
+                 const std::vector<double>& values, int iterations) {
+  FitResult best = fit(around, model, iterations);
+  for (const double value : values) {
+    Model trial = model;
+    trial.effects.back().theta[index] = value;
+    const FitResult fitted = fit(around, trial, iterations);
+    if (fitted.objective < best.objective) best = fitted;
+  }
+  return best.model;
+}
+
+/// One step for all orders around the probed one; then the best of them against its neighbours,
+/// fitted further.
+Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
+  const Candidate& effect =
+      around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
+  const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index]);
+  const Model coarse = best_value(around, model, index, near, 1);
+  const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
+  return best_value(around, coarse, index, {order - unit, order + unit},
+                    constants::kFirstIterations);
+}
+
+/// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of
+/// the joint, a delay.
+/// No derivative leads there from afar, so the neighbourhood of the probe is halved until it is
+/// small. Step 0: no such parameter.
+struct Range {
+  double low = 0.0, high = 0.0, step = 0.0;
+};
+Range range_of_place(const Surroundings& around, const Candidate& effect, std::size_t index) {
+  const Role role = effect.parameters[index].role;
+  if (role == Role::instant) {  // probed at equal steps
+    const double longest = longest_recording(*around.problem);
+    return {0.0, longest, longest / kInstants};
+  }
+  if (role == Role::delay) {  // from a whole sample off
+    const CandidateParameter& p = effect.parameters[index];
+    return {p.low, p.high, 2.0 * gate::sampling_interval(around.problem->sources.front().drive.t)};
+  }
+  // an event's probes lie half a shot apart
+  if (role == Role::event)
+    return {0.0, longest_recording(*around.problem), 0.5 * constants::kShotSeconds};
+  if (role != Role::position) return {};
+  Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
+  for (const std::vector<double>& probe : effect.probes) {
+    out.low = std::min(out.low, probe[index]);
+    out.high = std::max(out.high, probe[index]);
+  }
+  return out;
+}
+
+/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is);
+/// -1: none.
+Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index,
+                           const Range& range, double least_step, int keeps = -1) {
+  FitResult best = fit(around, start, 2);
+  for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
+    const double place = best.model.effects.back().theta[index];
+    for (const double next :
+         {std::max(range.low, place - step), std::min(range.high, place + step)}) {
+      Model trial = best.model;
+      std::vector<double>& theta = trial.effects.back().theta;
+      theta[index] = next;
+      if (keeps >= 0) theta[static_cast<std::size_t>(keeps)] -= next - place;
+      if (keeps >= 0 && !(theta[static_cast<std::size_t>(keeps)] > 0.0)) continue;
+      FitResult fitted = fit(around, trial, 2);
+      if (fitted.objective < best.objective) best = std::move(fitted);
+    }
+  }
+  return best.model;
+}
+
+/// A position is tried on a grid first: its probes are few.
+Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
+  // a place off by half a step still explains most; the halving finds the rest
+  constexpr int kPlaces = 14;
+  constexpr int kHalvings = 5;
+  if (range.step == 0.0) {
+    range.step = (range.high - range.low) / (kPlaces + 1);
+    std::vector<double> places;
+    for (int i = 1; i <= kPlaces; ++i) places.push_back(range.low + i * range.step);
+    model = best_value(around, model, index, places, 1);
+  }
+  return halved_to_best_place(around, model, index, range, range.step / (1 << kHalvings));
+}
+
+int index_of(const Candidate& effect, Role role) {
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    if (effect.parameters[i].role == role) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// An event as a whole first, then its end and its beginning by themselves: each edge shows at its
+/// own instant.
+Model with_best_event(const Surroundings& around, Model model, const Candidate& effect,
+                      std::size_t from) {
+  constexpr double kLeast = 1.0 / 128;  // of half a shot: two milliseconds
+  const int duration = index_of(effect, Role::duration);
+  const Range when = range_of_place(around, effect, from);
+  model = with_best_place(around, std::move(model), from, when);
+  if (duration < 0) return model;
+  const Range length{effect.parameters[static_cast<std::size_t>(duration)].low,
+                     constants::kShotSeconds, when.step};
+  for (int round = 0; round < 2; ++round) {
+    model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length,
+                                 kLeast * length.step);
+    model = halved_to_best_place(around, model, from, when, kLeast * when.step, duration);
+  }
+  return model;
+}
+
+}  // namespace
+
+Model best_start(const Surroundings& around, const Model& base, int candidate,
+                 const ProbeScore* probe) {
+  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  const std::vector<double>& theta =
+      effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
+  Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    const Role role = effect.parameters[i].role;
+    if (role == Role::order) model = with_best_order(around, model, i);
+    if (role == Role::event) {
+      model = with_best_event(around, std::move(model), effect, i);
+      continue;
+    }
+    const Range range = range_of_place(around, effect, i);
+    if (range.high > range.low) model = with_best_place(around, std::move(model), i, range);
+  }
+  return model;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,17 @@
+// Where a full fit of one more effect begins. Predictions are not convex in an effect's size (a
+// delay moves a jump from one sample to the next), so sizes are tried along a line before the
+// Gauss-Newton steps, and orders between those probed.
+#pragma once
+
+#include "tools/diagnose/fit/fit.h"
+#include "tools/diagnose/fit/screen.h"
+
+namespace sanso::diagnose {
+
+/// `base` with `candidate` added, at the size that leaves the least error; nuisances at their null
+/// (one at the end of its tolerance, which stood in for the effect, would stay there). `probe`: its
+/// strongest probe; nullptr: the first one.
+Model best_start(const Surroundings& around, const Model& base, int candidate,
+                 const ProbeScore* probe);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,227 @@
+#include "tools/diagnose/run/identify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/constants.h"
+#include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/fit/fit.h"
+
+namespace sanso::diagnose {
+namespace {
+
+// what model.toml has a key for, and the two calibrations that every real robot needs
+constexpr int kRounds = 6;  // most fits settle after two
+// decrease of the objective: a third of a standard deviation of one parameter
+constexpr double kSettled = 0.1;
+const std::vector<std::string> kFitted{"viscous_friction", "coulomb_friction", "rotor_inertia",
+                                       "servo_p_gain",     "torque_constant",  "command_delay",
+                                       "encoder_offset"};
+
+/// One candidate a joint and effect. Of a motor only torque per command is looked for, and only
+/// where there is no gain:
+/// torque constant, resistance and gain of a servo act as one number in these data.
+Library one_by_one(const Problem& problem) {
+  Library library;
+  for (Candidate& c : place_library(problem, kFitted).candidates) {
+    if (c.where.size() != 1) continue;
+    const Actuator actuator = problem.sources.front()
+                                  .nominal.joints[static_cast<std::size_t>(c.joints[0])]
+                                  .nominal.actuator;
+    if (c.effect == "torque_constant" && actuator != Actuator::torque) continue;
+    for (CandidateParameter& p : c.parameters)
+      p.structural = p.structural || p.name == "resistance";
+    library.candidates.push_back(std::move(c));
+  }
+  return library;
+}
+
+/// All candidates at `share` of their typical size away from the null: inside the bounds, never on
+/// one.
+Model start_at(const Library& library, const std::vector<char>& used, double share) {
+  Model model;
+  for (std::size_t c = 0; c < library.candidates.size(); ++c) {
+    if (!used[c]) continue;
+    Chosen chosen{static_cast<int>(c), {}};
+    for (const CandidateParameter& p : library.candidates[c].parameters) {
+      const double away = p.structural ? 0.0 : share * p.typical;
+      chosen.theta.push_back(p.null + away <= p.high ? p.null + away : p.null - away);
+    }
+    model.effects.push_back(std::move(chosen));
+  }
+  return model;
+}
+
+FitResult best_fit(Surroundings& around, const Library& library, const std::vector<char>& used) {
+  FitResult best;
+  best.objective = INFINITY;
+  for (const double share :
+       {0.1, 1.0}) {  // two starts: near the nominal model, and at sizes that occur in practice
+    FitResult result = fit(around, start_at(library, used, share), 2 * constants::kIterations);
+    if (result.objective < best.objective) best = std::move(result);
+  }
+  return best;
+}
+
+/// Weighs every channel by the error that a good model leaves in it, never below its floor.
+void to_error_level(Problem& problem, const std::vector<double>& overdispersion_by_channel) {
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    Observed& channel = problem.channels[c];
+    channel.sigma =
+        std::max(channel.floor, channel.sigma * std::sqrt(overdispersion_by_channel[c]));
+  }
+}
+
+/// Fits and linearises the starts anew around each answer, until an answer is as good as the one
+/// before: a step that gains little in the objective can still be many standard deviations long
+/// where parameters act alike.
+FitResult settle(Surroundings& around, const Problem& problem, const Library& library,
+                 FitResult result) {
+  for (int round = 0; round < kRounds; ++round) {
+    around = make_surroundings(problem, library, result.model);
+    const double before = fit(around, result.model, 0).objective;
+    result = fit(around, result.model, constants::kIterations);
+    if (before - result.objective < kSettled) break;
+  }
+  return result;
+}
+
+std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Library& library) {
+  std::vector<IdentifiedParameter> out;
+  const std::vector<double> sigmas = parameter_sigmas(result, library);
+  std::size_t i = 0;
+  for (const Chosen& chosen : result.model.effects) {
+    const Candidate& c = library.candidates[static_cast<std::size_t>(chosen.candidate)];
+    for (std::size_t k = 0; k < c.parameters.size(); ++k, ++i) {
+      const CandidateParameter& p = c.parameters[k];
+      if (p.structural) continue;
+      IdentifiedParameter found{c.where[0],      c.effect,  p.name, p.unit, p.null,
+                                chosen.theta[k], sigmas[i], false,  false};
+      const double margin = 1e-6 * (p.high - p.low);
+      const auto ends_at =
+          [&](double bound) {  // the null is no bound: there the effect is simply absent
+            return bound != p.null && std::abs(found.value - bound) <= margin;
+          };
+      found.at_bound = ends_at(p.low) || ends_at(p.high);
+      found.determined = std::abs(found.value - p.null) > constants::kStandardErrors * found.sigma;
+      out.push_back(std::move(found));
+    }
+  }
+  return out;
+}
+
+/// Settings where model.toml has a key for it, an [[effect]] where not.
+void fold_in(ModelFolder& model, const IdentifiedParameter& p) {
+  JointSettings& s = model.joints[static_cast<std::size_t>(model.tree.index_of(p.joint))];
+  const auto added = [&](double& setting, double least) {
+    if (setting + p.value < least)
+      return false;  // more negative than a setting may be: a correction of the actuator's own
+    setting += p.value;
+    return true;
+  };
+  bool done = false;
+  if (p.effect == "viscous_friction") done = added(s.viscous, 0.0);
+  if (p.effect == "coulomb_friction") done = added(s.coulomb, 0.0);
+  if (p.effect == "rotor_inertia") done = added(s.armature, 0.0);
+  if (p.effect == "command_delay") done = added(s.command_delay_s, 0.0);
+  if (p.effect == "servo_p_gain") {
+    s.p_gain *= p.value;
+    s.kp *= p.value;
+    done = true;
+  }
+  if (!done) model.effects.push_back({p.effect, {p.joint}, {{p.parameter, p.value}}, 0});
+}
+
+}  // namespace
+
+Identification identify(const ModelFolder& model, const LoadedRecordings& loaded,
+                        const IdentifyProgress& progress) {
+  const std::vector<NoiseLevel>& noise = loaded.gate.noise;
+  ProblemOptions options;
+  options.maximum_rows = constants::kMaximumRows;
+  Problem problem = make_problem(make_sources(model, loaded.recordings, noise), noise, options);
+  const Library library = one_by_one(problem);
+  progress(fmt::format("{} parameters, {} shots of {} s", library.candidates.size(),
+                       problem.shots.size(), options.shot_seconds));
+
+  Surroundings around = make_surroundings(problem, library, Model{});
+  std::vector<char> used(library.candidates.size(), 1);
+  FitResult result = best_fit(around, library, used);
+  // again around what was found: starts and spread of the errors are those of a good model
+  to_error_level(problem, overdispersion(problem, around.starts.project(result.r)));
+  result = settle(around, problem, library, std::move(result));
+  const FitResult nominal = fit(around, Model{}, 0);
+
+  Identification out;
+  out.model = model;
+  out.parameters = parameters_of(result, library);
+  progress("leave out what the data do not determine, fit again");
+  std::size_t index = 0;
+  for (const Chosen& chosen : result.model.effects) {
+    used[static_cast<std::size_t>(chosen.candidate)] = out.parameters[index++].determined ? 1 : 0;
+  }
+  Model kept;
+  for (const Chosen& chosen : result.model.effects) {
+    if (used[static_cast<std::size_t>(chosen.candidate)]) kept.effects.push_back(chosen);
+  }
+  result.model = kept;
+  result = settle(around, problem, library, std::move(result));
+  for (const IdentifiedParameter& p : parameters_of(result, library)) {
+    for (IdentifiedParameter& shown : out.parameters) {
+      if (shown.joint != p.joint || shown.effect != p.effect || shown.parameter != p.parameter)
+        continue;
+      // the spread stays that of the fit in which everything was free: leaving out rivals only
+      // looks like certainty
+      const double spread = std::max(shown.sigma, p.sigma);
+      shown = p;
+      shown.sigma = spread;
+    }
+    fold_in(out.model, p);
+  }
+  const double before = around.starts.energy_by_shot(nominal.r).sum();
+  if (before > 0.0) out.error_left = heldout_energy(around, result).sum() / before;
+  return out;
+}
+
+int run_identify(const std::string& model_folder, const std::vector<std::string>& files,
+                 const std::string& out) {
+  try {
+    const ModelFolder model = read_model_folder(model_folder);
+    const LoadedRecordings loaded = load_recordings(files, gate_joints(model));
+    for (const Defect& d : loaded.gate.defects) {
+      fmt::print(stderr, "refused    {} {}{}: {}: {}\n", d.file, d.channel,
+                 d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
+    }
+    if (loaded.gate.refused()) return 2;
+    const Identification found = identify(model, loaded, [](const std::string& line) {
+      fmt::print(stderr, "identify   {}\n", line);
+    });
+    fmt::print("{:<16} {:<18} {:<14} {:>12} {:>12} {:<10}\n", "joint", "effect", "parameter",
+               "value", "+- 2 sigma", "unit");
+    for (const IdentifiedParameter& p : found.parameters) {
+      fmt::print("{:<16} {:<18} {:<14} {:>12.5g} {:>12.2g} {:<10} {}{}\n", p.joint, p.effect,
+                 p.parameter, p.value, 2 * p.sigma, p.unit,
+                 p.determined ? "" : "not determined by these data: left as it was",
+                 p.at_bound ? "(ended at its bound)" : "");
+    }
+    fmt::print("held out   {:.1f} % of the nominal model's error energy at 0.5 s is left\n",
+               100 * found.error_left);
+    if (found.error_left >= 1.0) {
+      fmt::print(
+          "warning    on data not used for the fit this model is worse than the nominal one: the "
+          "recordings are too "
+          "few or "
+          "too different for these settings. Do not use it; record more, or run sanso diagnose.\n");
+    }
+    write_model_folder(found.model, out);
+    fmt::print("model      {}\n", out);
+    return 0;
+  } catch (const recording::InputError& e) {
+    fmt::print(stderr, "sanso identify: {}\n", e.what());
+    return 2;
+  }
+}
+
+}  // namespace sanso::diagnose

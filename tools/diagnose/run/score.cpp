@@ -1,0 +1,140 @@
+#include "tools/diagnose/run/score.h"
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tools/diagnose/compare/measured_motion.h"
+#include "tools/diagnose/effects/from_model.h"
+#include "tools/recording/input_error.h"
+#include "tools/recording/mcap_recording.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr std::array<double, 4> kSeconds{0.1, 0.5, 2.0, std::numeric_limits<double>::infinity()};
+
+/// Sum of squared differences and their number, by channel.
+struct Sum {
+  double squares = 0.0;
+  std::size_t count = 0;
+  double rmse() const { return count == 0 ? 0.0 : std::sqrt(squares / static_cast<double>(count)); }
+};
+
+/// Adds one window of one channel; the first row is the start and no prediction.
+void add(Sum& sum, const std::vector<double>& measured, std::span<const double> predicted,
+         std::size_t first, const std::vector<double>* only_when_on) {
+  for (std::size_t k = 1; k < predicted.size(); ++k) {
+    const std::size_t row = first + k;
+    if (!std::isfinite(measured[row])) continue;
+    if (only_when_on != nullptr && !std::isfinite((*only_when_on)[row])) continue;
+    sum.squares += (measured[row] - predicted[k]) * (measured[row] - predicted[k]);
+    ++sum.count;
+  }
+}
+
+/// The measured columns of a joint that the model predicts.
+struct Compared {
+  std::string prefix;
+  std::vector<double> JointData::*measured;
+  std::vector<double> Prediction::*predicted;
+  bool effort;  // means nothing while the actuator is off
+};
+std::vector<Compared> compared_channels(Actuator actuator) {
+  std::vector<Compared> all{{"q:", &JointData::q, &Prediction::q, false},
+                            {"dq:", &JointData::dq, &Prediction::dq, false}};
+  if (actuator == Actuator::dc_servo || actuator == Actuator::torque)
+    all.push_back({"tau:", &JointData::tau, &Prediction::tau, true});
+  if (actuator == Actuator::dc_servo) {
+    all.push_back({"i:", &JointData::i, &Prediction::i, true});
+    all.push_back({"pwm:", &JointData::pwm, &Prediction::pwm, true});
+  }
+  return all;
+}
+
+HorizonScore score_horizon(const SimParams& params, const Drive& drive,
+                           const MeasuredMotion& motion, double seconds) {
+  const std::vector<Window> windows = tiled_windows(drive, motion, seconds);
+  SimOptions options;
+  options.motion = &motion;
+  const std::vector<Prediction> predictions = simulate(params, drive, windows, options);
+  HorizonScore out;
+  Sum positions;
+  for (std::size_t j = 0; j < drive.joints.size(); ++j) {
+    const JointData& data = drive.joints[j];
+    for (const Compared& channel : compared_channels(params.joints[j].nominal.actuator)) {
+      const std::vector<double>& measured = data.*channel.measured;
+      if (measured.empty()) continue;
+      Sum sum;
+      for (const Prediction& p : predictions) {
+        add(sum, measured, p.of(p.*channel.predicted, static_cast<int>(j)), p.first,
+            channel.effort && !data.command.empty() ? &data.command : nullptr);
+      }
+      out.channels[channel.prefix + params.tree.joints[j].name] = sum.rmse();
+      if (channel.prefix == "q:") {
+        positions.squares += sum.squares;
+        positions.count += sum.count;
+      }
+    }
+  }
+  out.rmse = positions.rmse();
+  return out;
+}
+
+}  // namespace
+
+RecordingScore score(const ModelFolder& model, const recording::Recording& recording) {
+  if (model.floating) {
+    throw recording::InputError(model.folder, 0, "robot.base", "floating base", "floating",
+                                "a fixed base (\"fixed\")");
+  }
+  const ModelFolder here = with_overrides(model, recording);
+  const Drive drive = make_drive(recording, here);
+  const SimParams params = params_with_effects(here);
+  const MeasuredMotion motion = measured_motion(drive);
+  RecordingScore out;
+  out.file = recording.file;
+  for (std::size_t h = 0; h < kSeconds.size(); ++h)
+    out.horizons[h] = score_horizon(params, drive, motion, kSeconds[h]);
+  return out;
+}
+
+std::vector<RecordingScore> score_files(const std::string& model_folder,
+                                        const std::vector<std::string>& files) {
+  const ModelFolder model = read_model_folder(model_folder);
+  std::vector<RecordingScore> scores;
+  for (const std::string& file : files)
+    scores.push_back(score(model, recording::read_recording(file)));
+  return scores;
+}
+
+std::string score_json(const std::vector<RecordingScore>& scores) {
+  nlohmann::ordered_json recordings = nlohmann::ordered_json::array();
+  for (const RecordingScore& s : scores) {
+    nlohmann::ordered_json horizons;
+    for (std::size_t h = 0; h < s.horizons.size(); ++h) {
+      horizons[std::string(kHorizonNames[h])] = {{"rmse", s.horizons[h].rmse},
+                                                 {"channels", s.horizons[h].channels}};
+    }
+    recordings.push_back({{"file", s.file}, {"horizons", horizons}});
+  }
+  return nlohmann::ordered_json{{"recordings", recordings}}.dump(2) + "\n";
+}
+
+std::string score_table(const std::vector<RecordingScore>& scores) {
+  std::string out =
+      "RMSE of the predicted positions, mrad (mm for prismatic joints), restarted from the "
+      "measured state\n";
+  char line[256];
+  std::snprintf(line, sizeof line, "%10s %10s %10s %10s   %s\n", "0.1 s", "0.5 s", "2 s", "whole",
+                "recording");
+  out += line;
+  for (const RecordingScore& s : scores) {
+    std::snprintf(line, sizeof line, "%10.3f %10.3f %10.3f %10.3f   ", 1e3 * s.horizons[0].rmse,
+                  1e3 * s.horizons[1].rmse, 1e3 * s.horizons[2].rmse, 1e3 * s.horizons[3].rmse);
+    out += line + s.file + "\n";
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,111 @@
+#include "tools/diagnose/verdict/heldout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "tools/diagnose/constants.h"
+
+namespace sanso::diagnose {
+namespace {
+
+bool inside(const Problem& problem, const Shot& shot, const Part& part) {
+  const auto s = static_cast<std::size_t>(shot.source);
+  const std::vector<double>& t = problem.sources[s].drive.t;
+  const double length = std::max(t.back() - t.front(), 1e-9);
+  const double from = (t[shot.window.first] - t.front()) / length,
+               until = (t[shot.window.last] - t.front()) / length;
+  return from >= part.from[s] - 1e-9 && until <= part.until[s] + 1e-9;
+}
+
+std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+}  // namespace
+
+Split make_split(const std::vector<Source>& sources) {
+  const std::size_t n = sources.size();
+  Split split;
+  split.fitted.from.assign(n, 0.0), split.fitted.until.assign(n, 1.0);
+  split.heldout.from.assign(n, 0.0), split.heldout.until.assign(n, 0.0);
+  std::map<std::string, std::vector<std::size_t>> conditions;
+  for (std::size_t i = 0; i < n; ++i) conditions[sources[i].condition].push_back(i);
+  std::vector<std::size_t> held;
+  if (conditions.size() > 1) {
+    const auto smallest = std::min_element(
+        conditions.begin(), conditions.end(),
+        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    held = smallest->second;
+  } else if (n >= 2) {
+    for (std::size_t i = n - 1; held.size() < std::max<std::size_t>(1, n / 3);
+         i -= std::min<std::size_t>(i, 3))
+      held.push_back(i);
+  }
+  for (std::size_t i : held) {
+    split.heldout.until[i] = 1.0;
+    split.fitted.until[i] = 0.0;
+    split.heldout_names.push_back(stem(sources[i].file));
+  }
+  if (held.empty()) {  // one recording: its last third
+    split.fitted.until[0] = split.heldout.from[0] = 2.0 / 3.0;
+    split.heldout.until[0] = 1.0;
+    split.heldout_names.push_back(stem(sources[0].file) + ", last third");
+  }
+  return split;
+}
+
+Problem restricted(const Problem& problem, const Part& part) {
+  Problem out = problem;
+  out.shots.clear();
+  out.step_error.clear();
+  out.size = 0;
+  for (const Shot& shot : problem.shots) {
+    if (!inside(problem, shot, part)) continue;
+    out.shots.push_back(shot);
+    out.shots.back().offset = out.size;
+    if (!problem.step_error.empty()) {
+      const auto from = problem.step_error.begin() + static_cast<std::ptrdiff_t>(shot.offset);
+      out.step_error.insert(out.step_error.end(), from,
+                            from + static_cast<std::ptrdiff_t>(shot.rows * out.channels.size()));
+    }
+    out.size += shot.rows * out.channels.size();
+  }
+  return out.shots.empty() ? problem : out;
+}
+
+std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
+    const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+    const Library& library, const Model& patched, const Part& heldout) {
+  std::map<std::string, std::map<std::string, FitScore>> out;
+  for (const auto& [name, seconds] :
+       {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
+    ProblemOptions options;
+    options.shot_seconds = seconds;
+    options.maximum_rows = 4 * constants::kMaximumRows;
+    options.secondary = false;
+    const Problem problem = restricted(make_problem(sources, noise, options), heldout);
+    if (problem.shots.empty() || problem.channels.empty()) continue;
+    const Eigen::VectorXd before = prediction_error(problem, library, Model{});
+    const Eigen::VectorXd after = prediction_error(problem, library, patched);
+    double all_before = 0.0, all_after = 0.0, all_noise = 0.0, all_rows = 0.0;
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      const Observed& channel = problem.channels[c];
+      double b = 0.0, a = 0.0, rows = 0.0;
+      for (const Shot& shot : problem.shots) {
+        for (std::size_t k = 0; k < shot.rows; ++k) {
+          const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+          b += before[i] * before[i], a += after[i] * after[i], rows += 1.0;
+        }
+      }
+      const double scale = channel.sigma * channel.sigma;
+      out[name]["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
+          std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
+      all_before += scale * b, all_after += scale * a,
+          all_noise += channel.noise * channel.noise * rows, all_rows += rows;
+    }
+    out[name]["all"] = {std::sqrt(all_before / all_rows), std::sqrt(all_after / all_rows),
+                        std::sqrt(all_noise / all_rows)};
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose
