@@ -1,3 +1,5 @@
+// One tick from top to bottom: read, estimate, decide, limit, write, publish. Every early exit
+// ends in a command inside the limits or in the safe posture.
 #include "firmware/app/controller.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Every passage is a blend from the present pose to the next, as long as the settings say; the
+// weights of middle layer and balance move by at most one tick's share at a time.
 #include "firmware/app/posture.h"
 
 #include <algorithm>

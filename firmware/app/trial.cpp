@@ -1,3 +1,5 @@
+// Takes uploads at the start of a tick, so that one tick sees one set of layers; the sum itself
+// is shared/policy/layer_sum.h.
 #include "firmware/app/trial.h"
 
 #include <algorithm>

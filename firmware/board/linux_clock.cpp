@@ -1,3 +1,5 @@
+// CLOCK_MONOTONIC and the thread's processor time; sleeping goes on after a signal until the
+// given instant.
 #include "firmware/board/linux_clock.h"
 
 #include <poll.h>

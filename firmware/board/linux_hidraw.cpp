@@ -1,3 +1,5 @@
+// System calls of a HID device: descriptor at start (may block), then reads against a deadline
+// and feature reports.
 #include "firmware/board/linux_hidraw.h"
 
 #include <fcntl.h>

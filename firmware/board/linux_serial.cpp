@@ -1,3 +1,5 @@
+// System calls of a tty: speed, raw mode and latency at open; a read returns when bytes have
+// come or the deadline has passed.
 #include "firmware/board/linux_serial.h"
 
 // asm/termbits.h has termios2 (any speed) and must not meet termios.h

@@ -1,3 +1,5 @@
+// System calls of UDP and packet sockets, behind the interfaces of board.h. Every receive has a
+// deadline; none allocates.
 #include "firmware/board/linux_socket.h"
 
 #include <arpa/inet.h>

@@ -1,3 +1,5 @@
+// Each call returns a text that says what was refused and how to allow it, empty when all is
+// well; the program decides whether to go on.
 #include "firmware/board/realtime.h"
 
 #include <pthread.h>

@@ -1,3 +1,5 @@
+// Requests and replies against a deadline. The only place where raw register values become
+// radians, rad/s and amperes.
 #include "firmware/bus/bus_master.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// A state machine of one bus transaction a call; registers are read, written only when
+// different, and read back.
 #include "firmware/bus/bus_setup.h"
 
 #include <array>

@@ -1,3 +1,5 @@
+// Checks the grammar, parses, then asks for the settings key by key; an error names file, line
+// and key.
 #include "firmware/config/program_config.h"
 
 #include <fstream>

@@ -1,3 +1,5 @@
+// Visits every settings struct, so that the page holds exactly the names, units, defaults and
+// ranges that the program reads.
 #include "firmware/config/settings_page.h"
 
 #include <sstream>

@@ -1,3 +1,5 @@
+// Per tick and in this order: joints, IMU, contacts, prediction, correction by loaded legs,
+// correction by the pose sample, state.
 #include "firmware/estimate/estimator.h"
 
 #include <Eigen/Geometry>

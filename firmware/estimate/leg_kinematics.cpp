@@ -1,3 +1,5 @@
+// Chain of six rotations from hip to ankle; the velocity of the sole is the sum of the joints'
+// parts, relative to the base.
 #include "firmware/estimate/leg_kinematics.h"
 
 #include <Eigen/Geometry>

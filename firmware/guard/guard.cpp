@@ -1,3 +1,5 @@
+// watch() asks one subject after the other, and the first fault of a tick stays; limit() clips a
+// target and reports each clip.
 #include "firmware/guard/guard.h"
 
 #include <algorithm>

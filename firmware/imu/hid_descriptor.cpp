@@ -1,3 +1,5 @@
+// One pass over the descriptor's items; long items and usages without motion data are passed
+// over, their bits counted.
 #include "firmware/imu/hid_descriptor.h"
 
 #include <algorithm>

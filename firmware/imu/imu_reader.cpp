@@ -1,3 +1,5 @@
+// Reads until the deadline, converts counts into m/s^2, rad/s and a quaternion of the base, and
+// publishes when all three have come.
 #include "firmware/imu/imu_reader.h"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Decodes whatever comes until the deadline; a report that does not decode is counted and
+// forgotten.
 #include "firmware/imu/pose_reader.h"
 
 #include <array>

@@ -1,3 +1,5 @@
+// One poll: datagrams in until the deadline, then whatever the tick has published out. An
+// unknown sender never gets further than the handshake.
 #include "firmware/link/link.h"
 
 #include "shared/policy/primitives.h"

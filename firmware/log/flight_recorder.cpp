@@ -1,3 +1,5 @@
+// A ring of the newest records; on a fault it is written as CSV to a temporary file that is
+// renamed when it is whole. May block and allocate.
 #include "firmware/log/flight_recorder.h"
 
 #include <cerrno>

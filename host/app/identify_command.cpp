@@ -1,3 +1,5 @@
+// Reads the episodes, runs the search with its state in the output folder, writes losses and
+// model; a stopped search continues.
 #include "host/app/identify_command.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// The signal handler only sets a flag; the second signal finds the default action restored.
 #include "host/app/interrupt.h"
 
 #include <unistd.h>

@@ -1,3 +1,5 @@
+// Makes robot and session from the options, runs the trials that are missing, and shows the
+// progress.
 #include "host/app/learn_command.h"
 
 #include <fmt/format.h>

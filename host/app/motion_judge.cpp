@@ -1,3 +1,5 @@
+// Turns an episode into the samples that the measures read: the true pose where the robot's
+// world tells it, the estimate otherwise.
 #include "host/app/motion_judge.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Waits for idle, asks the person at the terminal, and never places the robot itself.
 #include "host/app/network_robot.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Everything that waits polls the channel until its condition holds or its deadline passes; what
+// arrives meanwhile is sorted by type.
 #include "host/link/robot_link.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// A connected, non-blocking socket: send drops when the kernel's queue is full, as UDP may;
+// waiting is ppoll.
 #include "host/link/udp_channel.h"
 
 #include <netdb.h>

@@ -1,3 +1,5 @@
+// Features, forward pass and Jacobian by the chain rule, in double precision: the reference for
+// the lanes of host/mpc.
 #include "host/model/residual_network.h"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Catches what urdfdom prints, so that its complaint becomes the InputError's text instead of a
+// line on the terminal.
 #include "host/model/urdf_text.h"
 
 #include <console_bridge/console.h>

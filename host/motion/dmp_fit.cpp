@@ -1,3 +1,4 @@
+// One linear solve a fit. play() runs a set through the very player that the controller uses.
 #include "host/motion/dmp_fit.h"
 
 #include <Eigen/Cholesky>

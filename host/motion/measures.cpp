@@ -1,3 +1,5 @@
+// A new measure is a function and a row of the table; motion files name it, docs/motions.md
+// explains it.
 #include "host/motion/measures.h"
 
 #include <algorithm>

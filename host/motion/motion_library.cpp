@@ -1,3 +1,5 @@
+// Motion files by name from one folder, and the judgement of an episode by the clauses of its
+// motion.
 #include <algorithm>
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// How a clause reads in a report, and which failures count: a clause that is waived does not.
 #include "host/motion/success.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Steps the model through the delay with the policy that is in force, tick by tick, as the
+// controller will execute it.
 #include "host/mpc/delay_prediction.h"
 
 #include <algorithm>

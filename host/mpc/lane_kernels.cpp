@@ -1,3 +1,4 @@
+// Lists the tables of kernels that this processor can run, widest first.
 #include "host/mpc/lane_kernels.h"
 
 #include <cstring>

@@ -1,3 +1,5 @@
+// The solver's phases as items of work for the pool: each item writes its own stage or lanes, so
+// the result does not depend on the number of threads.
 #include "host/mpc/op3_phases.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Done once for each new network, outside planning, so that the kernels need no standardisation.
 #include "host/mpc/residual_weights.h"
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// The loop of linearise, backward pass and line search, and when it stops.
 #include "host/mpc/solver.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// One atomic word holds phase, number of items and next item; a thread claims an item by
+// compare-and-swap and therefore never takes one of another phase.
 #include "host/mpc/spin_pool.h"
 
 #include <pthread.h>

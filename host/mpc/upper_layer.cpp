@@ -1,3 +1,5 @@
+// Fills the solver's problem from the trial's context: references, other layers, start state;
+// then turns its first knots into the policy that is sent.
 #include "host/mpc/upper_layer.h"
 
 #include <algorithm>

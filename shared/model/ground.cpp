@@ -1,3 +1,5 @@
+// Builds each ground from lines and arcs that follow one another; height, slope and curvature at
+// x are then a search for the segment and two lines of geometry.
 #include "shared/model/ground.h"
 
 #include <cmath>

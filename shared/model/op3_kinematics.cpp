@@ -1,3 +1,5 @@
+// Forward pass over the link table, base outwards; Jacobians and momentum are sums over the
+// links that one joint carries.
 #include "shared/model/op3_kinematics.h"
 
 #include <Eigen/Geometry>

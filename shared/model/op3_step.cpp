@@ -1,3 +1,5 @@
+// Instantiates the kernel of the whole-body step for one state in plain doubles; no intrinsics,
+// so it runs on any board.
 #include "shared/model/op3_step.h"
 
 namespace sanso::model {

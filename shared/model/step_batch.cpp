@@ -1,3 +1,5 @@
+// Picks the widest instruction set that the machine has and hands every group of lanes to the
+// kernel that was built for it.
 #include "shared/model/step_batch.h"
 
 #include <atomic>

@@ -1,3 +1,5 @@
+// Nominal figures of the OP3 with their sources, and the constant form that the step reads:
+// inertias about link origins, limits, friction.
 #include "shared/model/step_model.h"
 
 namespace sanso::model {

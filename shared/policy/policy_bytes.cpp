@@ -1,3 +1,5 @@
+// Writes and reads the layers as floats in a fixed order; a reader refuses sizes and numbers
+// that no writer makes.
 #include "shared/policy/policy_bytes.h"
 
 #include <cmath>

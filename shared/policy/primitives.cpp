@@ -1,3 +1,5 @@
+// Plays a primitive set: phase, basis activations, and the spring-damper systems of joints and
+// base, integrated in steps of 1 ms inside the 10 ms tick.
 #include "shared/policy/primitives.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Every packet is header, id, length, stuffed body and CRC; whatever does not fit leaves `out`
+// empty.
 #include "shared/servo_bus/encode.h"
 
 #include "shared/servo_bus/crc16.h"

@@ -1,3 +1,5 @@
+// A state machine over a fixed buffer: search the header, wait for the length, check the CRC,
+// remove the stuffing.
 #include "shared/servo_bus/parser.h"
 
 #include <cstring>

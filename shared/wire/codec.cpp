@@ -1,3 +1,5 @@
+// One layout function a message, used for writing and for reading, so that both directions
+// cannot differ.
 #include "shared/wire/codec.h"
 
 #include <cmath>

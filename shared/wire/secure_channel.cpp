@@ -1,3 +1,5 @@
+// Handshake and message counters around libsodium: a datagram counts when it opens under the
+// session key and is newer than the last one.
 #include "shared/wire/secure_channel.h"
 
 #include <sodium.h>

@@ -1,3 +1,5 @@
+// Cuts a blob into chunks and assembles them in any order into a fixed buffer; repeated chunks
+// are counted once.
 #include "shared/wire/upload.h"
 
 #include <algorithm>

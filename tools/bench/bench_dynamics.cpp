@@ -1,3 +1,5 @@
+// Counts operations with a counting number type, times the lanes, and divides by the peak of the
+// same instruction set.
 #include "tools/bench/bench_dynamics.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Runs the rig many times, sorts, prints percentiles; page faults are read from the kernel
+// before and after.
 #include "tools/bench/bench_tick.h"
 
 #include <sys/resource.h>

@@ -1,3 +1,4 @@
+// Answers inside write(), from register images; no heap after construction.
 #include "tools/bench/instant_bus.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Chains of independent multiply-adds, long enough to fill the pipeline; the fastest of several
+// runs counts.
 #include "tools/bench/peak.h"
 
 #include <algorithm>

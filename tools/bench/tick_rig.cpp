@@ -1,3 +1,5 @@
+// Brings a controller through self-test and standing up into a trial, then feeds it fresh IMU
+// samples and policies.
 #include "tools/bench/tick_rig.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// The order of the draws is the case: whoever adds one changes every case of that seed.
 #include "tools/conceal/conceal.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Each kind spoils one file in one way that happens with real loggers, and returns the name that
+// the gate has to say.
 #include "tools/conceal/decoy.h"
 
 #include <cmath>

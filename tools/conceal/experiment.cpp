@@ -1,3 +1,5 @@
+// Draws the commands joint by joint from one generator: adding a draw changes every case of that
+// seed.
 #include "tools/conceal/experiment.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// In a servo period: limits of the goal, loop on encoder counts, whole steps of PWM. Then motor,
+// friction and gear in small explicit steps.
 #include "tools/conceal/hidden_joint.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// MuJoCo for the links, hidden_joint for the drives, and the log as a real robot would write it:
+// quantised, noisy, late.
 #include "tools/conceal/hidden_world.h"
 
 #include <algorithm>

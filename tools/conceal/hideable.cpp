@@ -1,3 +1,5 @@
+// One function a family, one entry an effect: how to hide it at a joint with a strength, and
+// what the answer will say.
 #include "tools/conceal/hideable.h"
 
 #include <algorithm>

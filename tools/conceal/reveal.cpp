@@ -1,3 +1,5 @@
+// Compares sets of names and places, then parameters; writes the score as JSON and prints what a
+// person wants to know.
 #include "tools/conceal/reveal.h"
 
 #include <algorithm>

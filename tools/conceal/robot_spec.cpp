@@ -1,3 +1,4 @@
+// The three robots as tables, their scatter as built, and the two texts written from them.
 #include "tools/conceal/robot_spec.h"
 
 #include <fmt/format.h>

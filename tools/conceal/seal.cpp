@@ -1,3 +1,5 @@
+// Salt and nonce are hashes of the answer, so the same answer gives the same bytes; a changed
+// byte does not open.
 #include "tools/conceal/seal.h"
 
 #include <sodium.h>

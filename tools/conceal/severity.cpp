@@ -1,3 +1,5 @@
+// Gram-Schmidt against the worlds that differ by a nuisance only; what is left of the effect is
+// measured against the noise.
 #include "tools/conceal/severity.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Packets are executed when their last byte has arrived; replies are put on a schedule of bytes
+// that run() hands out as time passes.
 #include "tools/emulator/bus_slave.h"
 
 #include <algorithm>

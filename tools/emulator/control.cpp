@@ -1,3 +1,5 @@
+// One function a command; a mistake in it becomes an answer with "error", never an end of the
+// emulator.
 #include "tools/emulator/control.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Connects, sends one request and waits for its answer; that nobody listens is an error.
 #include "tools/emulator/control_client.h"
 
 #include <poll.h>

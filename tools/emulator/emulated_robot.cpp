@@ -1,3 +1,5 @@
+// Joins plant, servos, board and sensors: advance() runs them in steps of the physics and feeds
+// each what the others show.
 #include "tools/emulator/emulated_robot.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The keys of the configuration file and where their values go.
 #include "tools/emulator/emulator_config.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// One thread: advance to the wall clock, serve bus, sensors and control, wait. After a stall
+// emulated time is shifted, not caught up.
 #include "tools/emulator/emulator_process.h"
 
 #include <poll.h>

@@ -1,3 +1,4 @@
+// The names as people write them, and the search for the fault that is active now at a device.
 #include "tools/emulator/fault_plan.h"
 
 #include <array>

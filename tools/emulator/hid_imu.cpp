@@ -1,3 +1,5 @@
+// Writes the descriptor that a host parses, and reports at the rates it has switched on, with
+// bias, noise and quantum.
 #include "tools/emulator/hid_imu.h"
 
 #include <algorithm>

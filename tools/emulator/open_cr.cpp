@@ -1,3 +1,4 @@
+// The board's registers, and what a write to them does.
 #include "tools/emulator/open_cr.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Samples wait for their delay before they can be read; a lost tracker reports confidence 0.
 #include "tools/emulator/pose_source.h"
 
 #include <algorithm>

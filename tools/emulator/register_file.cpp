@@ -1,3 +1,5 @@
+// Address ranges, access and limits as one table; reads and writes of indirect addresses are
+// forwarded.
 #include "tools/emulator/register_file.h"
 
 #include <algorithm>

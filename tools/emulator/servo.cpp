@@ -1,3 +1,5 @@
+// One update: goals that are due, profile, position loop, what the sensors publish, rules of
+// shutdown.
 #include "tools/emulator/servo.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Owners of file descriptors, each closed exactly once.
 #include "tools/emulator/sockets.h"
 
 #include <fcntl.h>

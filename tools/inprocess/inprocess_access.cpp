@@ -1,3 +1,5 @@
+// Builds the robot of a trial from its seed, waits until its controller is idle, and adds the
+// recorded truth to the episode.
 #include "tools/inprocess/inprocess_access.h"
 
 #include <stdexcept>

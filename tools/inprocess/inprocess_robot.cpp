@@ -1,3 +1,5 @@
+// Owns clock, robot, controller and link, and runs the controller's tick whenever virtual time
+// reaches it.
 #include "tools/inprocess/inprocess_robot.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Every wait advances the emulated robot to the next byte or to the deadline; nothing here
+// sleeps.
 #include "tools/inprocess/simulated_board.h"
 
 #include <algorithm>

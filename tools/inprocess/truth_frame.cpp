@@ -1,3 +1,4 @@
+// One turn about the vertical and one shift, found once at the first sample of a trial.
 #include "tools/inprocess/truth_frame.h"
 
 namespace sanso::inprocess {

@@ -1,3 +1,4 @@
+// Reads the maker's tables by column name; a missing column or file is an error at start.
 #include "tools/plant/body_data.h"
 
 #include <map>

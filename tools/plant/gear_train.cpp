@@ -1,3 +1,4 @@
+// The spring beyond the play, the motor and the friction, once a step of the physics.
 #include "tools/plant/gear_train.h"
 
 #include <algorithm>

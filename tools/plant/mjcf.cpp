@@ -1,3 +1,5 @@
+// Text of the model: links from the maker's data, primitives for contacts, the ground from the
+// world's parameters.
 #include "tools/plant/mjcf.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// MuJoCo's XML reader keeps global state, so one thread at a time may call it; its message
+// becomes a WorldError.
 #include "tools/plant/mujoco_model.h"
 
 #include <cstring>

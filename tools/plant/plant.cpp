@@ -1,3 +1,4 @@
+// One step: gear trains to joint torques, then MuJoCo's step.
 #include "tools/plant/plant.h"
 
 #include <fmt/format.h>

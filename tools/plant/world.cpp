@@ -1,3 +1,5 @@
+// Keys and ranges of a world file, one function a group; an unknown key is an error that names
+// it.
 #include "tools/plant/world.h"
 
 #include <fmt/format.h>

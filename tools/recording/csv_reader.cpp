@@ -1,3 +1,4 @@
+// Splits by hand, row by row; from_chars reads the numbers, so the locale does not matter.
 #include "tools/recording/csv_reader.h"
 
 #include <zlib.h>

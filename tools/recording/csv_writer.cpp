@@ -1,3 +1,4 @@
+// Shortest decimal that reads back to the same bits; an empty cell for "not sampled".
 #include "tools/recording/csv_writer.h"
 
 #include <zlib.h>

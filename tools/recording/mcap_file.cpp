@@ -1,3 +1,4 @@
+// Parses front to back, unpacks chunks, and refuses by name what is cut or unknown.
 #include "tools/recording/mcap_file.h"
 
 #include <lz4frame.h>

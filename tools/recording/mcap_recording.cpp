@@ -1,3 +1,4 @@
+// A row is made whenever the joints' state arrives, from the last known value of every column.
 #include "tools/recording/mcap_recording.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The table of column suffixes, units and meanings that readers and writers share, and the check
+// of the time stamps.
 #include "tools/recording/recording.h"
 
 #include <algorithm>

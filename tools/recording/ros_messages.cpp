@@ -1,3 +1,5 @@
+// CDR with its alignment rules, and the schemas as text that the files carry; a message that
+// ends early decodes to nothing.
 #include "tools/recording/ros_messages.h"
 
 #include <cmath>

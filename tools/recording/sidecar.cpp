@@ -1,3 +1,4 @@
+// The keys of the sidecar in one place for reading and writing; an unknown key is an error.
 #include "tools/recording/sidecar.h"
 
 #include <fstream>

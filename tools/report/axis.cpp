@@ -1,3 +1,5 @@
+// Steps of 1, 2 or 5 times a power of ten; a range of no width is widened so that it can be
+// drawn.
 #include "tools/report/axis.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Collects the body as text and closes it in finish(); all text is escaped, only figures pass as
+// markup.
 #include "tools/report/html.h"
 
 #include <cctype>

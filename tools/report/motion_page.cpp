@@ -1,3 +1,4 @@
+// Plays the primitives, then draws what they ask for; nothing here runs a robot.
 #include "tools/report/motion_page.h"
 
 #include <fmt/format.h>

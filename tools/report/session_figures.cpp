@@ -1,3 +1,5 @@
+// One function a figure; each picks its series and leaves scales, ticks and colours to
+// svg_chart.
 #include "tools/report/session_figures.h"
 
 #include <fmt/format.h>

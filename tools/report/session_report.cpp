@@ -1,3 +1,5 @@
+// Reads the stored state and episodes of a folder; a missing episode costs its figure, not the
+// report.
 #include "tools/report/session_report.h"
 
 #include <fmt/format.h>

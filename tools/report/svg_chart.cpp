@@ -1,3 +1,5 @@
+// Every chart is a frame, a grid, the marks and a legend, written in this order; long series are
+// thinned by the extremes of each pixel.
 #include "tools/report/svg_chart.h"
 
 #include <fmt/format.h>

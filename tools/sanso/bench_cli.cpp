@@ -1,3 +1,5 @@
+// `sanso bench`: one subcommand a benchmark, its options, and where its numbers go (table or
+// --json).
 #include <algorithm>
 #include <array>
 #include <memory>

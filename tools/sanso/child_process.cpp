@@ -1,3 +1,5 @@
+// fork and exec with a death signal from the kernel; stopping is a polite signal first, then a
+// hard one.
 #include "tools/sanso/child_process.h"
 
 #include <fcntl.h>

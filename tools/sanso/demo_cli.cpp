@@ -1,3 +1,4 @@
+// `sanso demo`: the learning session of the README on three processes, then its report.
 #include <fmt/format.h>
 
 #include <filesystem>

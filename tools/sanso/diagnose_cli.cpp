@@ -1,3 +1,5 @@
+// `sanso diagnose`: the options of the command; work and exit code are those of
+// tools/diagnose/run.
 #include <memory>
 
 #include "tools/diagnose/run/diagnose.h"

@@ -1,3 +1,5 @@
+// Between trials: lower or clear, put the robot down through the control socket, wait until the
+// controller says idle.
 #include "tools/sanso/emulated_access.h"
 
 #include <fmt/format.h>

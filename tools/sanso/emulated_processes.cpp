@@ -1,3 +1,5 @@
+// Writes configurations and key into the session's folder, starts both programs, and shows their
+// last lines when one dies.
 #include "tools/sanso/emulated_processes.h"
 
 #include <arpa/inet.h>

@@ -1,3 +1,5 @@
+// `sanso identify`: two commands under one name, the whole-body model from episodes or any
+// robot's settings from recordings.
 #include <memory>
 #include <stdexcept>
 #include <string>

@@ -1,3 +1,4 @@
+// `sanso learn`: options, and which robot stands behind the name that `--robot` gives.
 #include <fmt/format.h>
 
 #include <memory>

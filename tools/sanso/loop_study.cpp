@@ -1,3 +1,5 @@
+// Runs each case as whole trials, then prints one line a case; times are modelled on the virtual
+// clock, never measured.
 #include "tools/sanso/loop_study.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// `sanso motions`: lists the library, or imports a clip and writes the motion's page beside it.
 #include <fmt/format.h>
 
 #include <filesystem>

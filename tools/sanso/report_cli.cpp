@@ -1,3 +1,5 @@
+// `sanso report`: the report of a session's folder, several of them side by side, or figures
+// alone.
 #include <fmt/format.h>
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// `sanso score`: the options of the command; the work is in tools/diagnose/run.
 #include <fmt/format.h>
 
 #include <memory>

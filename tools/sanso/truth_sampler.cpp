@@ -1,3 +1,4 @@
+// A thread of its own that asks and stores under a lock, so that nobody who plans waits for it.
 #include "tools/sanso/truth_sampler.h"
 
 #include <chrono>

@@ -1,3 +1,5 @@
+// The search of `sanso identify` with its losses shared over ranks: every rank holds the same
+// state and the same numbers.
 #include "tools/sweep/identification.h"
 
 #include <fmt/format.h>

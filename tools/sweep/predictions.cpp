@@ -1,3 +1,4 @@
+// Rolls both models out from recorded states and writes JSON; nothing is fitted here.
 #include "tools/sweep/predictions.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// A push is drawn from its number alone, so that every rank and every choice of layers sees the
+// same ones.
 #include "tools/sweep/pushes.h"
 
 #include <fmt/format.h>

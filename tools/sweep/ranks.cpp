@@ -1,3 +1,5 @@
+// Jobs by an atomic counter in rank 0's window; texts and losses by collective calls, so every
+// rank has to take part in those.
 #include "tools/sweep/ranks.h"
 
 #include <limits>

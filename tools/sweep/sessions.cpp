@@ -1,3 +1,4 @@
+// Ranks take jobs from one counter, so that long and short sessions even out.
 #include "tools/sweep/sessions.h"
 
 #include <fmt/format.h>

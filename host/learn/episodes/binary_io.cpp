@@ -1,3 +1,4 @@
+// Bytes are checked as a whole (name, version, length, checksum) before a single field is read.
 #include "host/learn/episodes/binary_io.h"
 
 #include <zlib.h>

@@ -1,3 +1,5 @@
+// One visit function for writing and reading; counts are bounded before memory is taken for
+// them.
 #include "host/learn/episodes/episode.h"
 
 #include "host/learn/episodes/binary_io.h"

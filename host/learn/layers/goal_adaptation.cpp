@@ -1,3 +1,5 @@
+// Mean of robot minus primitive over the last moments of a failed trial; the change in sum is
+// bounded.
 #include "host/learn/layers/goal_adaptation.h"
 
 #include <algorithm>

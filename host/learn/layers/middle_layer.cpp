@@ -1,3 +1,5 @@
+// Knot by knot: forget by mu, add alpha times what the upper layer did, with its gain limited in
+// norm.
 #include "host/learn/layers/middle_layer.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Binary, with a fingerprint of data and settings: a file of another search is refused instead
+// of continued.
 #include "host/learn/model/identification_store.h"
 
 #include "host/learn/episodes/binary_io.h"

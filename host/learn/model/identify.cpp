@@ -1,3 +1,5 @@
+// One generation: candidates to theta, N-step losses of all of them in parallel, update of the
+// distribution.
 #include "host/learn/model/identify.h"
 
 #include <stdexcept>

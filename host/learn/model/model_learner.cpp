@@ -1,3 +1,5 @@
+// Splits by age, identifies, trains, and keeps each part only when the newest episodes are
+// predicted better with it.
 #include "host/learn/model/model_learner.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Entries of z are handed out in the order of the names; what scales a figure is an exponential,
+// so that no sign can change.
 #include "host/learn/model/parameter_map.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Windows are rolled out eight at a time, in the lanes of step_batch.
 #include "host/learn/model/prediction.h"
 
 #include <algorithm>

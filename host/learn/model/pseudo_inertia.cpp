@@ -1,3 +1,5 @@
+// The upper factor is the lower one of the matrix turned by 180 degrees; a body that could not
+// exist is an error.
 #include "host/learn/model/pseudo_inertia.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Adam on mini-batches in single precision, with matrix products of fixed order: one seed gives
+// the same bits.
 #include "host/learn/model/residual_training.h"
 
 #include <cblas.h>

@@ -1,3 +1,5 @@
+// Tries shares up to the highest one allowed and keeps the one of lowest loss; a share that had
+// to fall is the ceiling from then on.
 #include "host/learn/model/residual_trust.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Rewrites one line with a carriage return when the output is a terminal, and prints a line a
+// step otherwise.
 #include "host/learn/session/progress.h"
 
 #include <fmt/format.h>

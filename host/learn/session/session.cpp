@@ -1,3 +1,5 @@
+// Trial, store, learn, store: the state on disk is always that after a finished trial, and
+// everything that follows is computed from it.
 #include "host/learn/session/session.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Field by field from the session's state; a field keeps its name and unit for good once it is
+// in.
 #include "host/learn/session/summary.h"
 
 #include <fmt/format.h>

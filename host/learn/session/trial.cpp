@@ -1,3 +1,5 @@
+// A loop that waits for observations, records them, plans when a plan is due, and ends by the
+// clock, by a fall or by a fault.
 #include "host/learn/session/trial.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// com_for_zmp solves a tridiagonal system (the pendulum in central differences); zmp_of takes
+// second differences of all bodies.
 #include "host/motion/make/balance.h"
 
 #include <algorithm>

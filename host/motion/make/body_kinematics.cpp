@@ -1,3 +1,4 @@
+// Evaluates the general kinematics of shared/model once and picks the points.
 #include "host/motion/make/body_kinematics.h"
 
 #include <Eigen/Geometry>

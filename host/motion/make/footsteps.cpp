@@ -1,3 +1,5 @@
+// Swings are cut from the human's stances, evened out, repeated, scaled, and joined to a stance
+// at both ends.
 #include "host/motion/make/footsteps.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Clip, recipe, retarget, fit, check, file: the pipeline in order, with what it complains about
+// at the end.
 #include "host/motion/make/import.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Ankle roll first, then hip yaw and hip roll, then the knee from its triangle; a distance out
+// of reach is clamped.
 #include "host/motion/make/leg_ik.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// One target a kind of motion (in place, one leg, gait), then the same solution of the whole
+// body for all of them.
 #include "host/motion/make/retarget.h"
 
 #include <algorithm>

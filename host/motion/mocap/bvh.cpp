@@ -1,3 +1,4 @@
+// A recursive reader over the words of the file; forward kinematics afterwards, frame by frame.
 #include "host/motion/mocap/bvh.h"
 
 #include <Eigen/Geometry>

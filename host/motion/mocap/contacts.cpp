@@ -1,3 +1,5 @@
+// A foot is in contact while it is low and slow; heading and floor are estimated from the clip
+// itself.
 #include "host/motion/mocap/contacts.h"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,5 @@
+// Reads the rows, turns y up into z up, and keeps hips, knees, ankles and root only; a row of
+// wrong length is an error with its number.
 #include "host/motion/mocap/deepmimic.h"
 
 #include <Eigen/Geometry>

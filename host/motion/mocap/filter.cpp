@@ -1,3 +1,4 @@
+// The low-pass is of second order and runs forwards, then backwards: nothing is shifted in time.
 #include "host/motion/mocap/filter.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Finds the leg joints of a BVH skeleton by the two naming customs in use, and turns y up into z
+// up.
 #include "host/motion/mocap/human_motion.h"
 
 #include <cmath>

@@ -1,3 +1,5 @@
+// Episodes read back bit for bit; every truncation and flipped byte is refused; a full disk
+// leaves nothing half.
 #include <gmock/gmock.h>
 
 #include <cstdlib>

@@ -1,3 +1,5 @@
+// Laws of the goals: they move towards the body by the rate, bounded, and not at all when
+// switched off.
 #include <gtest/gtest.h>
 
 #include "host/learn/layers/goal_adaptation.h"

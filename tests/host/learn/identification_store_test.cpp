@@ -1,3 +1,4 @@
+// A stored search reads back exactly; another search's file and every cut one are refused.
 #include "host/learn/model/identification_store.h"
 
 #include <gtest/gtest.h>

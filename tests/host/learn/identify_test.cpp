@@ -1,3 +1,5 @@
+// Identification's parts: bodies that could exist, a search that finds and continues, a loss
+// that is zero for the truth.
 #include "host/learn/model/identify.h"
 
 #include <gtest/gtest.h>

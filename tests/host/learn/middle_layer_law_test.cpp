@@ -1,3 +1,4 @@
+// Laws of the middle layer: fixed point, kept sum, forgetting, limited gain.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,3 +1,5 @@
+// The network learns what is there, refuses what noise taught, and gives the same bits for the
+// same seed.
 #include "host/learn/model/residual_training.h"
 
 #include <gtest/gtest.h>

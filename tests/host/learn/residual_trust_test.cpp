@@ -1,3 +1,5 @@
+// Laws of the share: it rises slowly while the network is right, falls when it is wrong, and
+// learns nothing from a fall.
 #include "host/learn/model/residual_trust.h"
 
 #include <gtest/gtest.h>

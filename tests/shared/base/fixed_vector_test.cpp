@@ -1,3 +1,5 @@
+// FixedVector keeps its capacity and says when it is full; Result and time conversions are
+// exact.
 #include "shared/base/fixed_vector.h"
 
 #include <gtest/gtest.h>

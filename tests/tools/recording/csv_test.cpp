@@ -1,3 +1,4 @@
+// Recordings as CSV: exact both ways, and every broken file is refused by file, line and column.
 #include <gtest/gtest.h>
 
 #include <unistd.h>

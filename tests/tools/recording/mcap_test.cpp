@@ -1,3 +1,4 @@
+// Recordings as MCAP: exact both ways, plain and packed chunks, broken files refused by name.
 #include <gtest/gtest.h>
 #include <lz4frame.h>
 #include <unistd.h>

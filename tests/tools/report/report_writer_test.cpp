@@ -1,3 +1,4 @@
+// Markup stays valid whatever the data: NaN, nothing, equal values, spikes, special characters.
 #include <gmock/gmock.h>
 
 #include <cmath>

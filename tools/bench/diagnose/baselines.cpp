@@ -1,3 +1,5 @@
+// Greedy pursuit, largest score, thresholds and sparse regression on one Gram matrix; each
+// returns the effects that it names.
 #include "tools/bench/diagnose/baselines.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,5 @@
+// One case after the other: conceal, diagnose, reveal, count; the tables are made from the
+// stored outcomes.
 #include "tools/bench/diagnose/diagnose_bench.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Trains on the first part of the recordings and is scored on the part held out, the same parts
+// as for the diagnosis.
 #include "tools/bench/diagnose/residual_network.h"
 
 #include <Eigen/Core>

@@ -1,3 +1,4 @@
+// Both solvers get the same states of one walk, in turn, so that a busy machine slows both.
 #include "tools/bench/mpc/bench_mpc.h"
 
 #include <fmt/format.h>

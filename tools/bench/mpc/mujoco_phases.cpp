@@ -1,3 +1,5 @@
+// Writes the model as MJCF once; each phase then calls MuJoCo with the state of a stage, one
+// mjData a thread.
 #include "tools/bench/mpc/mujoco_phases.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,5 @@
+// Plain iLQG by dense algebra and central differences; slow on purpose, and stopped by the same
+// rule as the product's solver.
 #include "tests/host/mpc/support/reference_model.h"
 
 #include <cmath>
