@@ -1,30 +1,24 @@
 #!/usr/bin/env python3
 """Who may include whom (docs/tour.md): reads every #include "..." of the product and fails on a forbidden direction.
 
-Usage: include_rules.py ROOT [--self-test]
+Usage: include_rules.py ROOT [--table]
 """
 import pathlib
 import re
 import sys
 
+PAGE = "docs/tour.md"
 
 
-def rooms(base, outside, order):
-    """Rules for rooms that build on each other: each may include `outside` and the rooms before it."""
-    table = {base: outside}
-    for number, room in enumerate(order):
-        table[f"{base}/{room}"] = outside + [f"{base}/{r}" for r in order[:number]] + [f"{base}/constants.h"]
-    return table
-
-
-# Folder -> folders it may include. The longest matching folder decides; a folder may always include itself.
+# Top-level folder -> folders it may include. docs/tour.md shows this table; the test compares.
 MAY = {
     "shared/base": [],
     "shared/math": ["shared/base"],
     "shared/model": ["shared/base", "shared/math"],
     "shared/policy": ["shared/base", "shared/math", "shared/model"],
     "shared/servo_bus": ["shared/base"],
-    "shared/wire": ["shared/base", "shared/math", "shared/model/state_layout.h", "shared/policy/policy_types.h"],
+    "shared/wire": ["shared/base", "shared/math", "shared/model/state_layout.h",
+                    "shared/policy/policy_types.h"],
     "firmware": ["shared"],
     "host": ["shared", "tools/recording"],
     "tools/recording": ["shared/base"],
@@ -32,18 +26,63 @@ MAY = {
     "tools/plant": ["shared/base", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/servo_bus", "tools/plant"],
     "tools/conceal": ["shared/base", "tools/recording", "tools/plant"],
-    # The rooms of the diagnosis, in the order of the method: each may include those above it.
-    **rooms("tools/diagnose", ["shared", "host/model", "host/learn/hash.h", "tools/recording"],
-            ["stats", "model_folder", "gate", "sim", "effects", "compare", "fit", "explain",
-             "verdict", "run"]),
-    "tools/diagnose/run": ["shared", "host", "tools/recording", "tools/report", "tools/diagnose"],
-    "tools/bench": ["shared", "host", "firmware", "tools/recording", "tools/report", "tools/diagnose"],
+    "tools/diagnose": ["shared", "host/model", "host/learn/hash.h", "tools/recording"],
+    "tools/bench": ["shared", "firmware", "host", "tools/recording", "tools/report",
+                    "tools/diagnose"],
     # The places where everything meets.
     "tools/inprocess": ["shared", "firmware", "host", "tools"],
     "tools/sanso": ["shared", "firmware", "host", "tools"],
     "tools/sweep": ["shared", "host", "tools/inprocess"],
     "tests": ["shared", "firmware", "host", "tools", "tests"],
 }
+# The floors of the large folders, ground floor first. A room may include what its folder may, and
+# the rooms of the floors below; rooms of one floor do not know each other. What stands in the
+# folder itself is the roof (a main) unless the folder is named as a room of its own (".").
+FLOORS = {
+    "firmware": [
+        ["exchange"],
+        ["board", "config"],
+        ["bus"],
+        ["estimate", "guard", "imu", "link", "log", "lower"],
+        ["app"],
+    ],
+    "host": [
+        ["learn", "link", "model", "motion/mocap"],
+        ["learn/episodes", "mpc"],
+        ["learn/layers", "learn/model", "motion"],
+        ["learn/session", "motion/make"],
+        ["app"],
+    ],
+    # The order of the method. constants.h stands below all rooms.
+    "tools/diagnose": [
+        ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"], ["compare"], ["fit"],
+        ["explain"], ["verdict"], ["run"],
+    ],
+}
+# What single rooms may include beyond their floor.
+MORE = {"tools/diagnose/run": ["host", "tools/report"]}
+
+
+def room_path(base, room):
+    return base if room == "." else f"{base}/{room}"
+
+
+def rules():
+    """Folder -> folders it may include, with the rooms of the large folders."""
+    table = dict(MAY)
+    for base, floors in FLOORS.items():
+        below = []
+        for floor in floors:
+            for room in floor:
+                path = room_path(base, room)
+                table[path] = MAY[base] + below + MORE.get(path, [])
+            below = below + [room_path(base, room) for room in floor]
+        if ["."] not in floors:
+            table[base] = MAY[base] + below
+    return table
+
+
+RULES = rules()
 # Third-party headers that only some folders may use: the emulated world stays independent of our own model.
 ONLY = {r"mujoco/": ["tools/plant", "tools/emulator", "tools/conceal", "tools/bench", "tests"]}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
@@ -53,13 +92,19 @@ def area_of(path):
     parts = path.split("/")
     for n in range(len(parts), 0, -1):
         candidate = "/".join(parts[:n])
-        if candidate in MAY:
+        if candidate in RULES:
             return candidate
     return None
 
 
 def within(path, folder):
     return path == folder or path.startswith(folder + "/")
+
+
+def allowed_by(folder, target, area):
+    """Whether `target` belongs to `folder`. Among the rooms of one folder a room is not its parts."""
+    same_house = any(within(folder, base) and within(area, base) for base in FLOORS)
+    return area_of(target) == folder if same_house else within(target, folder)
 
 
 def violations(files):
@@ -78,8 +123,8 @@ def violations(files):
                 continue
             if area is None:
                 yield path, number, target, "the including folder has no rule"
-            elif not within(target, area) and not any(within(target, folder) for folder in MAY[area]):
-                yield path, number, target, f"{area} may include only {', '.join([area] + MAY[area])}"
+            elif area_of(target) != area and not any(allowed_by(f, target, area) for f in RULES[area]):
+                yield path, number, target, f"{area} may include only {', '.join(RULES[area])}"
 
 
 def product_files(root):
@@ -95,23 +140,58 @@ def self_test():
         ("tools/plant/x.cpp", '#include "shared/model/tree.h"'),
         ("shared/model/x.h", '#  include "shared/wire/codec.h"'),
         ("host/mpc/x.cpp", "#include <mujoco/mujoco.h>"),
+        ("firmware/bus/x.h", '#include "firmware/guard/guard.h"'),
+        ("firmware/exchange/x.h", '#include "firmware/config/settings.h"'),
+        ("host/learn/x.h", '#include "host/learn/session/trial.h"'),
+        ("host/learn/layers/x.h", '#include "host/learn/model/identify.h"'),
+        ("tools/diagnose/fit/x.h", '#include "tools/diagnose/explain/select.h"'),
     ]
-    good = [("tests/loop/x.cpp", '#include "tools/plant/world.h"'), ("host/a/b.h", '#include "host/c/d.h"')]
+    good = [
+        ("tests/loop/x.cpp", '#include "tools/plant/world.h"'),
+        ("host/learn/session/x.h", '#include "host/learn/model/identify.h"'),
+        ("firmware/main.cpp", '#include "firmware/app/controller.h"'),
+        ("tools/diagnose/stats/x.h", '#include "tools/diagnose/constants.h"'),
+    ]
     for item in bad:
         assert list(violations([item])), f"not caught: {item}"
     for item in good:
         assert not list(violations([item])), f"wrongly caught: {item}"
 
 
+def table():
+    """The rules as docs/tour.md shows them."""
+    lines = ["| folder | may include |", "|---|---|"]
+    lines += [f"| {folder} | {', '.join(MAY[folder]) or '-'} |" for folder in MAY]
+    lines += ["", "Inside the large folders, ground floor first:", "", "```"]
+    for base, floors in FLOORS.items():
+        lines += [f"{base}:"] + [f"    {', '.join(floor)}" for floor in floors if floor != ["."]]
+    return "\n".join(lines + ["```"]) + "\n"
+
+
+def complaints_about(root):
+    """What the rules themselves have wrong: folders that are not there, a page that says otherwise."""
+    for folder in RULES:
+        if not (root / folder).is_dir():
+            yield f"tests/layout/include_rules.py: no folder {folder}"
+    page = (root / PAGE).read_text(encoding="utf-8")
+    if table() not in page:
+        yield f"{PAGE}: the table of includes is not what include_rules.py --table prints"
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
+    if "--table" in sys.argv:
+        print(table(), end="")
+        return 0
     self_test()
+    wrong = list(complaints_about(root))
+    print("\n".join(wrong), end="\n" if wrong else "")
     files = list(product_files(root))
     found = list(violations(files))
     for path, number, target, reason in found:
         print(f'{path}:{number}: includes "{target}": {reason}')
     print(f"{len(files)} files read, {len(found)} forbidden includes")
-    return 1 if found or not files else 0
+    return 1 if found or wrong or not files else 0
 
 
 if __name__ == "__main__":
