@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/effects/from_model.h"
 
 namespace sanso::diagnose {

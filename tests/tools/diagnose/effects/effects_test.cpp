@@ -7,7 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"

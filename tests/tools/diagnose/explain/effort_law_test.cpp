@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_comparison.h"
 #include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/fit/fit.h"
 
@@ -18,32 +17,20 @@ constexpr const char* kServo =
 
 /// 6 s at 100 Hz of a servo with `effects` that its model does not know; duty recorded.
 recording::Recording record(const std::vector<EffectEntry>& effects) {
-  ModelFolder world = test::pendulum(kServo);
-  world.effects = effects;
+  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
   const Drive drive = test::make_test_drive(world, 6.0, 0.01, [](int, double t) {
     return 0.7 * std::sin(2.1 * t) + 0.3 * std::sin(5.3 * t);
   });
-  const SimParams params = params_with_effects(world);
-  const Prediction p =
-      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
-  recording::Recording r;
-  r.file = "made.csv";
-  r.t = drive.t;
-  r.set("u:a", drive.joints[0].command);
-  r.set("q:a", std::vector<double>(p.q.begin(), p.q.end()));
-  r.set("pwm:a", std::vector<double>(p.pwm.begin(), p.pwm.end()));
-  return r;
+  return test::record(world, drive, {.duty = true});
 }
 
 class EffortLaw : public testing::Test {
  protected:
   void observe(const std::vector<EffectEntry>& effects) {
-    const std::vector<NoiseLevel> noise{{"q:a", 2e-4, 0.0, {}}, {"pwm:a", 2e-3, 0.0, {}}};
-    ProblemOptions options;
-    problem_ = make_problem(make_sources(test::pendulum(kServo), {record(effects)}, noise), noise,
-                            options);
-    library_.candidates = place_library(problem_, {}).candidates;
-    library_.nuisances = make_nuisances(problem_);
+    const test::SmallComparison compared(test::pendulum(kServo), {record(effects)},
+                                         {{"q:a", 2e-4, 0.0, {}}, {"pwm:a", 2e-3, 0.0, {}}}, {});
+    problem_ = compared.problem;
+    library_ = compared.library;
   }
   Model with(const std::string& effect, const std::vector<double>& theta) const {
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/compare/candidate.h"
 
 namespace sanso::diagnose {

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_comparison.h"
 #include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
@@ -21,42 +20,34 @@ constexpr double kNoise = 4e-4;  // rad
 /// 10 s at 100 Hz of a servo in a world with `effects` that did not get the commands of `lost`.
 recording::Recording record(const std::vector<EffectEntry>& effects, int index,
                             const std::vector<std::size_t>& lost) {
-  ModelFolder world = test::pendulum(kServo);
-  world.effects = effects;
+  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
   const Drive sent = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
   });
   Drive received = sent;
   for (const std::size_t row : lost)
     received.joints[0].command[row] = received.joints[0].command[row - 1];
-  const Window window = test::whole(sent, {0.0}, {0.0});
-  Prediction p =
-      simulate(params_with_effects(world), received, std::vector<Window>{window}).front();
+  recording::Recording r = test::record(
+      world, received, {.file = "made_" + std::to_string(index) + ".csv", .duty = true});
   Random random(23, static_cast<std::uint64_t>(index));
-  for (double& q : p.q) q += kNoise * random.normal();
-  recording::Recording r;
-  r.file = "made_" + std::to_string(index) + ".csv";
-  r.t = sent.t;
+  std::vector<double> q(r.find("q:a").begin(), r.find("q:a").end());
+  for (double& x : q) x += kNoise * random.normal();
+  r.set("q:a", q);
   r.set("u:a", sent.joints[0].command);
-  r.set("q:a", p.q);
-  r.set("pwm:a", p.pwm);
   return r;
 }
 
 /// What is found when the nominal model is all that was fitted. `lost`: of every recording.
 LossScore found(const std::vector<EffectEntry>& effects, const std::vector<std::size_t>& lost) {
-  const std::vector<NoiseLevel> noise{{"q:a", 0.0, kNoise, {}}, {"pwm:a", 0.0, 1e-3, {}}};
   std::vector<recording::Recording> recordings;
   for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost));
-  const Problem problem = make_problem(make_sources(test::pendulum(kServo), recordings, noise),
-                                       noise, ProblemOptions{});
-  Library library;
-  library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
-  library.nuisances = make_nuisances(problem);
-  const Surroundings around = make_surroundings(problem, library, Model{});
+  const test::SmallComparison compared(test::pendulum(kServo), recordings,
+                                       {{"q:a", 0.0, kNoise, {}}, {"pwm:a", 0.0, 1e-3, {}}},
+                                       {"timing_jitter", "packet_loss"});
+  const Surroundings around = make_surroundings(compared.problem, compared.library, Model{});
   LossScore out = find_losses(around, fit(around, Model{}, 3));
   if (out.candidate >= 0) {
-    EXPECT_EQ(library.candidates[static_cast<std::size_t>(out.candidate)].effect, "packet_loss");
+    EXPECT_EQ(compared.name_of(out.candidate), "packet_loss");
   }
   return out;
 }

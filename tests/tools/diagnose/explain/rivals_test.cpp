@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_comparison.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -16,49 +15,26 @@ constexpr const char* kServo =
     "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02\nposition_noise = "
     "3e-4\n";
 
-recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
-  ModelFolder world = test::pendulum(kServo);
-  world.effects = effects;
-  const Drive drive = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
-    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
-  });
-  const SimParams params = params_with_effects(world);
-  Prediction p =
-      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
-  add_sensor_noise(params, 31 + static_cast<std::uint64_t>(index), p);
-  recording::Recording r;
-  r.file = "made_" + std::to_string(index) + ".csv";
-  r.t = drive.t;
-  r.set("u:a", drive.joints[0].command);
-  r.set("q:a", p.q);
-  if (duty) r.set("pwm:a", p.pwm);
-  return r;
-}
-
 /// Three recordings of a world, the library's `effects` on them, and everything fits need.
-struct Bench {
-  Problem problem;
-  Library library;
+struct Bench : test::SmallComparison {
   Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects,
-        bool duty = false) {
-    const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}};
-    problem = make_problem(
-        make_sources(test::pendulum(kServo),
-                     {record(hidden, 0, duty), record(hidden, 1, duty), record(hidden, 2, duty)},
-                     noise),
-        noise, ProblemOptions{});
-    library.candidates = place_library(problem, effects).candidates;
-    library.nuisances = make_nuisances(problem);
-  }
-  int of(const std::string& effect) const {
-    for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-      if (library.candidates[i].effect == effect) return static_cast<int>(i);
+        bool duty = false)
+      : SmallComparison(test::pendulum(kServo), recordings(hidden, duty), {{"q:a", 0.0, 3e-4, {}}},
+                        effects) {}
+
+  static std::vector<recording::Recording> recordings(const std::vector<EffectEntry>& hidden,
+                                                      bool duty) {
+    const ModelFolder world = test::hiding(test::pendulum(kServo), hidden);
+    std::vector<recording::Recording> out;
+    for (int i = 0; i < 3; ++i) {
+      const Drive drive = test::make_test_drive(world, 10.0, 0.01, [i](int, double t) {
+        return 0.7 * std::sin((1.3 + 0.4 * i) * t) + 0.3 * std::sin((4.1 + 0.7 * i) * t);
+      });
+      out.push_back(test::record(world, drive,
+                                 {.file = "made_" + std::to_string(i) + ".csv",
+                                  .duty = duty,
+                                  .noise_seed = 31 + static_cast<std::uint64_t>(i)}));
     }
-    return -1;
-  }
-  std::vector<int> all() const {
-    std::vector<int> out;
-    for (std::size_t i = 0; i < library.candidates.size(); ++i) out.push_back(static_cast<int>(i));
     return out;
   }
 };

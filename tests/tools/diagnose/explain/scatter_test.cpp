@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_comparison.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -17,29 +16,22 @@ constexpr double kQuantum = 2 * 3.14159265358979 / 4096;
 
 /// 10 s at 100 Hz of a servo in a world with `effects`, chance drawn, readings quantised.
 recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty) {
-  ModelFolder world = test::pendulum(kServo);
-  world.effects = effects;
+  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
   });
-  const SimParams params = params_with_effects(world);
-  SimOptions options;
-  options.random_seed = 91 + static_cast<std::uint64_t>(index);
-  Prediction p =
-      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}, options)
-          .front();
-  add_reading_jitter(params, options.random_seed, p);
+  recording::Recording r = test::record(world, drive,
+                                        {.file = "made_" + std::to_string(index) + ".csv",
+                                         .duty = duty,
+                                         .chance_seed = 91 + static_cast<std::uint64_t>(index)});
   Random random(17, static_cast<std::uint64_t>(index));
-  for (double& q : p.q)
-    q = kQuantum * std::round((q + 0.3 * kQuantum * random.normal()) / kQuantum);
-  recording::Recording r;
-  r.file = "made_" + std::to_string(index) + ".csv";
-  r.t = drive.t;
-  r.set("u:a", drive.joints[0].command);
-  r.set("q:a", p.q);
+  std::vector<double> q(r.find("q:a").begin(), r.find("q:a").end());
+  for (double& x : q) x = kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum);
+  r.set("q:a", q);
   if (!duty) return r;
-  for (double& x : p.pwm) x = std::round(885 * x) / 885;
-  r.set("pwm:a", p.pwm);
+  std::vector<double> pwm(r.find("pwm:a").begin(), r.find("pwm:a").end());
+  for (double& x : pwm) x = std::round(885 * x) / 885;
+  r.set("pwm:a", pwm);
   return r;
 }
 
@@ -48,16 +40,13 @@ recording::Recording record(const std::vector<EffectEntry>& effects, int index, 
 std::vector<ScatterScore> judged(const std::vector<EffectEntry>& effects, bool duty,
                                  Library& library) {
   const double sigma = kQuantum * std::sqrt(0.09 + 1.0 / 12.0);
-  const std::vector<NoiseLevel> noise{{"q:a", kQuantum, sigma, {}},
-                                      {"pwm:a", 1.0 / 885, 0.3 / 885, {}}};
-  const Problem problem = make_problem(
-      make_sources(test::pendulum(kServo),
-                   {record(effects, 0, duty), record(effects, 1, duty), record(effects, 2, duty)},
-                   noise),
-      noise, ProblemOptions{});
-  library.candidates = place_library(problem, {"timing_jitter", "packet_loss"}).candidates;
-  library.nuisances = make_nuisances(problem);
-  const Surroundings around = make_surroundings(problem, library, Model{});
+  const test::SmallComparison compared(
+      test::pendulum(kServo),
+      {record(effects, 0, duty), record(effects, 1, duty), record(effects, 2, duty)},
+      {{"q:a", kQuantum, sigma, {}}, {"pwm:a", 1.0 / 885, 0.3 / 885, {}}},
+      {"timing_jitter", "packet_loss"});
+  library = compared.library;
+  const Surroundings around = make_surroundings(compared.problem, library, Model{});
   return judge_scatter(around, fit(around, Model{}, 3), 10.0, Random(1));
 }
 

@@ -5,72 +5,35 @@
 
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_comparison.h"
 #include "tools/diagnose/constants.h"
-#include "tools/diagnose/effects/from_model.h"
 
 namespace sanso::diagnose {
 namespace {
 
-/// Two links in one plane, each a mass on a rod.
-constexpr const char* kTwoLinks = R"(<robot name="two"><link name="base"/>
-<joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
-</joint>
-<link name="upper"><inertial><origin xyz="0 0 -0.15"/><mass value="0.6"/>
-<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0001"/></inertial></link>
-<joint name="b" type="continuous"><parent link="upper"/><child link="lower"/>
-<origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/></joint>
-<link name="lower"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/>
-<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.0001"/></inertial></link></robot>)";
-
 ModelFolder robot() {
-  return parse_model(
-      "format = 1\n[joint_default]\nactuator = \"position_pd\"\nkp = 12\nkd = 0.3\nposition_noise "
-      "= 1e-3\n",
-      kTwoLinks, "two/model.toml");
+  return test::two_links("actuator = \"position_pd\"\nkp = 12\nkd = 0.3\nposition_noise = 1e-3\n");
 }
 
-recording::Recording record(const std::vector<EffectEntry>& effects, int index) {
-  ModelFolder world = robot();
-  world.effects = effects;
-  const Drive drive = test::make_test_drive(world, 6.0, 0.01, [index](int joint, double t) {
-    return 0.7 * std::sin((3.3 + 0.4 * index + joint) * t) +
-           0.3 * std::sin((7.1 + 0.7 * index - joint) * t);
-  });
-  const SimParams params = params_with_effects(world);
-  Prediction p =
-      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0, 0.0}, {0.0, 0.0})})
-          .front();
-  add_sensor_noise(params, 5 + static_cast<std::uint64_t>(index), p);
-  recording::Recording r;
-  r.file = "made_" + std::to_string(index) + ".csv";
-  r.t = drive.t;
-  for (const int j : {0, 1}) {
-    const std::string name = j == 0 ? "a" : "b";
-    r.set("u:" + name, drive.joints[static_cast<std::size_t>(j)].command);
-    const auto q = p.of(p.q, j);
-    r.set("q:" + name, {q.begin(), q.end()});
-  }
-  return r;
-}
+/// Three recordings of the two links in a world with `hidden`, and the library's `effects` on them.
+struct Bench : test::SmallComparison {
+  Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects)
+      : SmallComparison(robot(), recordings(hidden),
+                        {{"q:a", 0.0, 1e-3, {}}, {"q:b", 0.0, 1e-3, {}}}, effects) {}
 
-struct Bench {
-  Problem problem;
-  Library library;
-  explicit Bench(const std::vector<EffectEntry>& hidden, const std::vector<std::string>& effects) {
-    const std::vector<NoiseLevel> noise{{"q:a", 0.0, 1e-3, {}}, {"q:b", 0.0, 1e-3, {}}};
-    problem = make_problem(
-        make_sources(robot(), {record(hidden, 0), record(hidden, 1), record(hidden, 2)}, noise),
-        noise, {});
-    library.candidates = place_library(problem, effects).candidates;
-    library.nuisances = make_nuisances(problem);
-  }
-  int of(const std::string& effect, const std::vector<int>& joints) const {
-    for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-      if (library.candidates[i].effect == effect && library.candidates[i].joints == joints)
-        return static_cast<int>(i);
+  static std::vector<recording::Recording> recordings(const std::vector<EffectEntry>& hidden) {
+    const ModelFolder world = test::hiding(robot(), hidden);
+    std::vector<recording::Recording> out;
+    for (int i = 0; i < 3; ++i) {
+      const Drive drive = test::make_test_drive(world, 6.0, 0.01, [i](int joint, double t) {
+        return 0.7 * std::sin((3.3 + 0.4 * i + joint) * t) +
+               0.3 * std::sin((7.1 + 0.7 * i - joint) * t);
+      });
+      out.push_back(test::record(world, drive,
+                                 {.file = "made_" + std::to_string(i) + ".csv",
+                                  .noise_seed = 5 + static_cast<std::uint64_t>(i)}));
     }
-    return -1;
+    return out;
   }
 };
 

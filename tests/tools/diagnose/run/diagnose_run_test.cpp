@@ -11,9 +11,8 @@
 #include <set>
 #include <sstream>
 
+#include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/stats/random.h"
 #include "tools/recording/csv_writer.h"
@@ -30,26 +29,19 @@ constexpr const char* kServo =
 /// know; `duty`:
 /// recorded.
 recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty = false) {
-  ModelFolder world = test::pendulum(kServo);
-  world.effects = effects;
+  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [&](int, double t) {
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t) +
            (t > 5.0 ? 0.3 : 0.0);
   });
-  const SimParams params = params_with_effects(world);
-  const Prediction p =
-      simulate(params, drive, std::vector<Window>{test::whole(drive, {0.0}, {0.0})}).front();
+  recording::Recording r = test::record(world, drive, {.duty = duty});
   Random random(77, static_cast<std::uint64_t>(index));
-  recording::Recording r;
-  r.t = drive.t;
-  std::vector<double> q;
-  for (const double x : p.of(p.q, 0))
-    q.push_back(kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum));
-  r.set("u:a", drive.joints[0].command);
+  std::vector<double> q(r.find("q:a").begin(), r.find("q:a").end());
+  for (double& x : q) x = kQuantum * std::round((x + 0.3 * kQuantum * random.normal()) / kQuantum);
   r.set("q:a", q);
   if (!duty) return r;
-  std::vector<double> pwm;
-  for (const double x : p.of(p.pwm, 0)) pwm.push_back(std::round(885 * x) / 885);
+  std::vector<double> pwm(r.find("pwm:a").begin(), r.find("pwm:a").end());
+  for (double& x : pwm) x = std::round(885 * x) / 885;
   r.set("pwm:a", pwm);
   return r;
 }

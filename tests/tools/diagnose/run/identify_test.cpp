@@ -4,8 +4,7 @@
 
 #include <random>
 
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/run/identify.h"
 
 namespace sanso::diagnose {
@@ -13,18 +12,11 @@ namespace {
 
 recording::Recording recorded(const ModelFolder& model, const char* file, double phase,
                               std::uint64_t seed) {
-  Drive drive = test::make_test_drive(model, 8.0, 0.005, [phase](int, double t) {
+  const Drive drive = test::make_test_drive(model, 8.0, 0.005, [phase](int, double t) {
     return 0.6 * std::sin(4 * t + phase) + 0.4 * std::sin(7.3 * t);
   });
-  const SimParams params = params_with_effects(model);
-  auto out = simulate(params, drive, std::vector{test::whole(drive, {0}, {0})})[0];
-  add_sensor_noise(params, seed, out);
-  recording::Recording r;
-  r.file = file;
+  recording::Recording r = test::record(model, drive, {.file = file, .noise_seed = seed});
   r.condition = file;
-  r.t = drive.t;
-  r.set("q:a", out.q);
-  r.set("u:a", drive.joints[0].command);
   return r;
 }
 

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
-#include "tests/tools/diagnose/worlds.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/recording/csv_writer.h"
 

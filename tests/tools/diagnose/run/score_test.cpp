@@ -3,8 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/shared_data.h"
-#include "tests/tools/diagnose/worlds.h"
-#include "tools/diagnose/effects/from_model.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/run/score.h"
 #include "tools/recording/csv_reader.h"
 #include "tools/recording/input_error.h"
@@ -14,19 +13,10 @@ namespace {
 
 /// A recording of what the model does when it follows a sum of two sines.
 recording::Recording recorded(const ModelFolder& model, double duration) {
-  Drive drive = test::make_test_drive(model, duration, 0.005, [](int, double t) {
+  const Drive drive = test::make_test_drive(model, duration, 0.005, [](int, double t) {
     return 0.5 * std::sin(4 * t) + 0.3 * std::sin(7 * t);
   });
-  const auto out =
-      simulate(params_with_effects(model), drive, std::vector{test::whole(drive, {0}, {0})});
-  recording::Recording r;
-  r.file = "made.csv";
-  r.t = drive.t;
-  r.set("q:a", out[0].q);
-  r.set("dq:a", out[0].dq);
-  r.set("pwm:a", out[0].pwm);
-  r.set("u:a", drive.joints[0].command);
-  return r;
+  return test::record(model, drive, {.velocity = true, .duty = true});
 }
 
 constexpr const char* kServo = "actuator = \"dc_servo\"\narmature = 0.01\n";

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <memory>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 
 namespace sanso::diagnose {
 namespace {

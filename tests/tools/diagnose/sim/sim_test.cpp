@@ -5,7 +5,7 @@
 #include <random>
 
 #include "shared/model/tree.h"
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/sim/actuator.h"
 #include "tools/diagnose/sim/tree_dynamics.h"
 

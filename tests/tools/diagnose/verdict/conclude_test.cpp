@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/effects/effect.h"
 
 namespace sanso::diagnose {

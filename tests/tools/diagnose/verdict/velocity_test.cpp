@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tests/tools/diagnose/worlds.h"
+#include "tests/support/small_world.h"
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/verdict/predictability.h"
 

@@ -1,0 +1,45 @@
+// Recordings of a small world compared with a model: what the tests of search, explanation and
+// verdict start from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/support/small_world.h"
+#include "tools/diagnose/compare/candidate.h"
+#include "tools/diagnose/compare/problem.h"
+
+namespace sanso::diagnose::test {
+
+/// The shots of `recordings` under `nominal`, the library's `effects` (ids; empty: all) placed on
+/// them, and the nuisances.
+struct SmallComparison {
+  Problem problem;
+  Library library;
+
+  SmallComparison(const ModelFolder& nominal, const std::vector<recording::Recording>& recordings,
+                  const std::vector<NoiseLevel>& noise, const std::vector<std::string>& effects)
+      : problem(make_problem(make_sources(nominal, recordings, noise), noise, ProblemOptions{})) {
+    library.candidates = place_library(problem, effects).candidates;
+    library.nuisances = make_nuisances(problem);
+  }
+
+  /// The first candidate that is this effect, or the one at exactly these joints; -1: none.
+  int of(const std::string& effect, const std::vector<int>& joints = {}) const {
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) {
+      const Candidate& c = library.candidates[i];
+      if (c.effect == effect && (joints.empty() || c.joints == joints)) return static_cast<int>(i);
+    }
+    return -1;
+  }
+  std::vector<int> all() const {
+    std::vector<int> out;
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) out.push_back(static_cast<int>(i));
+    return out;
+  }
+  const std::string& name_of(int candidate) const {
+    return library.candidates[static_cast<std::size_t>(candidate)].effect;
+  }
+};
+
+}  // namespace sanso::diagnose::test
