@@ -161,7 +161,9 @@ def self_test():
 def table():
     """The rules as docs/tour.md shows them."""
     lines = ["| folder | may include |", "|---|---|"]
-    lines += [f"| {folder} | {', '.join(MAY[folder]) or '-'} |" for folder in MAY]
+    for folder, others in MAY.items():
+        shown = [o.rsplit("/", 1)[1] if o.endswith(".h") else o for o in others]
+        lines.append(f"| {folder} | {', '.join(shown) or '-'} |")
     lines += ["", "Inside the large folders, ground floor first:", "", "```"]
     for base, floors in FLOORS.items():
         lines += [f"{base}:"] + [f"    {', '.join(floor)}" for floor in floors if floor != ["."]]
