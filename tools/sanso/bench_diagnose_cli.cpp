@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tools/bench/diagnose/diagnose_bench.h"
+#include "tools/bench/diagnose/folder_bench.h"
 #include "tools/bench/diagnose/scaled_constant.h"
 #include "tools/conceal/conceal.h"
 #include "tools/conceal/reveal.h"
@@ -50,6 +51,7 @@ bench::DiagnoseScore opened(const conceal::Score& s) {
 void add_bench_diagnose(CLI::App& app, int& result) {
   struct Options {
     bench::DiagnoseBenchOptions bench;
+    bench::FolderBenchOptions cases;
     std::string family, effect, constant;
     double ratio = 0.0;
   };
@@ -76,7 +78,12 @@ void add_bench_diagnose(CLI::App& app, int& result) {
                       "only clean, single, pair, decoy, outside or ambiguous cases");
   command->add_option("--effect", options->effect, "only this effect hidden");
   command->add_option("--ratio", options->ratio, "only this severity");
-  command->add_option("--folder", options->bench.folder, "where the cases are put")
+  command->add_option("--folder", options->cases.folder,
+                      "score the cases of this folder (model/, rec_*.csv, heldout/, answer.json "
+                      "each) instead of concealing new ones");
+  command->add_flag("--resume", options->cases.resume,
+                    "with --folder: keep the outcomes that are in the working folder");
+  command->add_option("--work", options->bench.folder, "where cases and outcomes are put")
       ->capture_default_str();
   command->add_option("--minutes", options->bench.minutes,
                       "begin no case later than this; 0: run all");
@@ -92,6 +99,12 @@ void add_bench_diagnose(CLI::App& app, int& result) {
       } catch (const std::invalid_argument& error) {
         throw CLI::ValidationError("--constant", error.what());
       }
+    }
+    if (!options->cases.folder.empty()) {
+      options->cases.out = options->bench.folder;
+      options->cases.json = options->bench.json;
+      result = bench::bench_folder(options->cases);
+      return;
     }
     options->bench.conceal = [options](unsigned long seed, const std::string& robot,
                                        const std::string& folder) {

@@ -81,21 +81,50 @@ HorizonScore score_horizon(const SimParams& params, const Drive& drive,
   return out;
 }
 
-}  // namespace
-
-RecordingScore score(const ModelFolder& model, const recording::Recording& recording) {
+/// A recording with the model that holds for it, ready to be predicted.
+struct Prepared {
+  Drive drive;
+  SimParams params;
+  MeasuredMotion motion;
+};
+Prepared prepare(const ModelFolder& model, const recording::Recording& recording) {
   if (model.floating) {
     throw recording::InputError(model.folder, 0, "robot.base", "floating base", "floating",
                                 "a fixed base (\"fixed\")");
   }
   const ModelFolder here = with_overrides(model, recording);
-  const Drive drive = make_drive(recording, here);
-  const SimParams params = params_with_effects(here);
-  const MeasuredMotion motion = measured_motion(drive);
+  Prepared out;
+  out.drive = make_drive(recording, here);
+  out.params = params_with_effects(here);
+  out.motion = measured_motion(out.drive);
+  return out;
+}
+
+}  // namespace
+
+RecordingScore score(const ModelFolder& model, const recording::Recording& recording) {
+  const Prepared p = prepare(model, recording);
   RecordingScore out;
   out.file = recording.file;
   for (std::size_t h = 0; h < kSeconds.size(); ++h)
-    out.horizons[h] = score_horizon(params, drive, motion, kSeconds[h]);
+    out.horizons[h] = score_horizon(p.params, p.drive, p.motion, kSeconds[h]);
+  return out;
+}
+
+std::vector<double> window_errors(const ModelFolder& model, const recording::Recording& recording,
+                                  double seconds) {
+  const Prepared p = prepare(model, recording);
+  SimOptions options;
+  options.motion = &p.motion;
+  std::vector<double> out;
+  for (const Prediction& predicted :
+       simulate(p.params, p.drive, tiled_windows(p.drive, p.motion, seconds), options)) {
+    Sum sum;
+    for (std::size_t j = 0; j < p.drive.joints.size(); ++j)
+      add(sum, p.drive.joints[j].q, predicted.of(predicted.q, static_cast<int>(j)), predicted.first,
+          nullptr);
+    if (sum.count > 0) out.push_back(sum.rmse());
+  }
   return out;
 }
 

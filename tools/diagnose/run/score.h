@@ -33,6 +33,11 @@ struct RecordingScore {
 /// Samples while an actuator is off are left out of tau, i and pwm. Throws recording::InputError.
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording);
 
+/// RMS of the predicted positions' errors (all joints, rad or m) of every window of `seconds` [s]
+/// that is restarted from the measured state, in order of time. Throws recording::InputError.
+std::vector<double> window_errors(const ModelFolder& model, const recording::Recording& recording,
+                                  double seconds);
+
 /// The command: reads everything first, so that bad input writes nothing. Throws
 /// recording::InputError.
 std::vector<RecordingScore> score_files(const std::string& model_folder,
