@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tests/tools/diagnose/stats/made_series.h"
 #include "tools/diagnose/stats/curve.h"
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/robust.h"
@@ -14,20 +15,7 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr std::uint64_t kSeed = 20240607;
-
-std::vector<double> white(int n, std::uint64_t stream) {
-  Random random(kSeed, stream);
-  std::vector<double> x(static_cast<std::size_t>(n));
-  for (double& v : x) v = random.normal();
-  return x;
-}
-
-std::vector<double> coloured(int n, double a, std::uint64_t stream) {
-  std::vector<double> x = white(n, stream);
-  for (std::size_t i = 1; i < x.size(); ++i) x[i] += a * x[i - 1];
-  return x;
-}
+using namespace test;
 
 TEST(Random, StreamsAreReproducibleAndNormalHasUnitVariance) {
   EXPECT_EQ(Random(1, 2).bits(), Random(1, 2).bits());
