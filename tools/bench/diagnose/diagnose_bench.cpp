@@ -15,7 +15,7 @@
 #include "tools/bench/diagnose/baselines.h"
 #include "tools/bench/diagnose/residual_network.h"
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/effects/twins.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -117,6 +118,22 @@ struct Experiment {
   std::string_view what;
 };
 
+/// The keys of [joint.<name>] in model.toml that a parameter of an effect is: an effect of that size
+/// and a nominal model with the keys changed are the same robot.
+struct SettingChange {
+  enum class How { added, multiplied } how{};
+  std::vector<double JointSettings::*> keys{};  // changed alike; empty: no key says it
+  std::optional<Actuator> only{};               // whose keys they are; empty: of every actuator
+};
+
+/// Whether `sanso identify` fits a parameter.
+enum class Identified {
+  never,
+  always,
+  // of what acts as one number with a gain: only at joints under torque, which have no gain
+  under_torque
+};
+
 struct Effect {
   std::string_view id{};    // stable
   std::string_view code{};  // row of the method page, "F1"
@@ -134,7 +151,8 @@ struct Effect {
   std::vector<std::vector<double>> probes{};
   // +1: only values above the null are possible, -1: only below, 0: both
   int sign = 0;
-  unsigned residuals = kR2;                     // Residual bits it must change
+  // Residual bits it must change; 0: those of its chapter
+  unsigned residuals = 0;
   unsigned needs = 0;                           // Need bits
   std::string_view cluster{};                   // letters A..J of look-alikes
   std::vector<std::string_view> confounders{};  // ids
@@ -143,18 +161,35 @@ struct Effect {
   std::vector<std::string_view> regimes{};  // where in the motion it shows
   std::string_view signature{};             // in words, for the report
   std::vector<Experiment> experiments{};
+  // by parameter; shorter: no key says the rest, and identify leaves the rest alone
+  std::vector<SettingChange> settings{};
+  std::vector<Identified> identified{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
   /// parameters.size().
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
 
   bool testable_on_fixed_base() const { return (needs & (kGround | kImu)) == 0; }
   std::vector<double> null() const;
+  /// Whether `sanso identify` fits parameter k at a joint with this actuator.
+  bool fitted_by_identify(std::size_t k, Actuator actuator) const;
+  /// Changes `settings` as parameter k at `value` would; false, and nothing changed, where no key
+  /// says it or a key would leave its range.
+  bool fold_into(JointSettings& settings, std::size_t k, double value) const;
 };
 
 /// Every effect, in the order of the method page.
 const std::vector<Effect>& library();
 /// nullptr when there is no effect of this id.
 const Effect* find_effect(std::string_view id);
+
+/// Documented twins: the names that may rightly stand for an effect. Data in which only one of the
+/// two acts need not tell them apart. `name` for what is `truth`: the library lists it among the
+/// look-alikes of `truth` (Effect::confounders), or it is `truth` for some of its parameters
+/// (Effect::contains). Not the other way round: a special case is no twin of what contains it unless
+/// it is listed. Library ids; unknown ones have no twins.
+bool documented_twin(std::string_view name, std::string_view truth);
+/// All documented twins of an effect, in the order of the library.
+std::vector<std::string_view> documented_twins(std::string_view truth);
 
 /// How a joint compares with the library's servo; all 1 for the XM430-W350.
 struct JointScale {

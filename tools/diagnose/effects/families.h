@@ -1,6 +1,9 @@
-// The library's chapters, one a file.
+// The library's chapters, one a file, and what their effects are made of: what a chapter shares, the
+// plain ways of changing a joint, experiments.
 #pragma once
 
+#include <initializer_list>
+#include <utility>
 #include <vector>
 
 #include "tools/diagnose/effects/effect.h"
@@ -22,6 +25,66 @@ inline JointParams& joint(SimParams& p, int where) {
 }
 inline BodyInertia& body(SimParams& p, int where) {
   return p.tree.joints[static_cast<std::size_t>(where)].body;
+}
+
+/// What the effects of a chapter have in common.
+struct Chapter {
+  Family family{};
+  Port port{};
+  Scope scope{};
+  unsigned residuals = 0;
+};
+inline Effect of_chapter(const Chapter& chapter, Effect effect) {
+  effect.family = chapter.family;
+  effect.port = chapter.port;
+  effect.scope = chapter.scope;
+  if (effect.residuals == 0) effect.residuals = chapter.residuals;
+  return effect;
+}
+
+/// Parameter k is added to the k-th field.
+template <class... Field>
+auto adds(Field JointParams::*... field) {
+  return [=](SimParams& p, int j, Theta x) {
+    std::size_t k = 0;
+    ((joint(p, j).*field += x[k++]), ...);
+  };
+}
+/// The k-th field is multiplied by parameter k.
+template <class... Field>
+auto multiplies(Field JointParams::*... field) {
+  return [=](SimParams& p, int j, Theta x) {
+    std::size_t k = 0;
+    ((joint(p, j).*field *= x[k++]), ...);
+  };
+}
+/// Parameters sine, cosine, order replace a ripple; without an amplitude they leave it alone.
+inline auto ripples(Ripple JointParams::*field) {
+  return [=](SimParams& p, int j, Theta x) {
+    if (x[0] == 0.0 && x[1] == 0.0) return;
+    joint(p, j).*field = {x[0], x[1], x[2]};
+  };
+}
+
+/// The key of model.toml to which a parameter is added.
+inline SettingChange added_to(double JointSettings::*key) {
+  return {SettingChange::How::added, {key}};
+}
+/// The keys that a parameter multiplies, all or of one kind of actuator.
+inline SettingChange multiplied(std::vector<double JointSettings::*> keys,
+                                std::optional<Actuator> only = {}) {
+  return {SettingChange::How::multiplied, std::move(keys), only};
+}
+
+/// Probes of a ripple: sine and cosine of one size at each order.
+inline std::vector<std::vector<double>> both_phases(double size,
+                                                    std::initializer_list<double> orders) {
+  std::vector<std::vector<double>> probes;
+  for (const double order : orders) {
+    probes.push_back({size, 0.0, order});
+    probes.push_back({0.0, size, order});
+  }
+  return probes;
 }
 
 inline constexpr Experiment kHalveGain{Experiment::Kind::setting,

@@ -1,3 +1,5 @@
+// The scale of a joint from its motor, its limits, or the peaks of commands and speeds in the
+// recordings, glitches left out.
 #include "tools/diagnose/effects/joint_scale.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// The chapters put together in the order of the method page, and what an effect can be asked.
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -44,6 +46,47 @@ const Effect* find_effect(std::string_view id) {
     if (effect.id == id) return &effect;
   }
   return nullptr;
+}
+
+bool Effect::fitted_by_identify(std::size_t k, Actuator actuator) const {
+  if (k >= identified.size() || identified[k] == Identified::never) return false;
+  return identified[k] == Identified::always || actuator == Actuator::torque;
+}
+
+bool Effect::fold_into(JointSettings& changed, std::size_t k, double value) const {
+  if (k >= settings.size() || settings[k].keys.empty()) return false;
+  const SettingChange& change = settings[k];
+  if (change.only && *change.only != changed.actuator) return false;
+  JointSettings out = changed;
+  bool inside = true;
+  JointSettings::visit(
+      out, [&](std::string_view, double& setting, std::string_view, double low, double high) {
+        for (const auto key : change.keys) {
+          if (&(out.*key) != &setting) continue;
+          setting = change.how == SettingChange::How::added ? setting + value : setting * value;
+          inside = inside && low <= setting && setting <= high;
+        }
+      });
+  if (inside) changed = out;
+  return inside;
+}
+
+bool documented_twin(std::string_view name, std::string_view truth) {
+  const Effect* named = find_effect(name);
+  const Effect* there = find_effect(truth);
+  if (named == nullptr || there == nullptr) return false;
+  const auto lists = [](const std::vector<std::string_view>& ids, std::string_view id) {
+    return std::find(ids.begin(), ids.end(), id) != ids.end();
+  };
+  return lists(there->confounders, name) || lists(named->contains, truth);
+}
+
+std::vector<std::string_view> documented_twins(std::string_view truth) {
+  std::vector<std::string_view> out;
+  for (const Effect& e : library()) {
+    if (documented_twin(e.id, truth)) out.push_back(e.id);
+  }
+  return out;
 }
 
 double JointScale::of(Unit unit) const {

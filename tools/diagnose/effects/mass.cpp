@@ -51,138 +51,134 @@ void lengthen(SimParams& p, int j, double length, double tilt_1, double tilt_2) 
   if (tilt_1 != 0.0 || tilt_2 != 0.0) t.axis = tilted(t.axis, tilt_1, tilt_2);
 }
 
+Effect of_link(Effect effect) {
+  return of_chapter({Family::mass, Port::rigid_body, Scope::link, kR2 | kR3 | kR5},
+                    std::move(effect));
+}
+Effect of_joint(Effect effect) {
+  return of_chapter({Family::mass, Port::rigid_body, Scope::joint, kR2 | kR3 | kR5},
+                    std::move(effect));
+}
+
+Effect link_mass() {
+  return of_link({
+      .id = "link_mass",
+      .code = "M1",
+      .name = "link mass",
+      .form = "mass and inertia times 1 + share",
+      .parameters = {{"share", "-", 0, -0.6, 1, 0.1}},
+      .terms = kOfAngle | kOfAcceleration,
+      .probes = {{0.1}},
+      .cluster = "A",
+      .confounders = {"servo_p_gain", "torque_constant", "battery_drift", "payload", "link_com"},
+      .regimes = {"high load", "accelerating"},
+      .signature = "gravity and inertia together",
+      .experiments = {kAddPayload, kTilt},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            body(p, j).mass *= 1.0 + x[0];
+            for (double& i : body(p, j).about_com) i *= 1.0 + x[0];
+          },
+  });
+}
+
+Effect link_com() {
+  return of_link({
+      .id = "link_com",
+      .code = "M2",
+      .name = "centre of mass of a link",
+      .form = "com + (x, y, z)",
+      // a link reaches from its joint to about twice the distance of its centre of mass (scaled
+      // to 0.1 m)
+      .parameters = {{"x", "m", 0, -0.1, 0.1, 0.005, Unit::length},
+                     {"y", "m", 0, -0.1, 0.1, 0.005, Unit::length},
+                     {"z", "m", 0, -0.1, 0.1, 0.005, Unit::length}},
+      .terms = kOfAngle | kOfAcceleration,
+      .probes = {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}},
+      .cluster = "E",
+      .confounders = {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring",
+                      "link_mass"},
+      .regimes = {"standstill", "high load"},
+      .signature = "static error that follows the posture",
+      .experiments = {kTilt, kPostures},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
+          },
+  });
+}
+
+Effect link_inertia() {
+  return of_link({
+      .id = "link_inertia",
+      .code = "M3",
+      .name = "rotational inertia of a link",
+      .form = "+share of the inertia about its joint",
+      // mass r^2 at the centre of mass to twice that, half of it at either end of such a link
+      .parameters = {{"share", "-", 0, -0.6, 1, 0.1}},
+      .terms = kOfAcceleration,
+      .probes = {{0.1}},
+      .cluster = "F",
+      .confounders = {"rotor_inertia", "link_mass"},
+      .regimes = {"accelerating"},
+      .signature = "fast motion",
+      .experiments = {kAddPayload, kChirp},
+      .apply = [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); },
+  });
+}
+
+Effect payload() {
+  return of_link({
+      .id = "payload",
+      .code = "M4",
+      .name = "payload",
+      .form = "mass at (x, y, z) of the link from the instant `from` on",
+      .parameters = {{"mass", "kg", 0, 0, 1, 0.1, Unit::torque},
+                     {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                     {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                     {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length},
+                     {"from", "s", 0, 0, 1e4, 1, Unit::none, true, Role::instant}},
+      .smooth = false,
+      .terms = kOfAngle | kOfAcceleration,
+      .probes =
+          {{0.1, 0, 0, -0.1, 0}, {0.1, 0, 0, 0.1, 0}, {0.1, 0.1, 0, 0, 0}, {0.1, -0.1, 0, 0, 0}},
+      .sign = 1,
+      .cluster = "J",
+      .confounders = {"link_mass", "external_push", "tether"},
+      .contains = {"link_mass", "link_com"},
+      .regimes = {"high load", "late"},
+      .signature = "a step in time",
+      .experiments = {kTilt},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
+          },
+  });
+}
+
+Effect link_geometry() {
+  return of_joint({
+      .id = "link_geometry",
+      .code = "M5",
+      .name = "link length or joint axis",
+      .form = "joint origin + length along its own direction, axis tilted",
+      .parameters = {{"length", "m", 0, -0.005, 0.005, 0.001, Unit::length},
+                     {"tilt_1", "rad", 0, -0.035, 0.035, 0.01},
+                     {"tilt_2", "rad", 0, -0.035, 0.035, 0.01}},
+      .probes = {{0.005, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}},
+      .residuals = kR2 | kR3 | kR6,
+      .confounders = {"encoder_offset", "link_com"},
+      .regimes = {"high load"},
+      .signature = "position of the link, many postures",
+      .experiments = {kOutsideSensor, kPostures},
+      .apply = [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); },
+  });
+}
+
 }  // namespace
 
 std::vector<Effect> mass_effects() {
-  constexpr Family F = Family::mass;
-  constexpr Port P = Port::rigid_body;
-  constexpr Scope L = Scope::link;
-  constexpr unsigned R = kR2 | kR3 | kR5;
-  return {
-      {
-          .id = "link_mass",
-          .code = "M1",
-          .name = "link mass",
-          .form = "mass and inertia times 1 + share",
-          .family = F,
-          .port = P,
-          .scope = L,
-          .parameters = {{"share", "-", 0, -0.6, 1, 0.1}},
-          .terms = kOfAngle | kOfAcceleration,
-          .probes = {{0.1}},
-          .residuals = R,
-          .cluster = "A",
-          .confounders = {"servo_p_gain", "torque_constant", "battery_drift", "payload",
-                          "link_com"},
-          .regimes = {"high load", "accelerating"},
-          .signature = "gravity and inertia together",
-          .experiments = {kAddPayload, kTilt},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                body(p, j).mass *= 1.0 + x[0];
-                for (double& i : body(p, j).about_com) i *= 1.0 + x[0];
-              },
-      },
-      {
-          .id = "link_com",
-          .code = "M2",
-          .name = "centre of mass of a link",
-          .form = "com + (x, y, z)",
-          .family = F,
-          .port = P,
-          .scope = L,
-          // a link reaches from its joint to about twice the distance of its centre of mass (scaled
-          // to 0.1 m)
-          .parameters = {{"x", "m", 0, -0.1, 0.1, 0.005, Unit::length},
-                         {"y", "m", 0, -0.1, 0.1, 0.005, Unit::length},
-                         {"z", "m", 0, -0.1, 0.1, 0.005, Unit::length}},
-          .terms = kOfAngle | kOfAcceleration,
-          .probes = {{0.005, 0, 0}, {0, 0.005, 0}, {0, 0, 0.005}},
-          .residuals = R,
-          .cluster = "E",
-          .confounders = {"encoder_offset", "ground_slope", "imu_misalignment", "cable_spring",
-                          "link_mass"},
-          .regimes = {"standstill", "high load"},
-          .signature = "static error that follows the posture",
-          .experiments = {kTilt, kPostures},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
-              },
-      },
-      {
-          .id = "link_inertia",
-          .code = "M3",
-          .name = "rotational inertia of a link",
-          .form = "+share of the inertia about its joint",
-          .family = F,
-          .port = P,
-          .scope = L,
-          // mass r^2 at the centre of mass to twice that, half of it at either end of such a link
-          .parameters = {{"share", "-", 0, -0.6, 1, 0.1}},
-          .terms = kOfAcceleration,
-          .probes = {{0.1}},
-          .residuals = R,
-          .cluster = "F",
-          .confounders = {"rotor_inertia", "link_mass"},
-          .regimes = {"accelerating"},
-          .signature = "fast motion",
-          .experiments = {kAddPayload, kChirp},
-          .apply = [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); },
-      },
-      {
-          .id = "payload",
-          .code = "M4",
-          .name = "payload",
-          .form = "mass at (x, y, z) of the link from the instant `from` on",
-          .family = F,
-          .port = P,
-          .scope = L,
-          .parameters = {{"mass", "kg", 0, 0, 1, 0.1, Unit::torque},
-                         {"x", "m", 0, -0.3, 0.3, 0.05, Unit::length},
-                         {"y", "m", 0, -0.3, 0.3, 0.05, Unit::length},
-                         {"z", "m", 0, -0.3, 0.3, 0.05, Unit::length},
-                         {"from", "s", 0, 0, 1e4, 1, Unit::none, true, Role::instant}},
-          .smooth = false,
-          .terms = kOfAngle | kOfAcceleration,
-          .probes = {{0.1, 0, 0, -0.1, 0},
-                     {0.1, 0, 0, 0.1, 0},
-                     {0.1, 0.1, 0, 0, 0},
-                     {0.1, -0.1, 0, 0, 0}},
-          .sign = 1,
-          .residuals = R,
-          .cluster = "J",
-          .confounders = {"link_mass", "external_push", "tether"},
-          .contains = {"link_mass", "link_com"},
-          .regimes = {"high load", "late"},
-          .signature = "a step in time",
-          .experiments = {kTilt},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] != 0.0)
-                  p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});
-              },
-      },
-      {
-          .id = "link_geometry",
-          .code = "M5",
-          .name = "link length or joint axis",
-          .form = "joint origin + length along its own direction, axis tilted",
-          .family = F,
-          .port = P,
-          .scope = Scope::joint,
-          .parameters = {{"length", "m", 0, -0.005, 0.005, 0.001, Unit::length},
-                         {"tilt_1", "rad", 0, -0.035, 0.035, 0.01},
-                         {"tilt_2", "rad", 0, -0.035, 0.035, 0.01}},
-          .probes = {{0.005, 0, 0}, {0, 0.02, 0}, {0, 0, 0.02}},
-          .residuals = kR2 | kR3 | kR6,
-          .confounders = {"encoder_offset", "link_com"},
-          .regimes = {"high load"},
-          .signature = "position of the link, many postures",
-          .experiments = {kOutsideSensor, kPostures},
-          .apply = [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); },
-      },
-  };
+  return {link_mass(), link_com(), link_inertia(), payload(), link_geometry()};
 }
 
 }  // namespace sanso::diagnose

@@ -2,109 +2,115 @@
 #include "tools/diagnose/effects/families.h"
 
 namespace sanso::diagnose {
+namespace {
+
+Effect encoder(Effect effect) {
+  return of_chapter({Family::sensor, Port::sensor, Scope::joint, kR2 | kR6}, std::move(effect));
+}
+Effect imu(Effect effect) {
+  return of_chapter({Family::sensor, Port::sensor, Scope::robot, kR2 | kR6}, std::move(effect));
+}
+
+Effect encoder_offset() {
+  return encoder({
+      .id = "encoder_offset",
+      .code = "S1",
+      .name = "encoder offset",
+      .form = "reading + offset",
+      .parameters = {{"offset", "rad", 0, -0.1, 0.1, 0.02, Unit::angle}},
+      .probes = {{0.02}},
+      .cluster = "E",
+      .confounders = {"link_com", "ground_slope", "imu_misalignment", "cable_spring"},
+      .regimes = {"standstill", "high load"},
+      .signature = "a static error of gravity",
+      .experiments = {kTilt, kOutsideSensor, kPostures},
+      .identified = {Identified::always},
+      .apply = adds(&JointParams::encoder_offset),
+  });
+}
+
+Effect encoder_nonlinearity() {
+  return encoder({
+      .id = "encoder_nonlinearity",
+      .code = "S2",
+      .name = "encoder nonlinearity or scale",
+      .form = "(1 + scale) q + sine sin(q) + cosine cos(q)",
+      .parameters = {{"sine", "rad", 0, -0.03, 0.03, 0.005, Unit::angle},
+                     {"cosine", "rad", 0, -0.03, 0.03, 0.005, Unit::angle},
+                     {"scale", "-", 0, -0.05, 0.05, 0.01}},
+      .probes = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.02}},
+      .confounders = {"gear_kinematic_error", "link_geometry"},
+      .contains = {"encoder_offset"},
+      .regimes = {"standstill", "low speed"},
+      .signature = "once per turn, no torque",
+      .experiments = {kOutsideSensor, kFullRange},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            if (x[0] != 0.0 || x[1] != 0.0) joint(p, j).encoder_error = {x[0], x[1], 1.0};
+            joint(p, j).encoder_scale += x[2];
+          },
+  });
+}
+
+Effect velocity_filter() {
+  return encoder({
+      .id = "velocity_filter",
+      .code = "S3",
+      .name = "filter of the velocity channel",
+      .form = "dq channel through first order `time`",
+      .parameters = {{"time", "s", 0, 0, 0.05, 0.005}},
+      .probes = {{0.01}},
+      .sign = 1,
+      .residuals = kR1 | kR2,
+      .needs = kVelocity,
+      .confounders = {"sensor_delay"},
+      .regimes = {"accelerating"},
+      .signature = "dq column against the slope of q",
+      .experiments = {kChirp},
+      .apply = adds(&JointParams::velocity_filter),
+  });
+}
+
+Effect imu_bias() {
+  return imu({
+      .id = "imu_bias",
+      .code = "S4",
+      .name = "IMU bias and scale",
+      .form = "reading + bias",
+      .parameters = {{"gyro_x", "rad/s", 0, -0.1, 0.1, 0.01},
+                     {"gyro_y", "rad/s", 0, -0.1, 0.1, 0.01},
+                     {"gyro_z", "rad/s", 0, -0.1, 0.1, 0.01}},
+      .residuals = kR5 | kR6,
+      .needs = kImu,
+      .confounders = {"imu_misalignment", "ground_slope"},
+      .regimes = {"standstill"},
+      .signature = "at rest",
+  });
+}
+
+Effect imu_misalignment() {
+  return imu({
+      .id = "imu_misalignment",
+      .code = "S5",
+      .name = "IMU misalignment",
+      .form = "reading turned by a small rotation",
+      .parameters = {{"x", "rad", 0, -0.09, 0.09, 0.02},
+                     {"y", "rad", 0, -0.09, 0.09, 0.02},
+                     {"z", "rad", 0, -0.09, 0.09, 0.02}},
+      .residuals = kR6,
+      .needs = kImu,
+      .cluster = "E",
+      .confounders = {"ground_slope", "link_com", "encoder_offset"},
+      .regimes = {"standstill"},
+      .signature = "attitude constant in the body",
+  });
+}
+
+}  // namespace
 
 std::vector<Effect> sensor_effects() {
-  constexpr Family F = Family::sensor;
-  constexpr Port P = Port::sensor;
-  constexpr Scope S = Scope::joint;
-  return {
-      {
-          .id = "encoder_offset",
-          .code = "S1",
-          .name = "encoder offset",
-          .form = "reading + offset",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"offset", "rad", 0, -0.1, 0.1, 0.02, Unit::angle}},
-          .probes = {{0.02}},
-          .residuals = kR2 | kR6,
-          .cluster = "E",
-          .confounders = {"link_com", "ground_slope", "imu_misalignment", "cable_spring"},
-          .regimes = {"standstill", "high load"},
-          .signature = "a static error of gravity",
-          .experiments = {kTilt, kOutsideSensor, kPostures},
-          .apply = [](SimParams& p, int j, Theta x) { joint(p, j).encoder_offset += x[0]; },
-      },
-      {
-          .id = "encoder_nonlinearity",
-          .code = "S2",
-          .name = "encoder nonlinearity or scale",
-          .form = "(1 + scale) q + sine sin(q) + cosine cos(q)",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"sine", "rad", 0, -0.03, 0.03, 0.005, Unit::angle},
-                         {"cosine", "rad", 0, -0.03, 0.03, 0.005, Unit::angle},
-                         {"scale", "-", 0, -0.05, 0.05, 0.01}},
-          .probes = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.02}},
-          .residuals = kR2 | kR6,
-          .confounders = {"gear_kinematic_error", "link_geometry"},
-          .contains = {"encoder_offset"},
-          .regimes = {"standstill", "low speed"},
-          .signature = "once per turn, no torque",
-          .experiments = {kOutsideSensor, kFullRange},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] != 0.0 || x[1] != 0.0) joint(p, j).encoder_error = {x[0], x[1], 1.0};
-                joint(p, j).encoder_scale += x[2];
-              },
-      },
-      {
-          .id = "velocity_filter",
-          .code = "S3",
-          .name = "filter of the velocity channel",
-          .form = "dq channel through first order `time`",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"time", "s", 0, 0, 0.05, 0.005}},
-          .probes = {{0.01}},
-          .sign = 1,
-          .residuals = kR1 | kR2,
-          .needs = kVelocity,
-          .confounders = {"sensor_delay"},
-          .regimes = {"accelerating"},
-          .signature = "dq column against the slope of q",
-          .experiments = {kChirp},
-          .apply = [](SimParams& p, int j, Theta x) { joint(p, j).velocity_filter += x[0]; },
-      },
-      {
-          .id = "imu_bias",
-          .code = "S4",
-          .name = "IMU bias and scale",
-          .form = "reading + bias",
-          .family = F,
-          .port = P,
-          .scope = Scope::robot,
-          .parameters = {{"gyro_x", "rad/s", 0, -0.1, 0.1, 0.01},
-                         {"gyro_y", "rad/s", 0, -0.1, 0.1, 0.01},
-                         {"gyro_z", "rad/s", 0, -0.1, 0.1, 0.01}},
-          .residuals = kR5 | kR6,
-          .needs = kImu,
-          .confounders = {"imu_misalignment", "ground_slope"},
-          .regimes = {"standstill"},
-          .signature = "at rest",
-      },
-      {
-          .id = "imu_misalignment",
-          .code = "S5",
-          .name = "IMU misalignment",
-          .form = "reading turned by a small rotation",
-          .family = F,
-          .port = P,
-          .scope = Scope::robot,
-          .parameters = {{"x", "rad", 0, -0.09, 0.09, 0.02},
-                         {"y", "rad", 0, -0.09, 0.09, 0.02},
-                         {"z", "rad", 0, -0.09, 0.09, 0.02}},
-          .residuals = kR6,
-          .needs = kImu,
-          .cluster = "E",
-          .confounders = {"ground_slope", "link_com", "encoder_offset"},
-          .regimes = {"standstill"},
-          .signature = "attitude constant in the body",
-      },
-  };
+  return {encoder_offset(), encoder_nonlinearity(), velocity_filter(), imu_bias(),
+          imu_misalignment()};
 }
 
 }  // namespace sanso::diagnose

@@ -1,10 +1,10 @@
+// One line of markdown an effect and a setting, straight from the declarations.
 #include "tools/diagnose/effects/table.h"
 
 #include <cmath>
 #include <cstdio>
 
 #include "tools/diagnose/effects/effect.h"
-#include "tools/diagnose/effects/twins.h"
 
 namespace sanso::diagnose {
 namespace {

@@ -2,197 +2,172 @@
 #include "tools/diagnose/effects/families.h"
 
 namespace sanso::diagnose {
+namespace {
+
+Effect gear(Effect effect) {
+  return of_chapter({Family::transmission, Port::transmission, Scope::joint, kR2 | kR3},
+                    std::move(effect));
+}
+
+Effect backlash() {
+  return gear({
+      .id = "backlash",
+      .code = "T1",
+      .name = "backlash",
+      .form = "motor and link are two masses with play of width `width`",
+      .parameters = {{"width", "rad", 0, 0, 0.06, 0.01, Unit::angle},
+                     {"encoder_at_motor", "0 or 1", 0, 0, 1, 1, Unit::none, true}},
+      .smooth = false,
+      .probes = {{0.005, 0}, {0.02, 0}, {0.005, 1}, {0.02, 1}},
+      .sign = 1,
+      .cluster = "D",
+      .confounders = {"coulomb_friction", "presliding_friction", "servo_deadband",
+                      "joint_compliance", "command_delay"},
+      .regimes = {"reversal"},
+      .signature = "lost motion at reversal; the load hangs free for a moment",
+      .experiments = {kAddPayload, kHalveGain, kAmplitudeSweep},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            if (x[0] == 0.0) return;
+            joint(p, j).backlash += x[0];
+            joint(p, j).encoder_at_motor = x[1] >= 0.5;
+          },
+  });
+}
+
+Effect joint_compliance() {
+  return gear({
+      .id = "joint_compliance",
+      .code = "T2",
+      .name = "joint compliance",
+      .form = "spring 1/compliance and damper between motor and link",
+      .parameters = {{"compliance", "rad/(N m)", 0, 0, 0.1, 0.01, Unit::compliance},
+                     {"damping", "N m s/rad", 0, 0, 1, 0.05, Unit::viscous},
+                     {"encoder_at_motor", "0 or 1", 0, 0, 1, 1, Unit::none, true}},
+      .smooth = false,
+      .probes = {{0.005, 0.05, 0}, {0.03, 0.05, 0}, {0.005, 0.05, 1}, {0.03, 0.05, 1}},
+      .sign = 1,
+      .residuals = kR2 | kR3 | kR6,
+      .cluster = "BG",
+      .confounders = {"servo_p_gain", "command_delay", "sensor_delay", "servo_d_gain",
+                      "servo_profile", "backlash", "contact_compliance"},
+      .regimes = {"accelerating", "high load"},
+      .signature = "resonance, sag with load",
+      .experiments = {kOutsideSensor, kChirp, kAddPayload},
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            if (x[0] == 0.0) return;
+            joint(p, j).compliance += x[0];
+            joint(p, j).compliance_damping += x[1];
+            joint(p, j).encoder_at_motor = x[2] >= 0.5;
+          },
+  });
+}
+
+Effect gear_kinematic_error() {
+  return gear({
+      .id = "gear_kinematic_error",
+      .code = "T3",
+      .name = "gear ripple (kinematic error)",
+      .form = "link = motor + sine sin(order q) + cosine cos(order q)",
+      .parameters = {{"sine", "rad", 0, -0.02, 0.02, 0.002, Unit::angle},
+                     {"cosine", "rad", 0, -0.02, 0.02, 0.002, Unit::angle},
+                     {"order", "1/rad", 1, 1, 400, 1, Unit::per_angle, true, Role::order}},
+      .probes = both_phases(0.004, {1, 4, 16}),
+      .residuals = kR2 | kR3 | kR6,
+      .cluster = "I",
+      .confounders = {"cogging", "position_friction", "encoder_nonlinearity"},
+      .regimes = {"low speed"},
+      .signature = "order lines over the angle",
+      .experiments = {kFullRange, kOutsideSensor},
+      .apply = ripples(&JointParams::gear_error),
+  });
+}
+
+Effect cogging() {
+  return gear({
+      .id = "cogging",
+      .code = "T4",
+      .name = "cogging torque",
+      .form = "sine sin(order q) + cosine cos(order q)",
+      .parameters = {{"sine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
+                     {"cosine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
+                     {"order", "1/rad", 1, 1, 400, 1, Unit::per_angle, true, Role::order}},
+      .terms = kOfAngle,
+      .probes = both_phases(0.05, {2, 4, 7, 12, 24, 42}),
+      .cluster = "I",
+      .confounders = {"position_friction", "gear_kinematic_error", "link_com"},
+      .regimes = {"low speed"},
+      .signature = "order lines over the angle, conservative",
+      .experiments = {kSlowRamps, kFullRange},
+      .apply = ripples(&JointParams::cogging),
+  });
+}
+
+Effect rotor_inertia() {
+  return gear({
+      .id = "rotor_inertia",
+      .code = "T5",
+      .name = "rotor inertia",
+      .form = "+armature ddq",
+      .parameters = {{"armature", "kg m^2", 0, -0.04, 0.1, 0.01, Unit::inertia}},
+      .terms = kOfAcceleration,
+      .probes = {{0.01}},
+      .cluster = "F",
+      .confounders = {"link_inertia", "link_mass"},
+      .regimes = {"accelerating"},
+      .signature = "grows with acceleration, in its own joint only",
+      .experiments = {kAddPayload, kChirp},
+      .settings = {added_to(&JointSettings::armature)},
+      .identified = {Identified::always},
+      .apply = adds(&JointParams::armature),
+  });
+}
+
+Effect gear_efficiency() {
+  return gear({
+      .id = "gear_efficiency",
+      .code = "T6",
+      .name = "gear efficiency",
+      .form = "torque times efficiency when driving, over efficiency when driven",
+      .parameters = {{"efficiency", "-", 1, 0.4, 1, 0.1}},
+      .smooth = false,
+      .probes = {{0.9}, {0.7}},
+      .sign = -1,
+      .residuals = kR2 | kR3 | kR8,
+      .confounders = {"directional_load_friction", "load_friction", "torque_constant"},
+      .regimes = {"driving", "back-driven"},
+      .signature = "the direction of power decides",
+      .experiments = {kLiftAndLower},
+      .apply = multiplies(&JointParams::efficiency),
+  });
+}
+
+Effect cable_spring() {
+  return gear({
+      .id = "cable_spring",
+      .code = "T7",
+      .name = "cable or spring",
+      .form = "-stiffness q + torque",
+      .parameters = {{"stiffness", "N m/rad", 0, 0, 2, 0.1, Unit::stiffness},
+                     {"torque", "N m", 0, -1, 1, 0.05, Unit::torque}},
+      .terms = kOfAngle,
+      .probes = {{0.1, 0}, {0, 0.05}},
+      .cluster = "E",
+      .confounders = {"link_com", "encoder_offset", "ground_slope", "imu_misalignment",
+                      "joint_stop"},
+      .regimes = {"standstill", "low speed"},
+      .signature = "conservative, a function of the angle",
+      .experiments = {kTilt, kPostures},
+      .apply = adds(&JointParams::spring, &JointParams::spring_torque),
+  });
+}
+
+}  // namespace
 
 std::vector<Effect> transmission_effects() {
-  constexpr Family F = Family::transmission;
-  constexpr Port P = Port::transmission;
-  constexpr Scope S = Scope::joint;
-  return {
-      {
-          .id = "backlash",
-          .code = "T1",
-          .name = "backlash",
-          .form = "motor and link are two masses with play of width `width`",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"width", "rad", 0, 0, 0.06, 0.01, Unit::angle},
-                         {"encoder_at_motor", "0 or 1", 0, 0, 1, 1, Unit::none, true}},
-          .smooth = false,
-          .probes = {{0.005, 0}, {0.02, 0}, {0.005, 1}, {0.02, 1}},
-          .sign = 1,
-          .residuals = kR2 | kR3,
-          .cluster = "D",
-          .confounders = {"coulomb_friction", "presliding_friction", "servo_deadband",
-                          "joint_compliance", "command_delay"},
-          .regimes = {"reversal"},
-          .signature = "lost motion at reversal; the load hangs free for a moment",
-          .experiments = {kAddPayload, kHalveGain, kAmplitudeSweep},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] == 0.0) return;
-                joint(p, j).backlash += x[0];
-                joint(p, j).encoder_at_motor = x[1] >= 0.5;
-              },
-      },
-      {
-          .id = "joint_compliance",
-          .code = "T2",
-          .name = "joint compliance",
-          .form = "spring 1/compliance and damper between motor and link",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"compliance", "rad/(N m)", 0, 0, 0.1, 0.01, Unit::compliance},
-                         {"damping", "N m s/rad", 0, 0, 1, 0.05, Unit::viscous},
-                         {"encoder_at_motor", "0 or 1", 0, 0, 1, 1, Unit::none, true}},
-          .smooth = false,
-          .probes = {{0.005, 0.05, 0}, {0.03, 0.05, 0}, {0.005, 0.05, 1}, {0.03, 0.05, 1}},
-          .sign = 1,
-          .residuals = kR2 | kR3 | kR6,
-          .cluster = "BG",
-          .confounders = {"servo_p_gain", "command_delay", "sensor_delay", "servo_d_gain",
-                          "servo_profile", "backlash", "contact_compliance"},
-          .regimes = {"accelerating", "high load"},
-          .signature = "resonance, sag with load",
-          .experiments = {kOutsideSensor, kChirp, kAddPayload},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] == 0.0) return;
-                joint(p, j).compliance += x[0];
-                joint(p, j).compliance_damping += x[1];
-                joint(p, j).encoder_at_motor = x[2] >= 0.5;
-              },
-      },
-      {
-          .id = "gear_kinematic_error",
-          .code = "T3",
-          .name = "gear ripple (kinematic error)",
-          .form = "link = motor + sine sin(order q) + cosine cos(order q)",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"sine", "rad", 0, -0.02, 0.02, 0.002, Unit::angle},
-                         {"cosine", "rad", 0, -0.02, 0.02, 0.002, Unit::angle},
-                         {"order", "1/rad", 1, 1, 400, 1, Unit::per_angle, true, Role::order}},
-          .probes = {{0.004, 0, 1},
-                     {0, 0.004, 1},
-                     {0.004, 0, 4},
-                     {0, 0.004, 4},
-                     {0.004, 0, 16},
-                     {0, 0.004, 16}},
-          .residuals = kR2 | kR3 | kR6,
-          .cluster = "I",
-          .confounders = {"cogging", "position_friction", "encoder_nonlinearity"},
-          .regimes = {"low speed"},
-          .signature = "order lines over the angle",
-          .experiments = {kFullRange, kOutsideSensor},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] == 0.0 && x[1] == 0.0) return;
-                joint(p, j).gear_error = {x[0], x[1], x[2]};
-              },
-      },
-      {
-          .id = "cogging",
-          .code = "T4",
-          .name = "cogging torque",
-          .form = "sine sin(order q) + cosine cos(order q)",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"sine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
-                         {"cosine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
-                         {"order", "1/rad", 1, 1, 400, 1, Unit::per_angle, true, Role::order}},
-          .terms = kOfAngle,
-          .probes = {{0.05, 0, 2},
-                     {0, 0.05, 2},
-                     {0.05, 0, 4},
-                     {0, 0.05, 4},
-                     {0.05, 0, 7},
-                     {0, 0.05, 7},
-                     {0.05, 0, 12},
-                     {0, 0.05, 12},
-                     {0.05, 0, 24},
-                     {0, 0.05, 24},
-                     {0.05, 0, 42},
-                     {0, 0.05, 42}},
-          .residuals = kR2 | kR3,
-          .cluster = "I",
-          .confounders = {"position_friction", "gear_kinematic_error", "link_com"},
-          .regimes = {"low speed"},
-          .signature = "order lines over the angle, conservative",
-          .experiments = {kSlowRamps, kFullRange},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                if (x[0] == 0.0 && x[1] == 0.0) return;
-                joint(p, j).cogging = {x[0], x[1], x[2]};
-              },
-      },
-      {
-          .id = "rotor_inertia",
-          .code = "T5",
-          .name = "rotor inertia",
-          .form = "+armature ddq",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"armature", "kg m^2", 0, -0.04, 0.1, 0.01, Unit::inertia}},
-          .terms = kOfAcceleration,
-          .probes = {{0.01}},
-          .residuals = kR2 | kR3,
-          .cluster = "F",
-          .confounders = {"link_inertia", "link_mass"},
-          .regimes = {"accelerating"},
-          .signature = "grows with acceleration, in its own joint only",
-          .experiments = {kAddPayload, kChirp},
-          .apply = [](SimParams& p, int j, Theta x) { joint(p, j).armature += x[0]; },
-      },
-      {
-          .id = "gear_efficiency",
-          .code = "T6",
-          .name = "gear efficiency",
-          .form = "torque times efficiency when driving, over efficiency when driven",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"efficiency", "-", 1, 0.4, 1, 0.1}},
-          .smooth = false,
-          .probes = {{0.9}, {0.7}},
-          .sign = -1,
-          .residuals = kR2 | kR3 | kR8,
-          .confounders = {"directional_load_friction", "load_friction", "torque_constant"},
-          .regimes = {"driving", "back-driven"},
-          .signature = "the direction of power decides",
-          .experiments = {kLiftAndLower},
-          .apply = [](SimParams& p, int j, Theta x) { joint(p, j).efficiency *= x[0]; },
-      },
-      {
-          .id = "cable_spring",
-          .code = "T7",
-          .name = "cable or spring",
-          .form = "-stiffness q + torque",
-          .family = F,
-          .port = P,
-          .scope = S,
-          .parameters = {{"stiffness", "N m/rad", 0, 0, 2, 0.1, Unit::stiffness},
-                         {"torque", "N m", 0, -1, 1, 0.05, Unit::torque}},
-          .terms = kOfAngle,
-          .probes = {{0.1, 0}, {0, 0.05}},
-          .residuals = kR2 | kR3,
-          .cluster = "E",
-          .confounders = {"link_com", "encoder_offset", "ground_slope", "imu_misalignment",
-                          "joint_stop"},
-          .regimes = {"standstill", "low speed"},
-          .signature = "conservative, a function of the angle",
-          .experiments = {kTilt, kPostures},
-          .apply =
-              [](SimParams& p, int j, Theta x) {
-                joint(p, j).spring += x[0];
-                joint(p, j).spring_torque += x[1];
-              },
-      },
-  };
+  return {backlash(),      joint_compliance(), gear_kinematic_error(), cogging(),
+          rotor_inertia(), gear_efficiency(),  cable_spring()};
 }
 
 }  // namespace sanso::diagnose

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "tools/diagnose/constants.h"
-#include "tools/diagnose/effects/twins.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/rivals.h"
 
 namespace sanso::diagnose {

@@ -12,28 +12,38 @@
 namespace sanso::diagnose {
 namespace {
 
-// what model.toml has a key for, and the two calibrations that every real robot needs
 constexpr int kRounds = 6;  // most fits settle after two
 // decrease of the objective: a third of a standard deviation of one parameter
 constexpr double kSettled = 0.1;
-const std::vector<std::string> kFitted{"viscous_friction", "coulomb_friction", "rotor_inertia",
-                                       "servo_p_gain",     "torque_constant",  "command_delay",
-                                       "encoder_offset"};
 
-/// One candidate a joint and effect. Of a motor only torque per command is looked for, and only
-/// where there is no gain:
-/// torque constant, resistance and gain of a servo act as one number in these data.
+/// The library says which parameters are fitted: what model.toml has a key for, and the two
+/// calibrations that every real robot needs.
+std::vector<std::string> fitted_ids() {
+  std::vector<std::string> ids;
+  for (const Effect& e : library()) {
+    if (std::any_of(e.identified.begin(), e.identified.end(),
+                    [](Identified i) { return i != Identified::never; }))
+      ids.emplace_back(e.id);
+  }
+  return ids;
+}
+
+/// One candidate a joint and effect. What is not fitted stays at its null.
 Library one_by_one(const Problem& problem) {
   Library library;
-  for (Candidate& c : place_library(problem, kFitted).candidates) {
+  for (Candidate& c : place_library(problem, fitted_ids()).candidates) {
     if (c.where.size() != 1) continue;
+    const Effect& effect = *find_effect(c.effect);
     const Actuator actuator = problem.sources.front()
                                   .nominal.joints[static_cast<std::size_t>(c.joints[0])]
                                   .nominal.actuator;
-    if (c.effect == "torque_constant" && actuator != Actuator::torque) continue;
-    for (CandidateParameter& p : c.parameters)
-      p.structural = p.structural || p.name == "resistance";
-    library.candidates.push_back(std::move(c));
+    bool any = false;
+    for (std::size_t k = 0; k < c.parameters.size(); ++k) {
+      const bool fitted = effect.fitted_by_identify(k, actuator);
+      c.parameters[k].structural = c.parameters[k].structural || !fitted;
+      any = any || fitted;
+    }
+    if (any) library.candidates.push_back(std::move(c));
   }
   return library;
 }
@@ -114,24 +124,15 @@ std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Li
 
 /// Settings where model.toml has a key for it, an [[effect]] where not.
 void fold_in(ModelFolder& model, const IdentifiedParameter& p) {
-  JointSettings& s = model.joints[static_cast<std::size_t>(model.tree.index_of(p.joint))];
-  const auto added = [&](double& setting, double least) {
-    if (setting + p.value < least)
-      return false;  // more negative than a setting may be: a correction of the actuator's own
-    setting += p.value;
-    return true;
-  };
-  bool done = false;
-  if (p.effect == "viscous_friction") done = added(s.viscous, 0.0);
-  if (p.effect == "coulomb_friction") done = added(s.coulomb, 0.0);
-  if (p.effect == "rotor_inertia") done = added(s.armature, 0.0);
-  if (p.effect == "command_delay") done = added(s.command_delay_s, 0.0);
-  if (p.effect == "servo_p_gain") {
-    s.p_gain *= p.value;
-    s.kp *= p.value;
-    done = true;
-  }
-  if (!done) model.effects.push_back({p.effect, {p.joint}, {{p.parameter, p.value}}, 0});
+  const Effect& effect = *find_effect(p.effect);
+  const auto parameter =
+      std::find_if(effect.parameters.begin(), effect.parameters.end(),
+                   [&](const EffectParameter& q) { return q.name == p.parameter; });
+  JointSettings& joint = model.joints[static_cast<std::size_t>(model.tree.index_of(p.joint))];
+  const auto k = static_cast<std::size_t>(parameter - effect.parameters.begin());
+  // more negative than a setting may be: a correction of the actuator's own
+  if (!effect.fold_into(joint, k, p.value))
+    model.effects.push_back({p.effect, {p.joint}, {{p.parameter, p.value}}, 0});
 }
 
 }  // namespace

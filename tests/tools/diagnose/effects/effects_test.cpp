@@ -11,7 +11,7 @@
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"
-#include "tools/diagnose/effects/twins.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
