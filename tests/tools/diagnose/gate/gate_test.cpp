@@ -4,12 +4,12 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 
 #include "tests/support/temp_folder.h"
+#include "tests/tools/diagnose/gate/made_recording.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/gate/gate.h"
 #include "tools/diagnose/gate/noise.h"
@@ -18,64 +18,7 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kQuantum = 6.283185307179586 / 4096.0;
-
-/// A recording that owns its columns.
-struct Data {
-  std::string file = "a.csv";
-  std::vector<double> t;
-  std::deque<std::pair<std::string, std::vector<double>>> columns;
-  std::vector<double>& operator[](const std::string& name) {
-    for (auto& [key, values] : columns) {
-      if (key == name) return values;
-    }
-    return columns.emplace_back(name, std::vector<double>(t.size(), NAN)).second;
-  }
-  GateRecording view() const {
-    GateRecording r{file, "", t, {}};
-    for (const auto& [name, values] : columns) r.channels.push_back({name, values});
-    return r;
-  }
-};
-
-/// Two servos that lag and sag behind two different commands; 8 s at about 180 Hz, uneven,
-/// quantised.
-Data healthy(std::uint64_t seed = 3) {
-  Data d;
-  Random random(seed);
-  for (double t = 0; t < 8; t += 0.005 + 0.001 * random.uniform()) d.t.push_back(t);
-  const char* names[] = {"hip", "knee"};
-  for (int j = 0; j < 2; ++j) {
-    const std::string name = names[j];
-    auto& u = d["u:" + name];
-    auto& q = d["q:" + name];
-    auto& dq = d["dq:" + name];
-    auto& pwm = d["pwm:" + name];
-    double x = 0, v = 0;
-    for (std::size_t k = 0; k < d.t.size(); ++k) {
-      const double t = d.t[k], h = k > 0 ? t - d.t[k - 1] : 0.0;
-      u[k] = j == 0 ? 0.6 * std::sin(2 * t + 0.1 * static_cast<double>(seed))
-                    : 0.4 * std::sin(3.1 * t) + 0.3 * std::sin(0.9 * t);
-      const double duty = std::clamp(4.6 * (u[k] - x), -1.0, 1.0);
-      v += h * (90 * duty - 20 * v - 9 * std::sin(x));
-      x += h * v;
-      q[k] = kQuantum * std::round(x / kQuantum);
-      dq[k] = 0.024 * std::round(v / 0.024);
-      pwm[k] = std::round(885 * duty) / 885;
-    }
-  }
-  return d;
-}
-
-std::vector<GateJoint> joints() {
-  return {{"hip", false, -1.5, 1.5, 4.8, 2.3, 4.1, 12.0},
-          {"knee", false, 0, 0, 4.8, 2.3, 4.1, 12.0}};
-}
-
-std::string first_defect(const Data& d) {
-  const GateReport report = inspect({d.view()}, joints());
-  return report.refused() ? report.defects.front().defect : "";
-}
+using namespace test;
 
 TEST(Gate, PassesAHealthyRecordingAndMeasuresItsNoise) {
   const Data d = healthy();
@@ -98,11 +41,7 @@ struct Corruption {
   std::function<void(Data&)> apply;
 };
 
-void scale(std::vector<double>& x, double factor) {
-  for (double& v : x) v *= factor;
-}
-
-const std::vector<Corruption>& corruptions() {
+const std::vector<Corruption>& of_clock_and_units() {
   static const std::vector<Corruption> all{
       {"header only", defect::kHeaderOnly,
        [](Data& d) {
@@ -126,6 +65,12 @@ const std::vector<Corruption>& corruptions() {
        }},
       {"velocity in degrees", defect::kWrongUnit,
        [](Data& d) { scale(d["dq:knee"], 57.29577951); }},
+  };
+  return all;
+}
+
+const std::vector<Corruption>& of_channels() {
+  static const std::vector<Corruption> all{
       {"flipped sign", defect::kWrongSign,
        [](Data& d) {
          scale(d["q:hip"], -1);
@@ -170,10 +115,12 @@ const std::vector<Corruption>& corruptions() {
 }
 
 TEST(Gate, RefusesEveryCorruptionByName) {
-  for (const Corruption& c : corruptions()) {
-    Data d = healthy();
-    c.apply(d);
-    EXPECT_EQ(first_defect(d), c.expected) << c.name;
+  for (const auto* list : {&of_clock_and_units(), &of_channels()}) {
+    for (const Corruption& c : *list) {
+      Data d = healthy();
+      c.apply(d);
+      EXPECT_EQ(first_defect(d).defect, c.expected) << c.name;
+    }
   }
 }
 
@@ -198,7 +145,7 @@ TEST(Gate, LegalOddities_EmptyCellsLostPacketsTorqueOff_Pass) {
     if (random.uniform() < 0.1) d["q:knee"][k] = NAN;  // not sampled
     if (k > 1000) d["u:knee"][k] = NAN;                // torque off
   }
-  EXPECT_EQ(first_defect(d), "");
+  EXPECT_EQ(first_defect(d).defect, "");
 }
 
 TEST(Gate, FilesThatCannotBeRecordings) {
