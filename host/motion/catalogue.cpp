@@ -1,3 +1,5 @@
+// One function a motion: clip, figures of the retargeting, weights and success clauses, with the
+// reason where a figure is not the plain one.
 #include "host/motion/catalogue.h"
 
 namespace sanso::motion {

@@ -1,3 +1,4 @@
+// Velocities by central differences of the poses, the orientation's in the tangent.
 #include "host/motion/trajectory.h"
 
 #include <algorithm>

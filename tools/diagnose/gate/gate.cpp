@@ -1,3 +1,5 @@
+// Checks of one file in groups: a broken clock or unit makes the later ones meaningless, so the
+// first group that fails is the last one asked.
 #include "tools/diagnose/gate/gate.h"
 
 #include <fmt/format.h>

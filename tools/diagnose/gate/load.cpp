@@ -1,3 +1,4 @@
+// What the readers refuse becomes a defect with the same name that the checks would give it.
 #include "tools/diagnose/gate/load.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// The step of the grid comes first: the largest one on which nearly all values lie.
 #include "tools/diagnose/gate/noise.h"
 
 #include <algorithm>

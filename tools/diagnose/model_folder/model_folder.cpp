@@ -1,3 +1,4 @@
+// Settings first, then the URDF, then the joints by the names that it gives.
 #include "tools/diagnose/model_folder/model_folder.h"
 
 #include <cmath>

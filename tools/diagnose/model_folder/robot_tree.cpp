@@ -1,3 +1,4 @@
+// Bodies behind fixed joints are added to the body that carries them (parallel-axis theorem).
 #include "tools/diagnose/model_folder/robot_tree.h"
 
 #include <cmath>

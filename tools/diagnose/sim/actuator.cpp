@@ -1,3 +1,5 @@
+// One function a kind of actuator. Each also gives the slope of the torque by the motor's speed,
+// for the implicit step.
 #include "tools/diagnose/sim/actuator.h"
 
 #include <algorithm>

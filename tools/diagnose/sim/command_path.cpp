@@ -1,3 +1,5 @@
+// Hold and loss change the series once, at construction; without a seed, loss is its expected
+// value.
 #include "tools/diagnose/sim/command_path.h"
 
 #include <algorithm>

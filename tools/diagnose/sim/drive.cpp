@@ -1,3 +1,5 @@
+// Picks the command that each joint's actuator follows; a missing column is an InputError that
+// names it.
 #include "tools/diagnose/sim/drive.h"
 
 #include <algorithm>

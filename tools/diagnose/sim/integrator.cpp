@@ -1,3 +1,5 @@
+// Free motion by the implicit equation of each branch, then dry friction by projected
+// Gauss-Seidel on the same inertia.
 #include "tools/diagnose/sim/integrator.h"
 
 #include <algorithm>

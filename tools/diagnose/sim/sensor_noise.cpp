@@ -1,3 +1,5 @@
+// Noise, quantum and jitter of readings, drawn from the seed; called after a simulation that is
+// itself free of chance.
 #include <cmath>
 #include <random>
 

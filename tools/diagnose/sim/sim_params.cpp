@@ -1,3 +1,4 @@
+// Copies the model folder's figures; every field that only an effect changes keeps its null.
 #include "tools/diagnose/sim/sim_params.h"
 
 #include <limits>

@@ -1,3 +1,5 @@
+// A window either runs freely from its start, or is replayed: the tree follows the recording and
+// only servo and transmission are computed.
 #include "tools/diagnose/sim/simulator.h"
 
 #include <algorithm>

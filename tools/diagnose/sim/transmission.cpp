@@ -1,3 +1,5 @@
+// All forces of the transmission as constant plus slope times the velocity at the end of the
+// step, so that stiff ones stay stable.
 #include "tools/diagnose/sim/transmission.h"
 
 #include <algorithm>

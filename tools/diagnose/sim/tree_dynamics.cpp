@@ -1,3 +1,5 @@
+// Composite bodies from the tips inwards for M, one pass out and one back for the bias; a branch
+// can be recomputed alone.
 #include "tools/diagnose/sim/tree_dynamics.h"
 
 #include <cassert>

@@ -1,3 +1,4 @@
+// Penalised cubic B-splines on uniform knots.
 #include "tools/diagnose/stats/curve.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// Each figure takes its finite values first and decides what none of them means.
 #include "tools/diagnose/stats/robust.h"
 
 #include <algorithm>

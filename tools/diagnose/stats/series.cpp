@@ -1,3 +1,4 @@
+// Sums over lags directly, without a transform.
 #include "tools/diagnose/stats/series.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Corrections for many tests by sorting; resampling by moving blocks, so that dependence inside
+// a block survives.
 #include "tools/diagnose/stats/significance.h"
 
 #include <algorithm>

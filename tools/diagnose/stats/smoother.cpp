@@ -1,3 +1,5 @@
+// Kalman filter forwards, Rauch-Tung-Striebel smoother backwards; the density of the
+// acceleration is that of the largest likelihood.
 #include "tools/diagnose/stats/smoother.h"
 
 #include <Eigen/Core>

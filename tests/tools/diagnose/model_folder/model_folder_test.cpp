@@ -1,3 +1,4 @@
+// A model folder reads back as written, and every mistake in one is refused by key and line.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,3 +1,5 @@
+// A model scores well on what it made itself and badly on another robot; every example folder is
+// read and scored.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
