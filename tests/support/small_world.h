@@ -151,7 +151,9 @@ inline recording::Recording record(const ModelFolder& world, const Drive& drive,
       const auto values = p.of(channel, j);
       r.set(kind + ":" + name, {values.begin(), values.end()});
     };
-    r.set("u:" + name, drive.joints[static_cast<std::size_t>(j)].command);
+    const bool torque =
+        world.joints[static_cast<std::size_t>(j)].actuator == recording::Actuator::torque;
+    r.set((torque ? "tau_cmd:" : "u:") + name, drive.joints[static_cast<std::size_t>(j)].command);
     set("q", p.q);
     if (how.velocity) set("dq", p.dq);
     if (how.duty) set("pwm", p.pwm);
