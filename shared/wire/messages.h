@@ -84,7 +84,7 @@ struct Observation {
   std::uint32_t trial_id = 0;
   SupervisorState state = SupervisorState::boot;
   std::uint16_t fault = 0;            // latched fault number, 0 = none
-  std::uint32_t limits = 0;           // bit set of LimitedBy, this tick
+  std::uint32_t limits = 0;           // bit set of Limit (faults.md), this tick
   std::uint8_t contact = 0;           // bit 0 right, bit 1 left sole loaded (estimator's belief)
   std::uint8_t pose_age_ticks = 255;  // age of the last external pose sample; 255 = none
   model::State x = model::neutral_state();                    // estimate

@@ -58,8 +58,7 @@ struct TrialError : std::runtime_error {
 /// TrialError.
 void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings);
 
-/// Runs the trial on a controller in hold. Returns when the controller is out of `run`. `stop`,
-/// when not null, ends the trial early.
+/// Runs the trial on a controller in hold. Returns when the controller is out of `run`.
 Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup,
                   const TrialSettings& settings);
 
