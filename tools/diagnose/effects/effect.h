@@ -118,8 +118,8 @@ struct Experiment {
   std::string_view what;
 };
 
-/// The keys of [joint.<name>] in model.toml that a parameter of an effect is: an effect of that size
-/// and a nominal model with the keys changed are the same robot.
+/// The keys of [joint.<name>] in model.toml that a parameter of an effect is: an effect of that
+/// size and a nominal model with the keys changed are the same robot.
 struct SettingChange {
   enum class How { added, multiplied } how{};
   std::vector<double JointSettings::*> keys{};  // changed alike; empty: no key says it
@@ -185,8 +185,8 @@ const Effect* find_effect(std::string_view id);
 /// Documented twins: the names that may rightly stand for an effect. Data in which only one of the
 /// two acts need not tell them apart. `name` for what is `truth`: the library lists it among the
 /// look-alikes of `truth` (Effect::confounders), or it is `truth` for some of its parameters
-/// (Effect::contains). Not the other way round: a special case is no twin of what contains it unless
-/// it is listed. Library ids; unknown ones have no twins.
+/// (Effect::contains). Not the other way round: a special case is no twin of what contains it
+/// unless it is listed. Library ids; unknown ones have no twins.
 bool documented_twin(std::string_view name, std::string_view truth);
 /// All documented twins of an effect, in the order of the library.
 std::vector<std::string_view> documented_twins(std::string_view truth);

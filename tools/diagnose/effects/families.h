@@ -1,5 +1,5 @@
-// The library's chapters, one a file, and what their effects are made of: what a chapter shares, the
-// plain ways of changing a joint, experiments.
+// The library's chapters, one a file, and what their effects are made of: what a chapter shares,
+// the plain ways of changing a joint, experiments.
 #pragma once
 
 #include <initializer_list>

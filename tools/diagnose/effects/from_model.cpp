@@ -1,4 +1,5 @@
-// [[effect]] entries to effects at joints or links, with every name checked against library and tree.
+// [[effect]] entries to effects at joints or links, with every name checked against library and
+// tree.
 #include "tools/diagnose/effects/from_model.h"
 
 #include <algorithm>

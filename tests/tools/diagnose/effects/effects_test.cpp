@@ -8,10 +8,10 @@
 #include <sstream>
 
 #include "tests/support/small_world.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"
-#include "tools/diagnose/effects/effect.h"
 #include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {

@@ -1,4 +1,5 @@
-// From files to judged recordings: every file has its reason, and a reader's error becomes a defect.
+// From files to judged recordings: every file has its reason, and a reader's error becomes a
+// defect.
 #include "tools/diagnose/gate/load.h"
 
 #include <gtest/gtest.h>

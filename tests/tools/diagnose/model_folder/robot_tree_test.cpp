@@ -1,4 +1,5 @@
-// Bodies, frames and trees: laws of rigid mass, what merging fixed joints must keep, what is refused.
+// Bodies, frames and trees: laws of rigid mass, what merging fixed joints must keep, what is
+// refused.
 #include "tools/diagnose/model_folder/robot_tree.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Writing a model and reading it again loses nothing; what is written says where it is wrong; what a
-// recording says of itself wins, in any order.
+// Writing a model and reading it again loses nothing; what is written says where it is wrong; what
+// a recording says of itself wins, in any order.
 #include <gtest/gtest.h>
 
 #include <fstream>
