@@ -118,123 +118,136 @@ struct Track {
   }
 };
 
-}  // namespace
-
-Signals run_experiment(const WorldTruth& world, const Experiment& experiment, std::uint64_t seed) {
-  const int n = world.robot.size();
-  const std::size_t rows = experiment.command.size();
-  Random random(seed);
-  const CommandLine commands(world, experiment, random);
-  Body body(world, experiment);
-  std::vector<JointTruth> joints = world.joints;
-  std::vector<JointMemory> memory(static_cast<std::size_t>(n));
-  for (int j = 0; j < n; ++j) {
-    joints[j].p_gain *= experiment.gain_scale;
-    memory[j].motor_angle = memory[j].creep_angle = body.angle(j);
-  }
-
-  const auto record_steps = static_cast<long>(
-      std::lround((static_cast<double>(rows) * kControlPeriod_s + 0.05) / kStep_s));
-  const auto settle_steps = static_cast<long>(std::lround(kSettle_s / kStep_s));
-  std::vector<Track> q(n), dq(n), current(n), duty(n);
+/// What every step of an experiment left behind.
+struct Log {
+  explicit Log(int joints)
+      : q(static_cast<std::size_t>(joints)), dq(q.size()), current(q.size()), duty(q.size()) {}
+  std::vector<Track> q, dq, current, duty;
   Track volt;
-  double supply_drop = 0;
-  for (long step = -settle_steps; step < record_steps; ++step) {
-    const double t = static_cast<double>(step) * kStep_s;
-    const double open_circuit =
-        1 + world.supply_level + world.supply_slope_per_min * std::max(0.0, t) / 60;
-    double load = 0;
-    for (int j = 0; j < n; ++j) {
-      if ((step + settle_steps) % kServoEvery == 0) {
-        run_servo(joints[j], commands.goal(j, t), true, body.angle(j), kServoEvery * kStep_s,
-                  memory[j]);
-      }
-      const double supply = joints[j].voltage * open_circuit - supply_drop;
-      double torque = run_gear(joints[j], supply, true, body.angle(j), body.rate(j),
-                               body.external(j), kStep_s, memory[j]);
-      if (world.coupling.to == j) torque -= world.coupling.viscous * body.rate(world.coupling.from);
-      body.set_torque(j, torque);
-      load += std::abs(memory[j].current * memory[j].duty);
+};
+
+long steps_in(double seconds) { return std::lround(seconds / kStep_s); }
+
+/// The experiment in steps of the physics: first the settling, which nobody records.
+class Run {
+ public:
+  Run(const WorldTruth& world, const Experiment& experiment, const CommandLine& commands)
+      : world_(world),
+        commands_(commands),
+        body_(world, experiment),
+        joints_(world.joints),
+        memory_(joints_.size()),
+        log_(world.robot.size()) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      joints_[j].p_gain *= experiment.gain_scale;
+      memory_[j].motor_angle = memory_[j].creep_angle = body_.angle(static_cast<int>(j));
     }
-    supply_drop = world.supply_resistance * load;
-    if (step >= 0) {
-      for (int j = 0; j < n; ++j) {
-        q[j].values.push_back(body.angle(j));
-        dq[j].values.push_back(body.rate(j));
-        current[j].values.push_back(memory[j].current);
-        duty[j].values.push_back(memory[j].duty);
-      }
-      volt.values.push_back(joints[0].voltage * open_circuit - supply_drop);
-    }
-    body.step(t);
   }
 
-  Signals s;
-  s.volt.resize(rows);
-  for (std::size_t row = 0; row < rows; ++row)
-    s.volt[row] = volt.at(static_cast<double>(row) * kControlPeriod_s);
-  for (int j = 0; j < n; ++j) {
-    const JointTruth& joint = world.joints[j];
-    std::vector<double> qs(rows), dqs(rows), is(rows), ds(rows);
-    double filtered = dq[j].at(0);
-    for (std::size_t row = 0; row < rows; ++row) {
-      const double stamp = static_cast<double>(row) * kControlPeriod_s;
-      const double t = stamp - joint.sensor_delay_s + joint.jitter_s * random.normal();
-      const double blend = joint.velocity_filter_s > 0
-                               ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s)
-                               : 1;
-      filtered += blend * (dq[j].at(t) - filtered);
-      qs[row] = encoder_angle(joint, q[j].at(t));
-      dqs[row] = filtered;
-      is[row] = current[j].at(t);
-      ds[row] = duty[j].values[static_cast<std::size_t>(
-          std::clamp(t / kStep_s, 0.0, static_cast<double>(record_steps - 1)))];
+  Log record(long record_steps) {
+    const long settle_steps = steps_in(kSettle_s);
+    for (long step = -settle_steps; step < record_steps; ++step) {
+      const double t = static_cast<double>(step) * kStep_s;
+      const double open_circuit =
+          1 + world_.supply_level + world_.supply_slope_per_min * std::max(0.0, t) / 60;
+      drive(t, open_circuit, (step + settle_steps) % kServoEvery == 0);
+      if (step >= 0) note(open_circuit);
+      body_.step(t);
     }
-    s.q.push_back(std::move(qs));
-    s.dq.push_back(std::move(dqs));
-    s.current.push_back(std::move(is));
-    s.duty.push_back(std::move(ds));
+    return std::move(log_);
   }
-  return s;
+
+ private:
+  /// Servos (when their period is over), gears and supply at one instant.
+  void drive(double t, double open_circuit, bool servos_due) {
+    double load = 0;
+    for (int joint = 0; joint < world_.robot.size(); ++joint) {
+      const auto j = static_cast<std::size_t>(joint);
+      if (servos_due) {
+        run_servo(joints_[j], commands_.goal(joint, t), true, body_.angle(joint),
+                  kServoEvery * kStep_s, memory_[j]);
+      }
+      const double supply = joints_[j].voltage * open_circuit - supply_drop_;
+      double torque = run_gear(joints_[j], supply, true, body_.angle(joint), body_.rate(joint),
+                               body_.external(joint), kStep_s, memory_[j]);
+      if (world_.coupling.to == joint)
+        torque -= world_.coupling.viscous * body_.rate(world_.coupling.from);
+      body_.set_torque(joint, torque);
+      load += std::abs(memory_[j].current * memory_[j].duty);
+    }
+    supply_drop_ = world_.supply_resistance * load;
+  }
+  void note(double open_circuit) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      log_.q[j].values.push_back(body_.angle(static_cast<int>(j)));
+      log_.dq[j].values.push_back(body_.rate(static_cast<int>(j)));
+      log_.current[j].values.push_back(memory_[j].current);
+      log_.duty[j].values.push_back(memory_[j].duty);
+    }
+    log_.volt.values.push_back(joints_[0].voltage * open_circuit - supply_drop_);
+  }
+
+  const WorldTruth& world_;
+  const CommandLine& commands_;
+  Body body_;
+  std::vector<JointTruth> joints_;
+  std::vector<JointMemory> memory_;
+  Log log_;
+  double supply_drop_ = 0;
+};
+
+/// One joint's channels as its sensors see them: late, at uneven instants, filtered.
+void sense_joint(const JointTruth& joint, const Log& log, std::size_t j, std::size_t rows,
+                 long record_steps, Random& random, Signals& out) {
+  std::vector<double> q(rows), dq(rows), current(rows), duty(rows);
+  double filtered = log.dq[j].at(0);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double stamp = static_cast<double>(row) * kControlPeriod_s;
+    const double t = stamp - joint.sensor_delay_s + joint.jitter_s * random.normal();
+    const double blend =
+        joint.velocity_filter_s > 0 ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s) : 1;
+    filtered += blend * (log.dq[j].at(t) - filtered);
+    q[row] = encoder_angle(joint, log.q[j].at(t));
+    dq[row] = filtered;
+    current[row] = log.current[j].at(t);
+    duty[row] = log.duty[j].values[static_cast<std::size_t>(
+        std::clamp(t / kStep_s, 0.0, static_cast<double>(record_steps - 1)))];
+  }
+  out.q.push_back(std::move(q));
+  out.dq.push_back(std::move(dq));
+  out.current.push_back(std::move(current));
+  out.duty.push_back(std::move(duty));
 }
 
-recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment,
-                                  const Signals& signals, std::uint64_t seed,
-                                  bool electrical_channels) {
-  Random random(seed ^ 0xB05);
+/// Rounded to whole quanta, without -0.
+double on_grid(double value, double quantum) { return std::round(value / quantum) * quantum + 0.0; }
+
+/// The columns of one joint, as its logger writes them.
+void add_joint(const WorldTruth& world, const Experiment& experiment, const Signals& signals,
+               std::size_t j, bool electrical_channels, Random& random, recording::Recording& r) {
+  const std::string& name = world.robot.links[j].joint;
+  const double quantum = world.joints[j].quantum;
   const std::size_t rows = experiment.command.size();
-  // no -0
-  const auto grid = [](double value, double quantum) {
-    return std::round(value / quantum) * quantum + 0.0;
-  };
-  recording::Recording r;
-  r.file = experiment.name + ".csv";
-  r.condition = experiment.condition;
-  for (std::size_t row = 0; row < rows; ++row)
-    r.t.push_back(static_cast<double>(row) * kControlPeriod_s);
-  for (int j = 0; j < world.robot.size(); ++j) {
-    const std::string& name = world.robot.links[static_cast<std::size_t>(j)].joint;
-    std::vector<double> u(rows), q(rows), dq(rows), current(rows), pwm(rows);
-    for (std::size_t row = 0; row < rows; ++row) {
-      u[row] = grid(experiment.command[row][static_cast<std::size_t>(j)], world.joints[j].quantum);
-      q[row] = grid(signals.q[j][row], world.joints[j].quantum);
-      dq[row] = grid(signals.dq[j][row], kRateQuantum);
-      current[row] =
-          grid(signals.current[j][row] + kCurrentQuantum * random.normal(), kCurrentQuantum);
-      pwm[row] = std::round(signals.duty[j][row] * kPwmSteps) / kPwmSteps;
-    }
-    r.set("u:" + name, std::move(u));
-    r.set("q:" + name, std::move(q));
-    r.set("dq:" + name, std::move(dq));
-    if (!electrical_channels) continue;
-    r.set("i:" + name, std::move(current));
-    r.set("pwm:" + name, std::move(pwm));
+  std::vector<double> u(rows), q(rows), dq(rows), current(rows), pwm(rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    u[row] = on_grid(experiment.command[row][j], quantum);
+    q[row] = on_grid(signals.q[j][row], quantum);
+    dq[row] = on_grid(signals.dq[j][row], kRateQuantum);
+    current[row] =
+        on_grid(signals.current[j][row] + kCurrentQuantum * random.normal(), kCurrentQuantum);
+    pwm[row] = std::round(signals.duty[j][row] * kPwmSteps) / kPwmSteps;
   }
-  if (electrical_channels) {
-    std::vector<double> volt(rows);
-    for (std::size_t row = 0; row < rows; ++row) volt[row] = grid(signals.volt[row], kVoltQuantum);
-    r.set("volt", std::move(volt));
-  }
+  r.set("u:" + name, std::move(u));
+  r.set("q:" + name, std::move(q));
+  r.set("dq:" + name, std::move(dq));
+  if (!electrical_channels) return;
+  r.set("i:" + name, std::move(current));
+  r.set("pwm:" + name, std::move(pwm));
+}
+
+/// What was different in this experiment: gain, gravity, payload.
+void add_conditions(const WorldTruth& world, const Experiment& experiment,
+                    recording::Recording& r) {
   if (experiment.gain_scale != 1.0) {
     recording::Override gain;
     gain.table = "joint_default";
@@ -255,6 +268,45 @@ recording::Recording as_recording(const WorldTruth& world, const Experiment& exp
                           experiment.payload_kg,
                           {link.payload_at[0], link.payload_at[1], link.payload_at[2]}});
   }
+}
+
+}  // namespace
+
+Signals run_experiment(const WorldTruth& world, const Experiment& experiment, std::uint64_t seed) {
+  const std::size_t rows = experiment.command.size();
+  Random random(seed);
+  const CommandLine commands(world, experiment, random);
+  const long record_steps = steps_in(static_cast<double>(rows) * kControlPeriod_s + 0.05);
+  const Log log = Run(world, experiment, commands).record(record_steps);
+
+  Signals s;
+  s.volt.resize(rows);
+  for (std::size_t row = 0; row < rows; ++row)
+    s.volt[row] = log.volt.at(static_cast<double>(row) * kControlPeriod_s);
+  for (std::size_t j = 0; j < world.joints.size(); ++j)
+    sense_joint(world.joints[j], log, j, rows, record_steps, random, s);
+  return s;
+}
+
+recording::Recording as_recording(const WorldTruth& world, const Experiment& experiment,
+                                  const Signals& signals, std::uint64_t seed,
+                                  bool electrical_channels) {
+  Random random(seed ^ 0xB05);
+  const std::size_t rows = experiment.command.size();
+  recording::Recording r;
+  r.file = experiment.name + ".csv";
+  r.condition = experiment.condition;
+  for (std::size_t row = 0; row < rows; ++row)
+    r.t.push_back(static_cast<double>(row) * kControlPeriod_s);
+  for (std::size_t j = 0; j < world.joints.size(); ++j)
+    add_joint(world, experiment, signals, j, electrical_channels, random, r);
+  if (electrical_channels) {
+    std::vector<double> volt(rows);
+    for (std::size_t row = 0; row < rows; ++row)
+      volt[row] = on_grid(signals.volt[row], kVoltQuantum);
+    r.set("volt", std::move(volt));
+  }
+  add_conditions(world, experiment, r);
   return r;
 }
 
