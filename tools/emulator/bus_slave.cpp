@@ -156,21 +156,43 @@ void BusSlave::single(BusDevice& device, const Packet& packet, Nanoseconds now) 
   }
 }
 
+void BusSlave::answer_ping(Nanoseconds now) {
+  std::vector<BusDevice*> by_id = devices_;
+  std::sort(by_id.begin(), by_id.end(), [](auto* a, auto* b) { return a->id() < b->id(); });
+  Nanoseconds time = now;
+  for (BusDevice* device : by_id) {
+    if (!device->listening()) continue;
+    std::uint8_t data[3] = {0, 0, device->firmware()};
+    servo_bus::put_le(data, 2, device->model());
+    time = reply(*device, StatusError::none, data, time);
+  }
+}
+
+void BusSlave::sync_write(std::span<const std::uint8_t> p, Nanoseconds now) {
+  if (p.size() < 4) return;
+  const std::uint16_t address = servo_bus::get_u16(p), length = servo_bus::get_u16(p.subspan(2));
+  if (length == 0 || (p.size() - 4) % (length + 1u) != 0) return;
+  for (std::size_t i = 4; i < p.size(); i += length + 1u) {
+    const BulkRange range{p[i], address, length};
+    write_each({&range, 1}, p.subspan(i + 1, length), now);
+  }
+}
+
+void BusSlave::bulk_write(std::span<const std::uint8_t> p, Nanoseconds now) {
+  for (std::size_t i = 0; i + 5 <= p.size();) {
+    const BulkRange range{p[i], servo_bus::get_u16(p.subspan(i + 1)),
+                          servo_bus::get_u16(p.subspan(i + 3))};
+    if (i + 5 + range.length > p.size()) return;
+    write_each({&range, 1}, p.subspan(i + 5, range.length), now);
+    i += 5u + range.length;
+  }
+}
+
 void BusSlave::broadcast(const Packet& packet, Nanoseconds now) {
   const auto p = packet.parameters.view();
   switch (packet.instruction) {
-    case Instruction::ping: {
-      std::vector<BusDevice*> by_id = devices_;
-      std::sort(by_id.begin(), by_id.end(), [](auto* a, auto* b) { return a->id() < b->id(); });
-      Nanoseconds time = now;
-      for (BusDevice* device : by_id) {
-        if (!device->listening()) continue;
-        std::uint8_t data[3] = {0, 0, device->firmware()};
-        servo_bus::put_le(data, 2, device->model());
-        time = reply(*device, StatusError::none, data, time);
-      }
-      return;
-    }
+    case Instruction::ping:
+      return answer_ping(now);
     case Instruction::sync_read:
       return answer_reads(read_ranges(packet, true).view(), false, now);
     case Instruction::bulk_read:
@@ -179,27 +201,10 @@ void BusSlave::broadcast(const Packet& packet, Nanoseconds now) {
       return answer_reads(read_ranges(packet, true).view(), true, now);
     case Instruction::fast_bulk_read:
       return answer_reads(read_ranges(packet, false).view(), true, now);
-    case Instruction::sync_write: {
-      if (p.size() < 4) return;
-      const std::uint16_t address = servo_bus::get_u16(p),
-                          length = servo_bus::get_u16(p.subspan(2));
-      if (length == 0 || (p.size() - 4) % (length + 1u) != 0) return;
-      for (std::size_t i = 4; i < p.size(); i += length + 1u) {
-        const BulkRange range{p[i], address, length};
-        write_each({&range, 1}, p.subspan(i + 1, length), now);
-      }
-      return;
-    }
-    case Instruction::bulk_write: {
-      for (std::size_t i = 0; i + 5 <= p.size();) {
-        const BulkRange range{p[i], servo_bus::get_u16(p.subspan(i + 1)),
-                              servo_bus::get_u16(p.subspan(i + 3))};
-        if (i + 5 + range.length > p.size()) return;
-        write_each({&range, 1}, p.subspan(i + 5, range.length), now);
-        i += 5u + range.length;
-      }
-      return;
-    }
+    case Instruction::sync_write:
+      return sync_write(p, now);
+    case Instruction::bulk_write:
+      return bulk_write(p, now);
     case Instruction::write:
       if (p.size() < 3) return;
       for (BusDevice* device : devices_) {

@@ -53,6 +53,9 @@ class BusSlave {
   void execute(const servo_bus::Packet& packet, Nanoseconds now);
   void single(BusDevice& device, const servo_bus::Packet& packet, Nanoseconds now);
   void broadcast(const servo_bus::Packet& packet, Nanoseconds now);
+  void answer_ping(Nanoseconds now);
+  void sync_write(std::span<const std::uint8_t> parameters, Nanoseconds now);
+  void bulk_write(std::span<const std::uint8_t> parameters, Nanoseconds now);
   void answer_reads(std::span<const servo_bus::BulkRange> ranges, bool merged, Nanoseconds now);
   void answer_merged(std::span<const servo_bus::BulkRange> ranges, Nanoseconds now);
   void write_each(std::span<const servo_bus::BulkRange> ranges, std::span<const std::uint8_t> data,

@@ -147,57 +147,81 @@ Recording read_mcap(const std::string& path, std::size_t max_values) {
   return recording;
 }
 
+namespace {
+
+/// A recording's rows as messages; the topics are declared at construction.
+class RowWriter {
+ public:
+  RowWriter(const Recording& r, McapWriter& out) : r_(r), out_(out), joints_(r.joints()) {
+    states_ = joint_channel(kStates);
+    commands_ = joint_channel(kCommands);
+    for (const ExtraTopic& e : kExtra) extra_[e.topic] = joint_channel(e.topic);
+    has_imu_ = std::any_of(r.channels.begin(), r.channels.end(), [](const Channel& c) {
+      return c.name.starts_with("imu_acc:") || c.name.starts_with("base_w:") ||
+             c.name.starts_with("base_q:");
+    });
+    if (has_imu_)
+      imu_ = out.add_channel(std::string(kImu), std::string(kImuType), imu_definition());
+  }
+
+  /// Commands and settings first: a reader takes the row when the joints' state arrives.
+  void write(std::size_t k) {
+    const double t = r_.t[k];
+    const auto ns = static_cast<std::uint64_t>(std::llround(std::max(0.0, t) * 1e9));
+    JointState command{t, joints_, at("u:", k), {}, at("tau_cmd:", k)};
+    // JointState says effort for both
+    if (command.effort.empty()) command.effort = at("force_cmd:", k);
+    if (!command.position.empty() || !command.effort.empty())
+      out_.write(commands_, ns, encode(command));
+    for (const ExtraTopic& e : kExtra) write_extra(e, k, ns);
+    if (has_imu_) {
+      const Imu imu{
+          t,
+          {value("base_q:w", k), value("base_q:x", k), value("base_q:y", k), value("base_q:z", k)},
+          {value("base_w:x", k), value("base_w:y", k), value("base_w:z", k)},
+          {value("imu_acc:x", k), value("imu_acc:y", k), value("imu_acc:z", k)}};
+      out_.write(imu_, ns, encode(imu));
+    }
+    out_.write(states_, ns,
+               encode(JointState{t, joints_, at("q:", k), at("dq:", k), at("tau:", k)}));
+  }
+
+ private:
+  std::uint16_t joint_channel(std::string_view topic) {
+    return out_.add_channel(std::string(topic), std::string(kJointStateType),
+                            joint_state_definition());
+  }
+  std::vector<double> at(const std::string& prefix, std::size_t k) const {
+    return at_row(r_, joints_, prefix, k);
+  }
+  double value(const std::string& column, std::size_t k) const {
+    return r_.has(column) ? r_.find(column)[k] : kNaN;
+  }
+  void write_extra(const ExtraTopic& e, std::size_t k, std::uint64_t ns) {
+    JointState m{r_.t[k], joints_, {}, {}, {}};
+    if (e.prefix.empty()) {
+      m.name = {"supply"};
+      if (r_.has("volt")) m.position = {value("volt", k)};
+    } else {
+      m.position = at(std::string(e.prefix), k);
+    }
+    if (!m.position.empty()) out_.write(extra_[e.topic], ns, encode(m));
+  }
+
+  const Recording& r_;
+  McapWriter& out_;
+  std::vector<std::string> joints_;
+  std::uint16_t states_ = 0, commands_ = 0, imu_ = 0;
+  std::map<std::string_view, std::uint16_t> extra_;
+  bool has_imu_ = false;
+};
+
+}  // namespace
+
 void write_mcap(const Recording& r, const std::string& path) {
   McapWriter out(path);
-  const std::vector<std::string> joints = r.joints();
-  const auto joint_channel = [&](std::string_view topic) {
-    return out.add_channel(std::string(topic), std::string(kJointStateType),
-                           joint_state_definition());
-  };
-  const std::uint16_t states = joint_channel(kStates), commands = joint_channel(kCommands);
-  std::map<std::string_view, std::uint16_t> extra;
-  for (const ExtraTopic& e : kExtra) extra[e.topic] = joint_channel(e.topic);
-  const bool has_imu = std::any_of(r.channels.begin(), r.channels.end(), [](const Channel& c) {
-    return c.name.starts_with("imu_acc:") || c.name.starts_with("base_w:") ||
-           c.name.starts_with("base_q:");
-  });
-  const std::uint16_t imu =
-      has_imu ? out.add_channel(std::string(kImu), std::string(kImuType), imu_definition()) : 0;
-  const auto value = [&](const std::string& column, std::size_t row) {
-    return r.has(column) ? r.find(column)[row] : kNaN;
-  };
-
-  for (std::size_t k = 0; k < r.rows(); ++k) {
-    const double t = r.t[k];
-    const auto ns = static_cast<std::uint64_t>(std::llround(std::max(0.0, t) * 1e9));
-    // commands and settings first: the row is taken when the joints' state arrives
-    JointState command{t, joints, at_row(r, joints, "u:", k), {}, at_row(r, joints, "tau_cmd:", k)};
-    // JointState says effort for both
-    if (command.effort.empty()) command.effort = at_row(r, joints, "force_cmd:", k);
-    if (!command.position.empty() || !command.effort.empty())
-      out.write(commands, ns, encode(command));
-    for (const ExtraTopic& e : kExtra) {
-      JointState m{t, joints, {}, {}, {}};
-      if (e.prefix.empty()) {
-        m.name = {"supply"};
-        if (r.has("volt")) m.position = {value("volt", k)};
-      } else {
-        m.position = at_row(r, joints, std::string(e.prefix), k);
-      }
-      if (!m.position.empty()) out.write(extra[e.topic], ns, encode(m));
-    }
-    if (has_imu) {
-      out.write(imu, ns,
-                encode(Imu{t,
-                           {value("base_q:w", k), value("base_q:x", k), value("base_q:y", k),
-                            value("base_q:z", k)},
-                           {value("base_w:x", k), value("base_w:y", k), value("base_w:z", k)},
-                           {value("imu_acc:x", k), value("imu_acc:y", k), value("imu_acc:z", k)}}));
-    }
-    out.write(states, ns,
-              encode(JointState{t, joints, at_row(r, joints, "q:", k), at_row(r, joints, "dq:", k),
-                                at_row(r, joints, "tau:", k)}));
-  }
+  RowWriter rows(r, out);
+  for (std::size_t k = 0; k < r.rows(); ++k) rows.write(k);
   out.finish();
 }
 

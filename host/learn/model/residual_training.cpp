@@ -289,6 +289,24 @@ double one_step_loss(const TransitionSet& data, const std::vector<std::uint32_t>
   return sum / static_cast<double>(std::max<std::size_t>(1, rows.size()));
 }
 
+namespace {
+
+/// One pass over the rows in batches; at least one, the last incomplete one is left out. Mean loss.
+double train_epoch(Trainer& trainer, const Standardised& data,
+                   const std::vector<std::uint32_t>& rows, std::size_t batch) {
+  double sum = 0;
+  std::size_t batches = 0;
+  for (std::size_t first = 0; first + batch <= rows.size() || first == 0;
+       first += batch, ++batches) {
+    sum += trainer.forward(data, rows, first, std::min(batch, rows.size() - first));
+    trainer.backward();
+    trainer.adam_step();
+  }
+  return sum / static_cast<double>(batches);
+}
+
+}  // namespace
+
 ResidualTraining train_residual(const TransitionSet& data, const model::Tangent& weights,
                                 const ResidualSettings& settings, std::uint64_t seed,
                                 const host::ResidualNetwork* start) {
@@ -320,17 +338,9 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   int since_best = 0;
   while (result.epochs < settings.max_epochs && since_best < settings.patience) {
     shuffle(split.train, rng);
-    double sum = 0;
-    std::size_t batches = 0;
-    for (std::size_t first = 0; first + batch <= split.train.size() || first == 0;
-         first += batch, ++batches) {
-      sum += trainer.forward(s, split.train, first, std::min(batch, split.train.size() - first));
-      trainer.backward();
-      trainer.adam_step();
-    }
+    result.train_loss = train_epoch(trainer, s, split.train, batch);
     ++result.epochs;
     ++since_best;
-    result.train_loss = sum / static_cast<double>(batches);
     if (const double loss = heldout_loss(); loss < best_loss) {
       best_loss = loss;
       best = network;

@@ -180,14 +180,77 @@ double dynamics_eval_us(const host::AugmentedModel& model, const model::State& x
   return median_of(times);
 }
 
+/// Times of our updates, one entry an update.
+struct Updates {
+  std::vector<double> all, undisturbed, before, after;
+
+  void add(const mpc::PlanResult& plan, bool quiet, const BenchMpcOptions& o, BenchMpcResult& r) {
+    all.push_back(ms(plan.timing.total));
+    if (quiet) undisturbed.push_back(all.back());
+    before.push_back(plan.cost_before);
+    after.push_back(plan.cost_after);
+    r.iterations += plan.iterations / static_cast<double>(o.updates);
+    r.cut_short += plan.stop == mpc::StopReason::deadline;
+    r.max_iterations = std::max(r.max_iterations, static_cast<double>(plan.iterations));
+    r.predict_ms += ms(plan.timing.predict) / o.updates;
+    r.linearize_ms += ms(plan.timing.linearize) / o.updates;
+    r.backward_ms += ms(plan.timing.backward) / o.updates;
+    r.line_search_ms += ms(plan.timing.line_search) / o.updates;
+  }
+  void summarize(BenchMpcResult& r) const {
+    r.update_ms = summary_of(all);
+    r.undisturbed_ms = summary_of(undisturbed);
+    r.undisturbed = static_cast<int>(undisturbed.size());
+    r.cost_before = median_of(before);
+    r.cost_after = median_of(after);
+  }
+};
+
+/// The peer's solutions of some of the same problems, and our time to its cost.
+class Comparison {
+ public:
+  Comparison(const BenchMpcOptions& o, const Walk& walk, const host::AugmentedModel& model,
+             const mpc::TrialContext& trial)
+      : peer_(o, walk), stopped_(o, model, trial) {}
+
+  void add(const mpc::PlanRequest& request, const mpc::PlanResult& plan, BenchMpcResult& r) {
+    const mpc::SolveResult solved = peer_.solve(request.plan_tick, plan.x_plan);
+    ++r.peer_updates;
+    times_.push_back(ms(solved.timing.total));
+    after_.push_back(solved.cost_after);
+    linearize_.push_back(ms(solved.timing.linearize) / std::max(1, solved.iterations));
+    ratios_.push_back(times_.back() / ms(plan.timing.total));
+    same_cost_ratios_.push_back(times_.back() / stopped_.time_to(solved.cost_after, request));
+    r.peer_cheaper += solved.cost_after < plan.cost_after;
+    r.peer_iterations += solved.iterations;
+  }
+  void summarize(const model::State& standing, BenchMpcResult& r) {
+    r.peer_ms = summary_of(times_);
+    r.peer_cost_after = median_of(after_);
+    r.peer_iterations /= std::max(1, r.peer_updates);
+    r.peer_step_us = peer_.step_us(standing);
+    r.peer_linearize_ms = median_of(linearize_);
+    r.ratio = median_of(ratios_);
+    r.same_cost_ratio = median_of(same_cost_ratios_);
+  }
+
+ private:
+  Peer peer_;
+  Stopped stopped_;
+  std::vector<double> times_, after_, linearize_, ratios_, same_cost_ratios_;
+};
+
+void choose_lanes(const std::string& lanes) {
+  if (!lanes.empty() && !model::select_batch_isa(lanes.c_str()))
+    throw std::invalid_argument(fmt::format(
+        "--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable", lanes));
+}
+
 }  // namespace
 
 BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   BenchMpcResult r;
-  if (!o.lanes.empty() && !model::select_batch_isa(o.lanes.c_str()))
-    throw std::invalid_argument(fmt::format(
-        "--lanes {}: this processor or build lacks it; expected avx512, avx2 or portable",
-        o.lanes));
+  choose_lanes(o.lanes);
   r.lanes = model::batch_isa();
   Walk walk(o);
   host::AugmentedModel model;
@@ -198,15 +261,12 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
   trial.reference = walk.reference;
   trial.weights = walk.motion.weights;
   upper.begin_trial(trial);
-  std::unique_ptr<Peer> peer;
-  std::unique_ptr<Stopped> stopped;
-  if (o.peer)
-    peer = std::make_unique<Peer>(o, walk), stopped = std::make_unique<Stopped>(o, model, trial);
+  std::unique_ptr<Comparison> comparison;
+  if (o.peer) comparison = std::make_unique<Comparison>(o, walk, model, trial);
 
   r.threads = o.mpc.threads;
   r.updates = o.updates;
-  std::vector<double> all, undisturbed, before, after, peer_times, peer_after, peer_linearize,
-      ratios, same_cost_ratios;
+  Updates updates;
   mpc::PlanResult plan;
   for (int i = -20; i < o.updates; ++i) {  // the first ones warm caches and clock
     mpc::PlanRequest request = walk.next();
@@ -215,46 +275,14 @@ BenchMpcResult run_bench_mpc(const BenchMpcOptions& o) {
     upper.plan(request, plan);
     const bool quiet = preemptions() == taken_before;
     if (i < 0) continue;
-    const double t = ms(plan.timing.total);
-    all.push_back(t);
-    if (quiet) undisturbed.push_back(t);
-    before.push_back(plan.cost_before);
-    after.push_back(plan.cost_after);
-    r.iterations += plan.iterations / static_cast<double>(o.updates);
-    r.cut_short += plan.stop == mpc::StopReason::deadline;
-    r.max_iterations = std::max(r.max_iterations, static_cast<double>(plan.iterations));
-    r.predict_ms += ms(plan.timing.predict) / o.updates;
-    r.linearize_ms += ms(plan.timing.linearize) / o.updates;
-    r.backward_ms += ms(plan.timing.backward) / o.updates;
-    r.line_search_ms += ms(plan.timing.line_search) / o.updates;
-    if (peer && r.peer_updates < o.peer_updates &&
-        i % std::max(1, o.updates / o.peer_updates) == 0) {
-      const mpc::SolveResult solved = peer->solve(request.plan_tick, plan.x_plan);
-      ++r.peer_updates;
-      peer_times.push_back(ms(solved.timing.total));
-      peer_after.push_back(solved.cost_after);
-      peer_linearize.push_back(ms(solved.timing.linearize) / std::max(1, solved.iterations));
-      ratios.push_back(peer_times.back() / t);
-      same_cost_ratios.push_back(peer_times.back() / stopped->time_to(solved.cost_after, request));
-      r.peer_cheaper += solved.cost_after < plan.cost_after;
-      r.peer_iterations += solved.iterations;
-    }
+    updates.add(plan, quiet, o, r);
+    const bool compared = comparison && r.peer_updates < o.peer_updates &&
+                          i % std::max(1, o.updates / o.peer_updates) == 0;
+    if (compared) comparison->add(request, plan, r);
   }
-  r.update_ms = summary_of(all);
-  r.undisturbed_ms = summary_of(undisturbed);
-  r.undisturbed = static_cast<int>(undisturbed.size());
-  r.cost_before = median_of(before);
-  r.cost_after = median_of(after);
+  updates.summarize(r);
   r.dynamics_eval_us = dynamics_eval_us(model, walk.reference.front(), o.mpc.dt_s);
-  if (peer) {
-    r.peer_ms = summary_of(peer_times);
-    r.peer_cost_after = median_of(peer_after);
-    r.peer_iterations /= std::max(1, r.peer_updates);
-    r.peer_step_us = peer->step_us(walk.reference.front());
-    r.peer_linearize_ms = median_of(peer_linearize);
-    r.ratio = median_of(ratios);
-    r.same_cost_ratio = median_of(same_cost_ratios);
-  }
+  if (comparison) comparison->summarize(walk.reference.front(), r);
   return r;
 }
 
