@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/learn/atomic_file.h"
-#include "tests/host/learn/learner_world.h"
+#include "tests/host/learn/model/learner_world.h"
 #include "tests/support/temp_folder.h"
 
 namespace sanso::app {

@@ -1,7 +1,7 @@
 // What learning is worth: losses on trials that were not learned from.
 #include <gtest/gtest.h>
 
-#include "tests/host/learn/learner_world.h"
+#include "tests/host/learn/model/learner_world.h"
 
 namespace sanso::learn {
 namespace {

@@ -1,7 +1,7 @@
 // The learner's bookkeeping, with little work: what it keeps, stores and leaves out.
 #include <gtest/gtest.h>
 
-#include "tests/host/learn/learner_world.h"
+#include "tests/host/learn/model/learner_world.h"
 #include "tests/support/temp_folder.h"
 
 namespace sanso::learn {
