@@ -79,7 +79,7 @@ model::Input Posture::hold_target(Trial& trial, const model::State& x) {
 model::Input Posture::step(Trial& trial, const model::State& x) {
   held_fraction_ = std::min(1.0, held_fraction_ + held_step_);
   if (lowering_ || through_crouch_) {
-    const model::Input u = blend_.step(crouch_pose());
+    model::Input u = blend_.step(crouch_pose());
     if (through_crouch_ && blend_.done()) {
       through_crouch_ = false;
       blend_.start(u, settings_.stand_up_s);

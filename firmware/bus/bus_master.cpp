@@ -239,7 +239,8 @@ Result<std::int64_t> BusMaster::read_register(std::uint8_t id, std::uint16_t add
                                               std::uint8_t size, bool is_signed) {
   (void)bus::encode_read(request_, id, address, size);
   if (const Status status = transact(id); status != Status::ok) return status;
-  if (packet_.status_error() != bus::StatusError::none || packet_.parameters.size() != size)
+  if (packet_.status_error() != bus::StatusError::none || size == 0 ||
+      packet_.parameters.size() != size)
     return Status::rejected;
   std::uint64_t value = 0;
   for (std::size_t i = size; i-- > 0;) value = (value << 8) | packet_.parameters[i];

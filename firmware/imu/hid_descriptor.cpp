@@ -285,7 +285,7 @@ std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms,
 bool read_hid_field(const HidField& field, int index, std::span<const std::uint8_t> report,
                     double& value) {
   const std::uint32_t first = field.first_bit + static_cast<std::uint32_t>(index) * field.bits;
-  if (first + field.bits > report.size() * 8) return false;
+  if (field.bits == 0 || first + field.bits > report.size() * 8) return false;
   std::uint64_t raw = 0;
   for (std::uint32_t b = 0; b < field.bits; ++b) {
     const std::uint32_t at = first + b;

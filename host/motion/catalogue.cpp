@@ -187,6 +187,7 @@ const std::vector<std::pair<const char*, Maker>> kEntries = {{"stand", stand},
 
 std::vector<std::string> catalogue_names() {
   std::vector<std::string> names;
+  names.reserve(kEntries.size());
   for (const auto& [name, make] : kEntries) names.emplace_back(name);
   return names;
 }

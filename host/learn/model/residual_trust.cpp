@@ -17,7 +17,8 @@ double best_share(const std::vector<PredictionWindow>& windows, const model::Ste
                   const host::ResidualNetwork& network, double highest) {
   double lowest = kClearlyBetter * n_step_loss(windows, analytical, ground, weights);
   double best = 0.0;
-  for (double share = kShareStep; share <= highest; share += kShareStep) {  // quarters: exact
+  for (int steps = 1; steps * kShareStep <= highest; ++steps) {
+    const double share = steps * kShareStep;
     const host::ResidualNetwork scaled = with_share(network, share);
     const double loss = n_step_loss(windows, analytical, ground, weights, &scaled);
     if (!(loss < lowest)) continue;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 
 namespace sanso::learn {
 namespace {
@@ -17,7 +18,7 @@ Nanoseconds steady_now() {
 }
 
 std::string minutes_seconds(double seconds) {
-  const int s = static_cast<int>(seconds + 0.5);
+  const long s = std::lround(seconds);
   return fmt::format("{}:{:02d}", s / 60, s % 60);
 }
 

@@ -68,6 +68,7 @@ Eigen::Vector2d scaled_ahead(const HumanSwing& swing, const HumanMotion& human,
 
 double median_duration(const std::vector<HumanSwing>& swings) {
   std::vector<double> durations;
+  durations.reserve(swings.size());
   for (const auto& s : swings) durations.push_back(s.land_s - s.lift_s);
   return percentile(durations, 0.5);
 }

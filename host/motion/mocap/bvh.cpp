@@ -19,7 +19,7 @@ class Words {
   Words(const std::string& text, const std::string& file) : text_(text), file_(file) {}
 
   std::string next(const char* expected) {
-    const std::string word = peek();
+    std::string word = peek();
     if (word.empty()) fail("end of file", expected);
     at_ += word.size();
     return word;

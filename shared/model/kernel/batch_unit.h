@@ -34,6 +34,7 @@ template <int Count>
 inline void step_lanes(const StepModel& model, const Ground& ground, const StatesOf<Count>& x,
                        const InputsOf<Count>& u, const BatchStep& step, StatesOf<Count>& x_next,
                        ContactsOf<Count>* contact, NominalStep* keep, int kept) {
+  // NOLINTNEXTLINE(bugprone-branch-clone): the macro may be the same number as Count
   constexpr int W = SANSO_LANES < Count ? SANSO_LANES : Count;
   using P = Pack<W>;
   for (int first = 0; first < Count; first += W) {

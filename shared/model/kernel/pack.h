@@ -10,11 +10,11 @@ namespace sanso::model::SANSO_ISA {
 // in every compiler
 template <int W>
 struct Vectors;
-#define SANSO_VECTORS(w)                                        \
-  template <>                                                   \
-  struct Vectors<w> {                                           \
-    typedef double Lanes __attribute__((vector_size(8 * w)));   \
-    typedef long long Mask __attribute__((vector_size(8 * w))); \
+#define SANSO_VECTORS(w)                                          \
+  template <>                                                     \
+  struct Vectors<w> {                                             \
+    typedef double Lanes __attribute__((vector_size(8 * (w))));   \
+    typedef long long Mask __attribute__((vector_size(8 * (w)))); \
   };
 SANSO_VECTORS(2)
 SANSO_VECTORS(4)
