@@ -53,7 +53,7 @@ FLOORS = {
         ["learn/session", "motion/make"],
         ["app"],
     ],
-    # The order of the method. constants.h stands below all rooms.
+    # The order of the method. settings.h stands below all rooms.
     "tools/diagnose": [
         ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"], ["compare"], ["fit"],
         ["explain"], ["verdict"], ["run"],
@@ -150,7 +150,7 @@ def self_test():
         ("tests/loop/x.cpp", '#include "tools/plant/world.h"'),
         ("host/learn/session/x.h", '#include "host/learn/model/identify.h"'),
         ("firmware/main.cpp", '#include "firmware/app/controller.h"'),
-        ("tools/diagnose/stats/x.h", '#include "tools/diagnose/constants.h"'),
+        ("tools/diagnose/stats/x.h", '#include "tools/diagnose/settings.h"'),
     ]
     for item in bad:
         assert list(violations([item])), f"not caught: {item}"

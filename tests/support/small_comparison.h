@@ -19,7 +19,8 @@ struct SmallComparison {
 
   SmallComparison(const ModelFolder& nominal, const std::vector<recording::Recording>& recordings,
                   const std::vector<NoiseLevel>& noise, const std::vector<std::string>& effects)
-      : problem(make_problem(make_sources(nominal, recordings, noise), noise, ProblemOptions{})) {
+      : problem(make_problem(make_sources(nominal, recordings, noise, Settings{}), noise,
+                             ProblemOptions{}, Settings{})) {
     library.candidates = place_library(problem, effects).candidates;
     library.nuisances = make_nuisances(problem);
   }

@@ -8,7 +8,7 @@
 
 #include "tools/bench/diagnose/diagnose_bench.h"
 #include "tools/bench/diagnose/folder_bench.h"
-#include "tools/bench/diagnose/scaled_constant.h"
+#include "tools/bench/diagnose/scaled_setting.h"
 #include "tools/conceal/conceal.h"
 #include "tools/conceal/reveal.h"
 #include "tools/sanso/commands.h"
@@ -52,7 +52,7 @@ void add_bench_diagnose(CLI::App& app, int& result) {
   struct Options {
     bench::DiagnoseBenchOptions bench;
     bench::FolderBenchOptions cases;
-    std::string family, effect, constant;
+    std::string family, effect, setting;
     double ratio = 0.0;
   };
   auto options = std::make_shared<Options>();
@@ -89,20 +89,21 @@ void add_bench_diagnose(CLI::App& app, int& result) {
                       "begin no case later than this; 0: run all");
   command->add_flag("--leave-out", options->bench.leave_out,
                     "diagnose every case again without its true effects in the library");
-  command->add_option("--constant", options->constant,
-                      "scale one constant of tools/diagnose/constants.h, e.g. kFamilyWise=0.5");
+  command->add_option("--setting", options->setting,
+                      "scale one setting of the diagnosis, e.g. decisions.family_wise=0.5");
   command->add_flag("--json", options->bench.json, "print every case as JSON");
   command->callback([options, &result] {
-    if (!options->constant.empty()) {
+    if (!options->setting.empty()) {
       try {
-        bench::scale_constant(options->constant);
+        options->bench.settings = bench::scaled({}, options->setting);
       } catch (const std::invalid_argument& error) {
-        throw CLI::ValidationError("--constant", error.what());
+        throw CLI::ValidationError("--setting", error.what());
       }
     }
     if (!options->cases.folder.empty()) {
       options->cases.out = options->bench.folder;
       options->cases.json = options->bench.json;
+      options->cases.settings = options->bench.settings;
       result = bench::bench_folder(options->cases);
       return;
     }

@@ -16,6 +16,7 @@ diagnose::FirstLook made(const Eigen::VectorXd& amounts) {
   look.family = {"friction", "friction", "transmission", "transmission"};
   look.z.assign(kProbes, 0.0);
   look.nuisances = 1;
+  look.nuisance_precision = diagnose::Settings{}.tolerances.precision;
   diagnose::Random random(11);
   for (int g = 0; g < kGroups; ++g) {
     Eigen::MatrixXd columns(kRows, 1 + kProbes + 1);

@@ -8,8 +8,6 @@
 #include <functional>
 #include <numeric>
 
-#include "tools/diagnose/constants.h"
-
 namespace sanso::bench {
 namespace {
 
@@ -26,7 +24,8 @@ constexpr double kRidge = 1e-4;
 /// Inner products of [nuisances | probes | error] over some of the groups.
 class Gram {
  public:
-  Gram(const FirstLook& look, MatrixXd G) : nuisances_(look.nuisances), G_(std::move(G)) {}
+  Gram(const FirstLook& look, MatrixXd G)
+      : nuisances_(look.nuisances), precision_(look.nuisance_precision), G_(std::move(G)) {}
   Index probes() const { return G_.cols() - nuisances_ - 1; }
   Index error() const { return G_.cols() - 1; }
 
@@ -41,8 +40,7 @@ class Gram {
   MatrixXd normal(const std::vector<Index>& at) const {
     MatrixXd H = G_(at, at);
     for (Index i = 0; i < H.rows(); ++i)
-      H(i, i) +=
-          i < nuisances_ ? diagnose::constants::kTolerancePrecision : kRidge * H(i, i) + 1e-9;
+      H(i, i) += i < nuisances_ ? precision_ : kRidge * H(i, i) + 1e-9;
     return H;
   }
   VectorXd fit(const std::vector<Index>& at) const {
@@ -68,6 +66,7 @@ class Gram {
 
  private:
   Index nuisances_;
+  double precision_;
   MatrixXd G_;
 };
 

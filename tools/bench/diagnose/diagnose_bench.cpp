@@ -94,6 +94,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   task.model = made.model;
   task.recordings = made.recordings;
   task.first_look_by_group = true;
+  task.settings = options.settings;
   const auto start = std::chrono::steady_clock::now();
   const diagnose::Diagnosis found = diagnose::diagnose(task, [](const std::string&) {});
   Outcome out;
@@ -109,7 +110,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
                    {"sparse regression", sparse_regression(look)},
                    {"friction ladder", friction_ladder(look)}};
   out.explained = explained_half_second(found.verdict, out.proved);
-  out.network = residual_network(made.model, made.recordings, seed);
+  out.network = residual_network(made.model, made.recordings, seed, options.settings);
   task.first_look_by_group = false;
   const bool hidden = out.score.family == "single" || out.score.family == "pair";
   if (hidden && out.score.ratio >= 3.0) {

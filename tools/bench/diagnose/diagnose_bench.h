@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/settings.h"
+
 namespace sanso::bench {
 
 struct DiagnoseCase {
@@ -37,6 +39,7 @@ struct DiagnoseBenchOptions {
   double minutes = 0.0;    // no case is begun later than this; 0: all are run
   bool leave_out = false;  // each case again with its true effects taken out of the library
   bool json = false;
+  diagnose::Settings settings;
   std::function<DiagnoseCase(unsigned long seed, const std::string& robot,
                              const std::string& folder)>
       conceal;

@@ -39,8 +39,10 @@ void prove(const CaseFiles& c, const diagnose::Diagnosis& found, CaseOutcome& ou
   out.explained_bounded = explained_share(before, after, c.answer.noise, true);
 }
 
-CaseOutcome run_case(const CaseFiles& c, const fs::path& folder) {
+CaseOutcome run_case(const CaseFiles& c, const fs::path& folder,
+                     const diagnose::Settings& settings) {
   diagnose::DiagnoseOptions task;
+  task.settings = settings;
   task.model = c.model;
   task.recordings = c.recordings;
   CaseOutcome out;
@@ -94,7 +96,7 @@ int bench_folder(const FolderBenchOptions& options) {
     if (std::ifstream stored(folder / "outcome.json"); options.resume && stored) {
       all.push_back(nlohmann::json::parse(stored).get<CaseOutcome>());
     } else {
-      all.push_back(run_case(c, folder));
+      all.push_back(run_case(c, folder, options.settings));
     }
     const CaseOutcome& o = all.back();
     fmt::print(stderr, "[{}/{}] {}: {} {} ratio {:.1f}: {} -> {} {}: {}, {:.1f} s\n", all.size(),

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/bench/diagnose/case_folder.h"
+#include "tools/diagnose/settings.h"
 
 namespace sanso::bench {
 
@@ -15,6 +16,7 @@ struct FolderBenchOptions {
   std::vector<double> ratio_bounds{0.0, 1.0, 3.0, 10.0, 30.0};  // rows of the table
   bool resume = false;  // cases whose outcome.json is there are not run again
   bool json = false;
+  diagnose::Settings settings;
 };
 
 /// One case, judged and timed.

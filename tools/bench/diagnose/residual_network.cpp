@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "tools/bench/diagnose/perceptron.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/verdict/heldout.h"
@@ -39,7 +38,7 @@ std::vector<Prediction> nominal_predictions(const Problem& problem) {
     const Source& source = problem.sources[s];
     SimOptions options;
     options.motion = &source.motion;
-    options.max_step_s = constants::kSearchStep;
+    options.max_step_s = problem.settings.fitting.search_step;
     for (Prediction& p : simulate(source.nominal, source.drive, windows, options))
       out.push_back(std::move(p));
   }
@@ -165,26 +164,28 @@ void score(const Problem& problem, const Division& part, unsigned long seed,
   out.explained =
       FitScore{std::sqrt(before / count), std::sqrt(after / count), std::sqrt(noise / count)}
           .explained();
-  out.mismatch = moving_block_lower_bound(gain, constants::kGainLevel, constants::kGainDraws,
-                                          Random(seed)) > 0.0;
+  out.mismatch =
+      moving_block_lower_bound(gain, problem.settings.decisions.gain_level,
+                               problem.settings.decisions.gain_draws, Random(seed)) > 0.0;
 }
 
 }  // namespace
 
 ResidualNetworkScore residual_network(const std::string& model_folder,
                                       const std::vector<std::string>& recordings,
-                                      unsigned long seed) {
+                                      unsigned long seed, const Settings& settings) {
   ResidualNetworkScore out;
   try {
     const ModelFolder model = read_model_folder(model_folder);
     const LoadedRecordings loaded = load_recordings(recordings, gate_joints(model));
     if (loaded.gate.refused()) return out;
-    const std::vector<Source> sources = make_sources(model, loaded.recordings, loaded.gate.noise);
+    const std::vector<Source> sources =
+        make_sources(model, loaded.recordings, loaded.gate.noise, settings);
     ProblemOptions options;
     options.shot_seconds = kHorizon;
-    options.maximum_rows = 4 * constants::kMaximumRows;
+    options.maximum_rows = 4 * settings.data.maximum_rows;
     options.secondary = false;
-    const Problem problem = make_problem(sources, loaded.gate.noise, options);
+    const Problem problem = make_problem(sources, loaded.gate.noise, options, settings);
     const Division part = divide(problem, make_split(sources));
     if (!part.train.empty() && !part.validation.empty() && !part.test.empty())
       score(problem, part, seed, out);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/settings.h"
+
 namespace sanso::bench {
 
 struct ResidualNetworkScore {
@@ -23,6 +25,6 @@ struct ResidualNetworkScore {
 /// the simulation is right. Nothing measured after the start is a feature.
 ResidualNetworkScore residual_network(const std::string& model_folder,
                                       const std::vector<std::string>& recordings,
-                                      unsigned long seed);
+                                      unsigned long seed, const diagnose::Settings& settings);
 
 }  // namespace sanso::bench

@@ -58,10 +58,6 @@ struct Nuisance {
   void apply(SimParams& params, double value) const;
 };
 
-/// Instants at which what begins somewhere in a recording is probed: 0 and this many equal steps,
-/// less one.
-inline constexpr int kInstants = 5;
-
 /// The library on this robot and these channels: every effect at every joint, at mirror pairs and
 /// all joints alike, or at the robot; and what cannot be tested, (effect, because). `only` (library
 /// ids) restricts the library; empty: all.
@@ -72,7 +68,7 @@ struct Placement {
 Placement place_library(const Problem& problem, const std::vector<std::string>& only);
 
 /// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of
-/// constants.h; one common lag.
+/// the settings; one common lag.
 std::vector<Nuisance> make_nuisances(const Problem& problem);
 
 struct Chosen {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "tools/diagnose/compare/candidate.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/model_folder/joint_units.h"
@@ -20,9 +19,6 @@ std::vector<Drive> drives_of(const Problem& problem) {
   return out;
 }
 
-// of a joint's motion: nearer to its end too few rows show anything
-constexpr double kEndMargin = 0.03;
-
 /// What begins at a position is looked for at several depths below the end of what the joint did,
 /// not at the library's example positions. Near the ends only, what acts on half of the motion
 /// looks like nothing that was probed.
@@ -34,7 +30,7 @@ void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
       q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
     const double low = quantile(q, 0.0), high = quantile(q, 1.0);
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
-    for (const double share : {kEndMargin, 0.25, 0.5, 0.75}) {
+    for (const double share : {problem.settings.data.end_margin, 0.25, 0.5, 0.75}) {
       for (std::vector<double> probe : own) {
         const double depth = share * (high - low);
         probe[i] = probe[i] > 0.0 ? high - depth : low + depth;
@@ -47,12 +43,13 @@ void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
 /// What begins at an instant is looked for at several instants of the recordings beside the
 /// library's own.
 void place_instants(Candidate& c, const Problem& problem) {
+  const int instants = problem.settings.data.instants;
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::instant) continue;
     const std::vector<std::vector<double>> own = c.probes;
-    for (int k = 1; k < kInstants; ++k) {
+    for (int k = 1; k < instants; ++k) {
       for (std::vector<double> probe : own) {
-        probe[i] = longest_recording(problem) * k / kInstants;
+        probe[i] = longest_recording(problem) * k / instants;
         c.probes.push_back(std::move(probe));
       }
     }
@@ -69,7 +66,7 @@ void place_events(Candidate& c, const Problem& problem) {
                         std::find(problem.struck.begin(), problem.struck.end(), c.joints.front()) !=
                             problem.struck.end();
     for (const double from : struck ? problem.instants : std::vector<double>{}) {
-      for (const double later : {0.0, 0.5 * constants::kShotSeconds}) {
+      for (const double later : {0.0, 0.5 * problem.settings.data.shot_seconds}) {
         for (std::vector<double> probe : own) {
           probe[i] = from + later;
           c.probes.push_back(std::move(probe));

@@ -21,11 +21,11 @@ double position_noise(const std::vector<double>& q) {
   return std::max({robust_sigma(second), smallest_step / std::sqrt(12.0), 1e-6 * range, 1e-9});
 }
 
-MeasuredMotion measured_motion(const Drive& drive) {
+MeasuredMotion measured_motion(const Drive& drive, const DataSettings& settings) {
   MeasuredMotion motion;
   for (const JointData& joint : drive.joints) {
     const std::vector<double> q = gate::without_glitches(joint.q);
-    SmoothedState state = smooth_position(drive.t, q, position_noise(q));
+    SmoothedState state = smooth_position(drive.t, q, position_noise(q), settings.likelihood_rows);
     motion.q.push_back(std::move(state.q));
     motion.dq.push_back(std::move(state.dq));
   }

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/candidate.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
 
 namespace sanso::diagnose {
@@ -57,40 +56,41 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
     all.push_back(static_cast<int>(j));
     const JointSettings& s = nominal.joints[j].nominal;
     const TreeJoint& joint = nominal.tree.joints[j];
-    out.push_back(make("mass" + at, "link_mass", constants::kMassTolerance, here, {1.0}));
+    out.push_back(make("mass" + at, "link_mass", problem.settings.tolerances.mass, here, {1.0}));
     if (!joint.prismatic) {
       const Vec3& com = joint.body.com;
-      out.push_back(make("length" + at, "link_com", constants::kLengthTolerance, here,
+      out.push_back(make("length" + at, "link_com", problem.settings.tolerances.length, here,
                          {com[0], com[1], com[2]}));
     }
     if (const double damping = actuator_damping(s); damping > 0.0) {
-      out.push_back(
-          make("damping" + at, "viscous_friction", constants::kDampingTolerance, here, {damping}));
+      out.push_back(make("damping" + at, "viscous_friction", problem.settings.tolerances.damping,
+                         here, {damping}));
     }
     if (s.coulomb > 0.0) {
-      out.push_back(make("dry friction" + at, "coulomb_friction", constants::kFrictionTolerance,
-                         here, {s.coulomb}));
+      out.push_back(make("dry friction" + at, "coulomb_friction",
+                         problem.settings.tolerances.friction, here, {s.coulomb}));
     }
     if (s.actuator == Actuator::dc_servo || s.actuator == Actuator::position_pd) {
-      out.push_back(make("gain" + at, "servo_p_gain", constants::kGainTolerance, here, {1.0}));
+      out.push_back(
+          make("gain" + at, "servo_p_gain", problem.settings.tolerances.gain, here, {1.0}));
     }
     if (s.actuator == Actuator::dc_servo) {
-      out.push_back(make("torque constant" + at, "torque_constant", constants::kMotorTolerance,
-                         here, {1.0, 0.0}));
-      out.push_back(
-          make("resistance" + at, "torque_constant", constants::kMotorTolerance, here, {0.0, 1.0}));
+      out.push_back(make("torque constant" + at, "torque_constant",
+                         problem.settings.tolerances.motor, here, {1.0, 0.0}));
+      out.push_back(make("resistance" + at, "torque_constant", problem.settings.tolerances.motor,
+                         here, {0.0, 1.0}));
     }
     const double zero =
-        joint.prismatic ? 0.1 * constants::kZeroTolerance : constants::kZeroTolerance;
+        joint.prismatic ? 0.1 * problem.settings.tolerances.zero : problem.settings.tolerances.zero;
     out.push_back(make("zero" + at, "encoder_offset", zero, here, {1.0}));
     if (s.armature > 0.0)
-      out.push_back(make("rotor inertia" + at, "rotor_inertia", constants::kArmatureTolerance, here,
-                         {s.armature}));
+      out.push_back(make("rotor inertia" + at, "rotor_inertia",
+                         problem.settings.tolerances.armature, here, {s.armature}));
   }
   // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample early.
   // Bounded at zero, the fraction of a millisecond takes the next name that can shift a command
   // forward (feed-forward).
-  out.push_back(make("common lag", "command_delay", constants::kLagTolerance, all, {1.0}));
+  out.push_back(make("common lag", "command_delay", problem.settings.tolerances.lag, all, {1.0}));
   return out;
 }
 

@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
@@ -15,7 +14,7 @@ namespace {
 
 /// How a pass differs from the plain one.
 struct Pass {
-  double step_s = constants::kSearchStep;
+  double step_s = 0.0;  // 0: the search's
   std::function<void(Window&)> move_start = [](Window&) {};
   std::vector<char> wanted = {};        // by joint; empty: all
   std::uint64_t seed = 0;               // not 0: chance is drawn
@@ -71,7 +70,7 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   library.apply(model, params);
   SimOptions options;
   options.motion = &source.motion;
-  options.max_step_s = pass.step_s;
+  options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem.settings.fitting.search_step;
   options.wanted = pass.wanted;
   if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
   std::vector<Prediction> predictions =
@@ -113,9 +112,11 @@ std::vector<char> branches_with(const Problem& problem, const std::vector<int>& 
   return wanted;
 }
 
-/// Beyond this many joints the starts are moved all at once and coupling between joints is left out
-/// of their derivative.
-constexpr std::size_t kCoupledStarts = 4;
+/// With few joints every start is moved by itself; with more, all at once, and coupling between
+/// joints is left out of their derivative.
+bool starts_coupled(const Problem& problem) {
+  return problem.joints.size() <= static_cast<std::size_t>(problem.settings.data.coupled_starts);
+}
 
 }  // namespace
 
@@ -179,7 +180,8 @@ Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library
 
 void correct_step(Problem& problem, const Library& library, const Model& model) {
   problem.step_error.clear();
-  const double coarse = constants::kSearchStep, fine = std::min(constants::kFineStep, 0.5 * coarse);
+  const FittingSettings& steps = problem.settings.fitting;
+  const double coarse = steps.search_step, fine = std::min(steps.fine_step, 0.5 * coarse);
   Eigen::VectorXd at_coarse(static_cast<Eigen::Index>(problem.size)), at_fine = at_coarse;
   parallel_for(2, [&](int i) {
     Pass pass;
@@ -221,10 +223,10 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
     : problem_(&problem) {
   make_blocks();
   const std::size_t n = problem.joints.size();
-  const bool coupled = n <= kCoupledStarts;
+  const bool coupled = starts_coupled(problem);
   J_.setZero(static_cast<Eigen::Index>(problem.size), static_cast<Eigen::Index>(2 * n));
-  // steps well above the integrator's rounding and below any regime's width
-  constexpr double kStepPosition = 1e-4, kStepVelocity = 1e-3;
+  const double position_step = problem.settings.data.start_step_position,
+               velocity_step = problem.settings.data.start_step_velocity;
   const int passes = coupled ? static_cast<int>(2 * n) : 2;
   std::vector<Eigen::VectorXd> moved(static_cast<std::size_t>(passes));
   Eigen::VectorXd base;
@@ -236,12 +238,12 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
     const int joint = coupled ? i / 2 : -1;
     const bool position = i % 2 == 0;
     moved[static_cast<std::size_t>(i)] = prediction_error_from_moved_start(
-        problem, library, model, joint, position ? kStepPosition : 0.0,
-        position ? 0.0 : kStepVelocity);
+        problem, library, model, joint, position ? position_step : 0.0,
+        position ? 0.0 : velocity_step);
   });
   for (int i = 0; i < passes; ++i) {
     const Eigen::VectorXd derivative =
-        (moved[static_cast<std::size_t>(i)] - base) / (i % 2 == 0 ? kStepPosition : kStepVelocity);
+        (moved[static_cast<std::size_t>(i)] - base) / (i % 2 == 0 ? position_step : velocity_step);
     if (coupled) {
       J_.col(i) = derivative;
       continue;
@@ -263,7 +265,8 @@ StartElimination::StartElimination(const Problem& problem, const Library& librar
       J.col(static_cast<Eigen::Index>(2 * j)) *=
           std::max(source.q_sigma[j][shot.window.first], 1e-9);
       J.col(static_cast<Eigen::Index>(2 * j + 1)) *=
-          constants::kArrivalInflation * std::max(source.dq_sigma[j][shot.window.first], 1e-9);
+          problem.settings.data.arrival_inflation *
+          std::max(source.dq_sigma[j][shot.window.first], 1e-9);
     }
     const Eigen::MatrixXd H = J.transpose() * J + Eigen::MatrixXd::Identity(J.cols(), J.cols());
     W_.push_back(H.llt().solve(Eigen::MatrixXd::Identity(J.cols(), J.cols())));
@@ -275,7 +278,7 @@ void StartElimination::make_blocks() {
   const auto n = static_cast<Eigen::Index>(tree.size());
   // few joints: every start was moved by itself, and a sagging supply may have carried it to
   // another branch
-  const bool whole = static_cast<std::size_t>(n) <= kCoupledStarts;
+  const bool whole = starts_coupled(*problem_);
   for (Eigen::Index j = 0; j < n; ++j) {
     const bool begins = blocks_.empty() || (!whole && tree[static_cast<std::size_t>(j)].parent < 0);
     if (begins) blocks_.push_back({0, 0, 2 * j, 0});

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/stats/robust.h"
@@ -46,11 +45,11 @@ const std::vector<double>& column(const JointData& data, Signal signal) {
   }
 }
 
-/// Recordings faster than kFastestRate: commands and efforts averaged over blocks (their impulse is
-/// what acts), positions taken at the block's first row.
-recording::Recording thinned(const recording::Recording& r) {
+/// Recordings faster than `fastest_rate` [Hz]: commands and efforts averaged over blocks (their
+/// impulse is what acts), positions taken at the block's first row.
+recording::Recording thinned(const recording::Recording& r, double fastest_rate) {
   const double rate = 1.0 / std::max(gate::sampling_interval(r.t), 1e-9);
-  const auto block = static_cast<std::size_t>(std::ceil(rate / constants::kFastestRate));
+  const auto block = static_cast<std::size_t>(std::ceil(rate / fastest_rate));
   if (block <= 1) return r;
   recording::Recording out = r;
   out.t.clear();
@@ -79,7 +78,7 @@ double noise_of(const std::vector<NoiseLevel>& noise, const std::string& channel
   return level_of(noise, channel).sigma;
 }
 
-void smooth_source(Source& source, const std::vector<double>& sigmas) {
+void smooth_source(Source& source, const std::vector<double>& sigmas, int likelihood_rows) {
   const std::size_t n = source.drive.joints.size(), rows = source.drive.rows();
   source.motion.q.assign(n, std::vector<double>(rows, 0.0));
   source.motion.dq = source.q_sigma = source.dq_sigma = source.motion.q;
@@ -87,7 +86,7 @@ void smooth_source(Source& source, const std::vector<double>& sigmas) {
     JointData& data = source.drive.joints[j];
     if (data.q.empty()) continue;
     data.q = gate::without_glitches(data.q);
-    SmoothedState state = smooth_position(source.drive.t, data.q, sigmas[j]);
+    SmoothedState state = smooth_position(source.drive.t, data.q, sigmas[j], likelihood_rows);
     source.motion.q[j] = std::move(state.q);
     source.motion.dq[j] = std::move(state.dq);
     source.q_sigma[j] = std::move(state.q_sigma);
@@ -109,10 +108,10 @@ double measured(const Source& source, const Observed& channel, std::size_t row) 
 
 std::vector<Source> make_sources(const ModelFolder& model,
                                  const std::vector<recording::Recording>& recordings,
-                                 const std::vector<NoiseLevel>& noise) {
+                                 const std::vector<NoiseLevel>& noise, const Settings& settings) {
   std::vector<Source> sources(recordings.size());
   for (std::size_t i = 0; i < recordings.size(); ++i) {
-    const recording::Recording r = thinned(recordings[i]);
+    const recording::Recording r = thinned(recordings[i], settings.data.fastest_rate);
     const ModelFolder here = with_overrides(model, r);
     sources[i].file = r.file;
     sources[i].condition = r.condition;
@@ -131,8 +130,9 @@ std::vector<Source> make_sources(const ModelFolder& model,
     }();
     sigmas.push_back(std::max({noise_of(noise, "q:" + joint.name), 1e-6 * range, 1e-9}));
   }
-  parallel_for(static_cast<int>(sources.size()),
-               [&](int i) { smooth_source(sources[static_cast<std::size_t>(i)], sigmas); });
+  parallel_for(static_cast<int>(sources.size()), [&](int i) {
+    smooth_source(sources[static_cast<std::size_t>(i)], sigmas, settings.data.likelihood_rows);
+  });
   return sources;
 }
 
@@ -162,10 +162,10 @@ std::vector<Observed> observed_channels(const Problem& problem,
           level_of(noise, std::string(to_string(signal)) + ":" + problem.joints[j]);
       const double sigma = level.sigma;
       channel.quantum = level.quantum;
-      const double floor =
-          signal == Signal::q
-              ? constants::kModelFloor * (quantile(values, 0.99) - quantile(values, 0.01))
-              : constants::kSecondaryFloor * rms(values);
+      const double floor = signal == Signal::q
+                               ? problem.settings.data.model_floor *
+                                     (quantile(values, 0.99) - quantile(values, 0.01))
+                               : problem.settings.data.secondary_floor * rms(values);
       channel.noise = std::max(sigma, 1e-12);
       channel.sigma = channel.floor = std::max({sigma, floor, 1e-9});
       out.push_back(channel);
@@ -177,8 +177,7 @@ std::vector<Observed> observed_channels(const Problem& problem,
 void add_shots(Problem& problem, int source_index, double seconds) {
   const Source& source = problem.sources[static_cast<std::size_t>(source_index)];
   const std::vector<double>& t = source.drive.t;
-  // 200 Hz at half a second: above it neighbouring errors are the same error
-  constexpr std::size_t kComparedRows = 100;
+  const auto compared = static_cast<std::size_t>(problem.settings.data.compared_rows);
   for (std::size_t first = 0; first + 1 < t.size();) {
     std::size_t last = first;
     while (last + 1 < t.size() && t[last + 1] - t[first] <= seconds + 1e-9) ++last;
@@ -193,7 +192,7 @@ void add_shots(Problem& problem, int source_index, double seconds) {
       shot.window.q.push_back(source.motion.q[j][first]);
       shot.window.dq.push_back(source.motion.dq[j][first]);
     }
-    shot.stride = static_cast<int>(std::max<std::size_t>(1, (last - first) / kComparedRows));
+    shot.stride = static_cast<int>(std::max<std::size_t>(1, (last - first) / compared));
     // row `first` itself is the start, not a prediction
     shot.rows = (last - first) / static_cast<std::size_t>(shot.stride);
     problem.shots.push_back(std::move(shot));
@@ -232,7 +231,7 @@ void assign_groups(Problem& problem) {
   std::map<int, std::pair<int, int>> seen;  // source -> (number of shots, shots so far)
   for (const Shot& s : problem.shots) ++seen[s.source].first;
   const int sources = static_cast<int>(problem.sources.size());
-  const int blocks = sources >= 3 ? 1 : constants::kFolds / sources;
+  const int blocks = sources >= 3 ? 1 : problem.settings.decisions.folds / sources;
   for (Shot& s : problem.shots) {
     auto& [total, index] = seen[s.source];
     s.group = sources >= 3 ? s.source % 5 : s.source * blocks + index * blocks / total;
@@ -249,8 +248,9 @@ void assign_groups(Problem& problem) {
 }  // namespace
 
 Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise,
-                     const ProblemOptions& options) {
+                     const ProblemOptions& options, const Settings& settings) {
   Problem problem;
+  problem.settings = settings;
   problem.sources = std::move(sources);
   for (const TreeJoint& joint : problem.sources.front().nominal.tree.joints)
     problem.joints.push_back(joint.name);
@@ -276,16 +276,16 @@ bool near_instant(const Problem& problem, const Shot& shot, double t) {
 
 namespace {
 
-void resmooth_joint(Source& source, std::size_t joint, double noise, double jitter) {
-  // the speed that says how well a reading is known comes from the motion that the readings say: 3
-  // rounds settle it
-  constexpr int kRounds = 3;
+/// The speed that says how well a reading is known comes from the motion that the readings say: a
+/// few rounds settle it.
+void resmooth_joint(Source& source, std::size_t joint, double noise, double jitter,
+                    const DataSettings& settings) {
   const std::vector<double>& q = source.drive.joints[joint].q;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < settings.smoothing_rounds; ++round) {
     std::vector<double> sigma;
     for (const double speed : source.motion.dq[joint])
       sigma.push_back(std::hypot(noise, jitter * speed));
-    SmoothedState state = smooth_position(source.drive.t, q, sigma);
+    SmoothedState state = smooth_position(source.drive.t, q, sigma, settings.likelihood_rows);
     source.motion.q[joint] = std::move(state.q);
     source.motion.dq[joint] = std::move(state.dq);
     source.q_sigma[joint] = std::move(state.q_sigma);
@@ -302,7 +302,7 @@ void resmooth(Problem& problem, const std::vector<double>& jitter) {
     parallel_for(static_cast<int>(problem.sources.size()), [&](int i) {
       Source& source = problem.sources[static_cast<std::size_t>(i)];
       if (!source.drive.joints[joint].q.empty())
-        resmooth_joint(source, joint, channel.noise, jitter[joint]);
+        resmooth_joint(source, joint, channel.noise, jitter[joint], problem.settings.data);
     });
     for (Shot& shot : problem.shots) {
       const MeasuredMotion& motion = problem.sources[static_cast<std::size_t>(shot.source)].motion;

@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/gate/gate.h"
 #include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/settings.h"
 #include "tools/diagnose/sim/drive.h"
 #include "tools/diagnose/sim/simulator.h"
 #include "tools/recording/recording.h"
@@ -25,7 +26,7 @@ struct Observed {
   // unit of the signal; what residuals are divided by: `floor`, or the overdispersed error if
   // larger
   double sigma = 1.0;
-  // unit of the signal; measurement noise, or the trust floor of constants.h when that is larger
+  // unit of the signal; measurement noise, or the trust floor of the settings when that is larger
   double floor = 1.0;
   double noise = 1.0;    // unit of the signal; measurement noise alone
   double quantum = 0.0;  // unit of the signal; step of its readings, 0: none found
@@ -56,6 +57,7 @@ struct Shot {
 /// The stacked comparison. Entry of channel c and compared row k of shot s: shots[s].offset + c *
 /// rows + k.
 struct Problem {
+  Settings settings;
   std::vector<std::string> joints;
   std::vector<Source> sources;
   std::vector<Observed> channels;
@@ -85,9 +87,9 @@ struct ProblemOptions {
 /// Throws recording::InputError.
 std::vector<Source> make_sources(const ModelFolder& model,
                                  const std::vector<recording::Recording>& recordings,
-                                 const std::vector<NoiseLevel>& noise);
+                                 const std::vector<NoiseLevel>& noise, const Settings& settings);
 Problem make_problem(std::vector<Source> sources, const std::vector<NoiseLevel>& noise,
-                     const ProblemOptions& options);
+                     const ProblemOptions& options, const Settings& settings);
 
 /// Smooths the motion anew where the instants of readings scatter by `jitter` [s, by joint; 0: the
 /// joint stays as it is]: a position that moves past is known less well than one at rest. Shots

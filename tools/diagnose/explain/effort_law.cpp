@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -27,7 +26,7 @@ void add_source(const Problem& problem, const Library& library, const Model& mod
   SimParams params = source.nominal;
   library.apply(model, params);
   SimOptions options;
-  options.max_step_s = constants::kSearchStep;
+  options.max_step_s = problem.settings.fitting.search_step;
   const ReplayTorques replay =
       replay_torques(in_sensor_time(std::move(params)), source.drive, source.motion, options);
   for (const Shot& shot : problem.shots) {

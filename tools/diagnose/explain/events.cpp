@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
@@ -23,6 +22,7 @@ double mean_square(const Problem& problem, std::size_t channel, const Shot& shot
 
 std::vector<Event> find_events(const Problem& problem, const Eigen::VectorXd& projected) {
   std::vector<Event> out;
+  const double outlier = problem.settings.decisions.shot_outlier;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     if (problem.channels[c].signal != Signal::q) continue;
     std::vector<double> squares;
@@ -30,7 +30,7 @@ std::vector<Event> find_events(const Problem& problem, const Eigen::VectorXd& pr
       squares.push_back(mean_square(problem, c, shot, projected));
     const double usual = std::max(1.0, median(squares));
     for (std::size_t s = 0; s < squares.size(); ++s) {
-      if (squares[s] < constants::kShotOutlier * constants::kShotOutlier * usual) continue;
+      if (squares[s] < outlier * outlier * usual) continue;
       const double rows = static_cast<double>(problem.shots[s].rows);
       out.push_back(
           {s, problem.channels[c].joint, std::sqrt(squares[s]), (squares[s] - usual) * rows});

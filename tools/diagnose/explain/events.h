@@ -19,7 +19,7 @@ struct Event {
   double excess = 0.0;  // energy beyond that of the joint's median shot, in units of noise energy
 };
 
-/// Position errors `projected` (StartElimination::project) of more than kShotOutlier times the
+/// Position errors `projected` (StartElimination::project) of more than shot_outlier times the
 /// level of the joint's median shot, or of noise where that is larger; strongest first.
 std::vector<Event> find_events(const Problem& problem, const Eigen::VectorXd& projected);
 

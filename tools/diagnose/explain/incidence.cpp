@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/explain/effort_law.h"
 
 namespace sanso::diagnose {

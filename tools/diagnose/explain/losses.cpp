@@ -1,11 +1,9 @@
 #include "tools/diagnose/explain/losses.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -14,17 +12,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-// shots that are tried first: when no loss is found in the worst, none is behind the others
-constexpr int kWorst = 12;
-// changes in a shot; at the library's largest rate half a second at 100 Hz loses 15
-constexpr int kRounds = 30;
-// changes that were best a moment ago are tried again before all others
-constexpr std::size_t kPromising = 12;
-// of the nuisances, which took up what the losses do on average
-constexpr int kRefits = 3;
-// commands lost in a row that are tried at once; others grow
-constexpr std::array<std::size_t, 4> kRuns{1, 2, 4, 8};
 
 /// The same comparison in noise levels (or trust floors): the search's own levels grew with what is
 /// to be found here.
@@ -84,7 +71,7 @@ class Hunt {
     model_.nuisance.assign(library_.nuisances.size(), 0.0);
     r_ = prediction_error_with_lost(problem_, library_, model_, r_, lost_, {}, {});
     for (const int joint : losing) take(joint, outstanding(joint));
-    for (int pass = 0; pass < kRefits; ++pass) {
+    for (int pass = 0; pass < chance().loss_refits; ++pass) {
       refit();
       const std::vector<LostCommand> before = lost_;
       for (const int joint : losing) take(joint, outstanding(joint));
@@ -94,6 +81,7 @@ class Hunt {
   }
 
  private:
+  const ChanceSettings& chance() const { return problem_.settings.chance; }
   const Candidate& candidate(int i) const {
     return library_.candidates[static_cast<std::size_t>(i)];
   }
@@ -154,8 +142,8 @@ class Hunt {
           tried += changes(shot.source, joint, row) ? 1.0 : 0.0;
       }
     }
-    tried_ = tried * static_cast<double>(kRuns.size());
-    least_gain_ = 2.0 * std::log(tried_ / constants::kFamilyWise);
+    tried_ = tried * static_cast<double>(chance().loss_runs);
+    least_gain_ = 2.0 * std::log(tried_ / problem_.settings.decisions.family_wise);
   }
 
   /// Shots in which the joint's error is more than noise, worst first.
@@ -174,7 +162,7 @@ class Hunt {
                       .squaredNorm();
         freedom += static_cast<double>(shot.rows) * std::pow(channel.noise / channel.floor, 2.0);
       }
-      if (chi_square_tail(energy, std::max(freedom, 3.0)) < constants::kFamilyWise)
+      if (chi_square_tail(energy, std::max(freedom, 3.0)) < problem_.settings.decisions.family_wise)
         excess.emplace_back(energy, s);
     }
     std::stable_sort(excess.begin(), excess.end(),
@@ -207,7 +195,7 @@ class Hunt {
   /// What a shot's losses have to gain: each run of them its place among all commands, each further
   /// row of a run that it goes on at this end or at the other.
   double price(const std::vector<LostCommand>& of_shot) const {
-    const double further = 2.0 * std::log(2.0 / constants::kFamilyWise);
+    const double further = 2.0 * std::log(2.0 / problem_.settings.decisions.family_wise);
     double sum = 0.0;
     for (std::size_t i = 0; i < of_shot.size(); ++i) {
       const bool goes_on = i > 0 && of_shot[i].row == of_shot[i - 1].row + 1;
@@ -221,7 +209,8 @@ class Hunt {
     std::vector<Change> out;
     for (std::size_t row = first_row(shot, joint); row < shot.window.last; ++row) {
       if (!changes(shot.source, joint, row) && !is_lost({shot.source, joint, row - 1})) continue;
-      for (const std::size_t run : kRuns) {
+      for (int k = 0; k < chance().loss_runs; ++k) {
+        const std::size_t run = std::size_t{1} << k;
         if (row + run <= shot.window.last) out.push_back({row, run});
       }
     }
@@ -277,7 +266,7 @@ class Hunt {
     std::vector<Hunted> hunted;
     for (const std::size_t s : shots) hunted.push_back({s});
     std::set<std::size_t> with;
-    for (int round = 0; round < kRounds && !hunted.empty(); ++round) {
+    for (int round = 0; round < chance().loss_changes && !hunted.empty(); ++round) {
       std::vector<std::vector<Change>> of;
       for (const Hunted& h : hunted)
         of.push_back(h.promising.empty() ? all_changes(problem_.shots[h.shot], joint)
@@ -311,7 +300,8 @@ class Hunt {
                                       int joint) const {
     std::vector<Change> out(
         sorted.begin() + 1,
-        sorted.begin() + static_cast<std::ptrdiff_t>(std::min(sorted.size(), kPromising)));
+        sorted.begin() + static_cast<std::ptrdiff_t>(std::min(
+                             sorted.size(), static_cast<std::size_t>(chance().promising))));
     const std::size_t row = sorted.front().row, end = row + sorted.front().run;
     if (row > first_row(shot, joint)) out.push_back({row - 1, 1});
     if (end < shot.window.last) out.push_back({end, 1});
@@ -322,7 +312,7 @@ class Hunt {
   bool lost_some(int joint) {
     std::vector<std::size_t> worst = outstanding(joint);
     if (worst.empty()) return false;
-    worst.resize(std::min<std::size_t>(worst.size(), kWorst));
+    worst.resize(std::min(worst.size(), static_cast<std::size_t>(chance().worst_shots)));
     const std::vector<LostCommand> before = lost_;
     const VectorXd r_before = r_;
     if (2 * take(joint, worst) >= worst.size()) return true;
@@ -385,7 +375,8 @@ class Hunt {
     out.high = interval.high;
     out.blind = hidden.interval(1.0).low <= showing.interval(1.0).high;
     out.misfit = misfit(losing);
-    out.p_family = std::min(1.0, constants::kFamilyWise * std::exp(-0.5 * best_gain_));
+    out.p_family =
+        std::min(1.0, problem_.settings.decisions.family_wise * std::exp(-0.5 * best_gain_));
     out.repaired = starts_.project(r_);
     out.energy = position_energy(starts_.project(first_)) - position_energy(out.repaired);
     Surroundings around{&problem_, &library_, starts_, {}};

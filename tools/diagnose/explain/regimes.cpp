@@ -9,9 +9,6 @@
 namespace sanso::diagnose {
 namespace {
 
-// chosen: durations in which a servo's reversal, breakaway or step response happens
-constexpr double kReversal = 0.04, kStandstill = 0.1, kBreakaway = 0.06, kAfterStep = 0.15;  // s
-
 /// Limits that are shared by all recordings of a joint, so that a regime means the same in each.
 struct JointScale {
   double rest_speed = 0.0;        // below: standing
@@ -26,8 +23,9 @@ struct Row {
 
 class JointRegimes {
  public:
-  JointRegimes(const Source& source, std::size_t j, const ReplayTorques& torques)
-      : source_(source), j_(j) {
+  JointRegimes(const Source& source, std::size_t j, const ReplayTorques& torques,
+               const RegimeSettings& settings)
+      : source_(source), j_(j), settings_(settings) {
     const std::size_t rows = source.drive.rows();
     rows_.resize(rows);
     const JointData& data = source.drive.joints[j];
@@ -88,14 +86,15 @@ class JointRegimes {
       // a change of sign that leads somewhere: speed outside the standing band within 5 times the
       // reversal time
       bool before = false, after = false;
-      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < 5 * kReversal;)
+      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < 5 * settings_.reversal;)
         before |= std::abs(rows_[i].dq) > scale.rest_speed;
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < 5 * kReversal; ++i)
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < 5 * settings_.reversal;
+           ++i)
         after |= std::abs(rows_[i].dq) > scale.rest_speed;
       if (!before || !after) continue;
-      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < kReversal;)
+      for (std::size_t i = k; i-- > 0 && rows_[k].t - rows_[i].t < settings_.reversal;)
         set("reversal", i, true);
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kReversal; ++i)
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < settings_.reversal; ++i)
         set("reversal", i, true);
     }
   }
@@ -104,10 +103,10 @@ class JointRegimes {
     for (std::size_t k = 0; k < rows_.size();) {
       std::size_t end = k;
       while (end < rows_.size() && std::abs(rows_[end].dq) <= scale.rest_speed) ++end;
-      if (end > k && rows_[end - 1].t - rows_[k].t > kStandstill) {
+      if (end > k && rows_[end - 1].t - rows_[k].t > settings_.standstill) {
         for (std::size_t i = k; i < end; ++i) set("standstill", i, true);
-        for (std::size_t i = end; i < rows_.size() && rows_[i].t - rows_[end - 1].t < kBreakaway;
-             ++i)
+        for (std::size_t i = end;
+             i < rows_.size() && rows_[i].t - rows_[end - 1].t < settings_.breakaway; ++i)
           set("breakaway", i, true);
       }
       k = std::max(end, k + 1);
@@ -121,13 +120,15 @@ class JointRegimes {
     const double usual = quantile(changes, 0.95);
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (!(std::abs(rows_[k].command - rows_[k - 1].command) > 6.0 * usual + 1e-6)) continue;
-      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < kAfterStep; ++i)
+      for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < settings_.after_step;
+           ++i)
         set("after a command step", i, true);
     }
   }
 
   const Source& source_;
   std::size_t j_;
+  const RegimeSettings& settings_;
   std::vector<Row> rows_;
 };
 
@@ -175,7 +176,7 @@ Regimes find_regimes(const Problem& problem) {
     const auto joint = static_cast<std::size_t>(j);
     std::vector<JointRegimes> recordings;
     for (std::size_t s = 0; s < sources; ++s)
-      recordings.emplace_back(problem.sources[s], joint, torques[s]);
+      recordings.emplace_back(problem.sources[s], joint, torques[s], problem.settings.regimes);
     const JointScale scale = scale_of(recordings);
     for (std::size_t s = 0; s < sources; ++s)
       recordings[s].fill(scale, out.mask[s][joint], out.names);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/fit/start.h"
 
 namespace sanso::diagnose {
@@ -20,11 +19,12 @@ int free_parameters(const Candidate& c) {
 }
 
 /// Of every cluster of `significant` (strongest first) the strongest.
-std::vector<int> cluster_leaders(const Screening& screening, const std::vector<int>& significant) {
+std::vector<int> cluster_leaders(const Screening& screening, const std::vector<int>& significant,
+                                 double same_signature) {
   std::vector<int> leaders;
   for (const int c : significant) {
     const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](int other) {
-      return screening.similarity(c, other) > constants::kSameSignature;
+      return screening.similarity(c, other) > same_signature;
     });
     if (new_cluster) leaders.push_back(c);
   }
@@ -65,29 +65,32 @@ bool any_parameter(const Library& library, const Alternative& a, const F& f) {
 }  // namespace
 
 double practical_energy(const Problem& problem) {
-  return std::max(kNoiseUnit,
-                  constants::kPracticalSize * constants::kPracticalSize * rows_of_a_joint(problem));
+  const double size = problem.settings.decisions.practical_size;
+  return std::max(kNoiseUnit, size * size * rows_of_a_joint(problem));
 }
 
-std::vector<int> rivals(const Library& library, const Screening& screening, double least_energy) {
+std::vector<int> rivals(const Settings& settings, const Library& library,
+                        const Screening& screening, double least_energy) {
+  const DecisionSettings& decisions = settings.decisions;
   std::vector<int> significant, chosen;
   for (const int c : screening.ranking()) {
     if (candidate(library, c).random) continue;  // judged by scatter
     const ProbeScore& best = *screening.best(c);
     // what a fit can remove is the squared score, as far as the model is linear
-    const bool worth = constants::kLinearReach * best.score * best.score > least_energy;
-    if (best.p_family < constants::kFamilyWise && worth) significant.push_back(c);
+    const bool worth = settings.fitting.linear_reach * best.score * best.score > least_energy;
+    if (best.p_family < decisions.family_wise && worth) significant.push_back(c);
   }
-  const std::vector<int> leaders = cluster_leaders(screening, significant);
+  const std::vector<int> leaders =
+      cluster_leaders(screening, significant, decisions.same_signature);
   const auto add = [&](int c) {
-    if (static_cast<int>(chosen.size()) < constants::kRivals &&
+    if (static_cast<int>(chosen.size()) < decisions.rivals &&
         std::find(chosen.begin(), chosen.end(), c) == chosen.end())
       chosen.push_back(c);
   };
   for (const int leader : leaders) {
     int simplest = leader;
     for (const int c : significant) {
-      const bool member = screening.similarity(c, leader) > constants::kSameSignature;
+      const bool member = screening.similarity(c, leader) > decisions.same_signature;
       const bool nearly = screening.best(c)->score > 0.8 * screening.best(leader)->score;
       if (member && nearly &&
           free_parameters(candidate(library, c)) < free_parameters(candidate(library, simplest)))
@@ -101,8 +104,9 @@ std::vector<int> rivals(const Library& library, const Screening& screening, doub
   return chosen;
 }
 
-std::vector<int> replacements(const Library& library, const Screening& first, const Model& model,
-                              int accepted, const std::vector<Alternative>& fitted) {
+std::vector<int> replacements(const DecisionSettings& settings, const Library& library,
+                              const Screening& first, const Model& model, int accepted,
+                              const std::vector<Alternative>& fitted) {
   std::vector<std::pair<double, int>> order;
   const Candidate& own = candidate(library, accepted);
   for (std::size_t i = 0; i < library.candidates.size(); ++i) {
@@ -114,14 +118,14 @@ std::vector<int> replacements(const Library& library, const Screening& first, co
         other.joints == own.joints || other.joints.empty() || own.joints.empty();
     const bool known = same_place && std::find(own.confounders.begin(), own.confounders.end(),
                                                other.effect) != own.confounders.end();
-    if (similarity > constants::kSameSignature || known || find(fitted, c) != nullptr)
+    if (similarity > settings.same_signature || known || find(fitted, c) != nullptr)
       order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<int> out;
   for (const auto& [score, c] : order) {
-    if (static_cast<int>(out.size()) < constants::kRivals) out.push_back(c);
+    if (static_cast<int>(out.size()) < settings.rivals) out.push_back(c);
   }
   return out;
 }
@@ -147,18 +151,20 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
     } else {
       start = best_start(around, base, a.candidate, screening.best(a.candidate));
     }
-    a.fit = fit(around, start, constants::kFirstIterations);
+    a.fit = fit(around, start, around.settings().fitting.first_iterations);
   });
   double best = INFINITY;
   for (const Alternative& a : out) best = std::min(best, a.fit.objective);
-  const double near = best + constants::kPolishShare * std::max(0.0, base_objective - best);
+  const double near =
+      best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);
   parallel_for(static_cast<int>(which.size()), [&](int i) {
     Alternative& a = out[static_cast<std::size_t>(i)];
     if (a.far_behind) return;
     a.far_behind = a.fit.objective > near;
     if (!a.fit.converged && !a.far_behind)
       a.fit =
-          resume(around, std::move(a.fit), constants::kIterations - constants::kFirstIterations);
+          resume(around, std::move(a.fit),
+                 around.settings().fitting.iterations - around.settings().fitting.first_iterations);
     a.heldout = heldout_energy(around, a.fit);
   });
   return out;
@@ -171,7 +177,7 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
   });
   const Eigen::VectorXd best = all.front().heldout;
   for (Alternative& a : all) {
-    const HeldoutGain g = compare(a.heldout, best);
+    const HeldoutGain g = compare(problem.settings.decisions, a.heldout, best);
     a.behind = g.total;
     a.behind_se = g.standard_error;
   }
@@ -188,13 +194,14 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
               all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
 }
 
-bool leaves_null(const Library& library, const Alternative& a) {
+bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a) {
   const std::vector<CandidateParameter>& all = candidate(library, a.candidate).parameters;
   if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; }))
     return true;
+  const double width = settings.standard_errors;
   return any_parameter(
-      library, a, [](const CandidateParameter& p, double value, double sigma, bool fixed) {
-        return std::abs(value - p.null) > (fixed ? 0.0 : constants::kStandardErrors * sigma);
+      library, a, [width](const CandidateParameter& p, double value, double sigma, bool fixed) {
+        return std::abs(value - p.null) > (fixed ? 0.0 : width * sigma);
       });
 }
 

@@ -29,12 +29,14 @@ double practical_energy(const Problem& problem);
 /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
 /// strongest, then the strongest members, then the rest by score. `least_energy`: what promises
 /// less is not tried.
-std::vector<int> rivals(const Library& library, const Screening& screening, double least_energy);
+std::vector<int> rivals(const Settings& settings, const Library& library,
+                        const Screening& screening, double least_energy);
 
 /// Which candidates to try in place of an accepted one of `model`: its cluster, its known
 /// confounders, what was fitted beside it.
-std::vector<int> replacements(const Library& library, const Screening& first, const Model& model,
-                              int accepted, const std::vector<Alternative>& fitted);
+std::vector<int> replacements(const DecisionSettings& settings, const Library& library,
+                              const Screening& first, const Model& model, int accepted,
+                              const std::vector<Alternative>& fitted);
 
 /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of
 /// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
@@ -51,7 +53,7 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
 /// Of the last effect of a fit: its interval excludes the null; a parameter was stopped at a bound.
-bool leaves_null(const Library& library, const Alternative& a);
+bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a);
 bool at_bound(const Library& library, const Alternative& a);
 
 }  // namespace sanso::diagnose

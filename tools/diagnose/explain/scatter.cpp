@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
@@ -13,15 +12,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-// of an effect at one size: variances of a row to 30 %, and thousands of rows are compared
-constexpr int kDraws = 24;
-constexpr int kLeastDraws = 8, kAllDraws = 240;  // where many joints share the time
-// tried between a twelfth of the largest size and the largest, evenly in the logarithm
-constexpr int kSizes = 6;
-constexpr int kParametricDraws = 299;
-constexpr int kAnew = 2;         // Gauss-Newton steps where shots begin a little elsewhere
-constexpr double kBeyond = 1.5;  // times the scatter of the largest size: something else scatters
 
 /// The stretches in which rows follow each other: [from, from + rows) of one channel of one
 /// recording's shot.
@@ -71,10 +61,9 @@ Expected scatter_of(const Surroundings& around, const Model& model, int candidat
 }
 
 /// No single row decides: a jump of the command that is simulated a fraction of a millisecond off
-/// makes a large error where nearly every effect scatters most. Caps at `share` of the channel's
+/// makes a large error where nearly every effect scatters most. Caps at a share of the channel's
 /// rows from above.
 VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x) {
-  constexpr double kShare = 0.02;
   VectorXd out = x;
   for (std::size_t c = 0; c < problem.channels.size(); ++c) {
     std::vector<double> values;
@@ -82,7 +71,7 @@ VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const 
       if (p.channel == c)
         values.insert(values.end(), x.data() + p.from, x.data() + p.from + p.rows);
     }
-    const double cap = quantile(values, 1.0 - kShare);
+    const double cap = quantile(values, 1.0 - problem.settings.chance.capped_share);
     for (const Piece& p : pieces) {
       if (p.channel == c) out.segment(p.from, p.rows) = out.segment(p.from, p.rows).cwiseMin(cap);
     }
@@ -243,8 +232,9 @@ class Judge {
     const std::vector<Candidate>& all = around.library->candidates;
     const auto random_ones =
         std::count_if(all.begin(), all.end(), [](const Candidate& c) { return c.random; });
-    draws_ = std::clamp(kAllDraws / static_cast<int>(std::max<std::ptrdiff_t>(1, random_ones)),
-                        kLeastDraws, kDraws);
+    draws_ =
+        std::clamp(chance().all_draws / static_cast<int>(std::max<std::ptrdiff_t>(1, random_ones)),
+                   chance().least_draws, chance().draws);
   }
 
   std::vector<ScatterScore> all() {
@@ -263,7 +253,7 @@ class Judge {
     if (scores_.empty()) return {};
     family_wise();
     for (ScatterScore& s : scores_) {
-      if (s.p_family < constants::kFamilyWise) measure(s);
+      if (s.p_family < around_.settings().decisions.family_wise) measure(s);
     }
     std::stable_sort(
         scores_.begin(), scores_.end(),
@@ -272,6 +262,7 @@ class Judge {
   }
 
  private:
+  const ChanceSettings& chance() const { return around_.settings().chance; }
   /// The largest score of one draw of the error.
   double largest(const VectorXd& squares) const {
     double out = -INFINITY;
@@ -292,9 +283,10 @@ class Judge {
 
   void family_wise() {
     const Problem& problem = *around_.problem;
-    const std::vector<double> shifts = maxima(
-        constants::kNullDraws, [&](Random& r) { return shifted(problem, pieces_, squares_, r); });
-    const std::vector<double> readings = maxima(kParametricDraws, [&](Random& r) {
+    const std::vector<double> shifts =
+        maxima(around_.settings().decisions.null_draws,
+               [&](Random& r) { return shifted(problem, pieces_, squares_, r); });
+    const std::vector<double> readings = maxima(chance().parametric_draws, [&](Random& r) {
       return capped(problem, pieces_,
                     rough_part(problem, simulated_error(problem, final_.r, r)).cwiseAbs2());
     });
@@ -320,9 +312,10 @@ class Judge {
     const double largest = candidate_of(candidate).parameters.front().high;
     const VectorXd squares = rough_part(*ground.around->problem, ground.final->r).cwiseAbs2();
     Sized out;
-    for (int i = 0; i < kSizes; ++i) {
+    const int sizes = chance().sizes;
+    for (int i = 0; i < sizes; ++i) {
       out.sizes.push_back(largest *
-                          std::pow(12.0, static_cast<double>(i - kSizes + 1) / (kSizes - 1)));
+                          std::pow(12.0, static_cast<double>(i - sizes + 1) / (sizes - 1)));
       const Expected e = scatter_of(*ground.around, ground.final->model, candidate,
                                     out.sizes.back(), draws, Random(key));
       out.share.push_back(shares(*ground.around->problem, pieces_, squares, e.rough, draws));
@@ -350,7 +343,8 @@ class Judge {
         StartElimination(*out.own_problem, *around_.library, final_.model), around_.A});
     const VectorXd r = prediction_error(*out.own_problem, *around_.library, final_.model);
     out.own_around->set_shot_scale(out.own_around->starts.energy_by_shot(r));
-    out.own_final = std::make_shared<FitResult>(fit(*out.own_around, final_.model, kAnew));
+    out.own_final =
+        std::make_shared<FitResult>(fit(*out.own_around, final_.model, chance().steps_anew));
     out.around = out.own_around.get();
     out.final = out.own_final.get();
     return out;
@@ -361,7 +355,7 @@ class Judge {
   void measure(ScatterScore& s) {
     const double largest = candidate_of(s.candidate).parameters.front().high;
     const std::uint64_t key = random_.bits();
-    if (scatter_of(around_, final_.model, s.candidate, largest, kLeastDraws, Random(key))
+    if (scatter_of(around_, final_.model, s.candidate, largest, chance().least_draws, Random(key))
             .whole.sum() < least_energy_)
       return;
     std::vector<std::size_t> shots(around_.problem->shots.size());
@@ -369,20 +363,19 @@ class Judge {
     Ground ground{nullptr, nullptr, &around_, &final_};
     const auto expect = [&](const Sized& tried, int draws) {
       s.size = tried.size_of(shots);
-      s.beyond = ratio(tried.share.back(), shots) > kBeyond;
+      s.beyond = ratio(tried.share.back(), shots) > chance().beyond;
       if (ground.own_problem == nullptr) ground = ground_with(s.candidate, s.size);
       s.expected =
           scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
       s.energy = s.expected.sum();
       s.left = position_error_level(*ground.around, ground.final->r, s.expected);
     };
-    expect(sized(ground, s.candidate, kLeastDraws, key), kLeastDraws);
-    constexpr double kMargin = 1.2;  // for what few draws get wrong
-    if (s.left > kMargin * constants::kAdequate) return;
+    expect(sized(ground, s.candidate, chance().least_draws, key), chance().least_draws);
+    if (s.left > chance().margin * around_.settings().decisions.adequate) return;
     const Sized tried = sized(ground, s.candidate, 2 * draws_, key);
     expect(tried, draws_);
     std::vector<double> resampled;
-    for (int b = 0; b < constants::kBootstrap; ++b) {
+    for (int b = 0; b < around_.settings().decisions.bootstrap; ++b) {
       std::vector<std::size_t> drawn = shots;
       for (std::size_t& i : drawn)
         i = static_cast<std::size_t>(random_.below(static_cast<int>(shots.size())));
@@ -396,7 +389,7 @@ class Judge {
   const FitResult& final_;
   double least_energy_;
   Random random_;
-  int draws_ = kDraws;
+  int draws_ = 0;
   std::vector<Piece> pieces_;
   VectorXd rough_, squares_;  // squares_: capped
   std::vector<Expected> expected_;

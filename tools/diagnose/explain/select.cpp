@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/explain/events.h"
 #include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/explain/losses.h"
@@ -23,7 +22,7 @@ class Search {
 
   Selection run() {
     start();
-    for (int step = 0; step < constants::kMaximumEffects; ++step) {
+    for (int step = 0; step < settings().decisions.maximum_effects; ++step) {
       if (!forward(step)) break;
       if (out_.accepted.size() > 1) backward();
       untie();
@@ -36,6 +35,7 @@ class Search {
   }
 
  private:
+  const Settings& settings() const { return problem_.settings; }
   const Candidate& candidate(int i) const {
     return library_.candidates[static_cast<std::size_t>(i)];
   }
@@ -96,7 +96,7 @@ class Search {
   /// What `effect` removes on held-out shots.
   HeldoutGain gain_of(const Chosen& effect, const Eigen::VectorXd& without,
                       const Eigen::VectorXd& with) const {
-    return compare(without, with, occurrences(effect));
+    return compare(settings().decisions, without, with, occurrences(effect));
   }
 
   /// Empty when the alternative may be accepted over the current model; else the gate that it
@@ -105,9 +105,9 @@ class Search {
     const HeldoutGain gain = gain_of(a.fit.model.effects.back(), out_.final_heldout, a.heldout);
     if (gain.lower <= 0.0) return "held-out gain not beyond chance";
     if (gain.total < practical()) return "changes predictions by less than what matters";
-    if (gain.total < constants::kMinimumShare * whole())
+    if (gain.total < settings().decisions.minimum_share * whole())
       return "removes less than 1 % of the error";
-    if (!leaves_null(library_, a)) return "interval contains the null";
+    if (!leaves_null(settings().decisions, library_, a)) return "interval contains the null";
     if (!holds_on_conditions(a)) return "worse on conditions left out";
     if (!settles_its_event(a)) return "leaves errors far above noise at its instant";
     if (refutable) return residual_against(out_.final, a.fit);
@@ -124,13 +124,14 @@ class Search {
         sum += occurrence[e.shot] >= 0 ? e.excess : 0.0;
       return sum;
     };
-    return energy(a.fit.r) <= constants::kMinimumShare * energy(out_.final.r);
+    return energy(a.fit.r) <= settings().decisions.minimum_share * energy(out_.final.r);
   }
 
   bool holds_on_conditions(const Alternative& a) const {
     if (problem_.conditions < 2) return true;
-    const HeldoutGain gain = compare(heldout_energy(*out_.around, out_.final, true),
-                                     heldout_energy(*out_.around, a.fit, true));
+    const HeldoutGain gain =
+        compare(settings().decisions, heldout_energy(*out_.around, out_.final, true),
+                heldout_energy(*out_.around, a.fit, true));
     return gain.total > -gain.standard_error;
   }
 
@@ -145,7 +146,8 @@ class Search {
                                              out_.final.J.leftCols(out_.final.parameters));
     if (step > 0) calibrate(screening);
     const std::vector<int> which =
-        rivals(library_, screening, std::max(practical(), constants::kMinimumShare * whole()));
+        rivals(settings(), library_, screening,
+               std::max(practical(), settings().decisions.minimum_share * whole()));
     if (which.empty()) {
       say(fmt::format(
           "step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
@@ -224,7 +226,7 @@ class Search {
       const HeldoutGain gain = gain_of(out_.final.model.effects[i],
                                        heldout_energy(*out_.around, reduced), out_.final_heldout);
       const bool needed = gain.lower > 0.0 && gain.total > practical() &&
-                          gain.total > constants::kMinimumShare * whole();
+                          gain.total > settings().decisions.minimum_share * whole();
       if (needed) {
         ++i;
         continue;
@@ -239,7 +241,8 @@ class Search {
   /// Tied effects and what takes them back at some of their joints, each joint for itself; all of
   /// them have to be needed.
   void untie() {
-    for (const Untied& u : untied(library_, out_.final.model)) {
+    for (const Untied& u :
+         untied(library_, out_.final.model, settings().decisions.maximum_effects)) {
       std::optional<FitResult> apart = fit_untied(*out_.around, u, out_.final);
       say(fmt::format("untie {}: {}",
                       candidate(out_.final.model.effects[u.replaced.front()].candidate).title(),
@@ -276,7 +279,8 @@ class Search {
       const Chosen own = base.effects[i];
       base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
       const std::vector<int> which =
-          replacements(library_, out_.first, out_.final.model, entry.candidate, entry.alternatives);
+          replacements(settings().decisions, library_, out_.first, out_.final.model,
+                       entry.candidate, entry.alternatives);
       std::vector<Alternative> tried =
           fit_all(*out_.around, base, out_.final.objective, which, out_.first, entry.alternatives);
       Alternative self{entry.candidate, out_.final, out_.final_heldout};
@@ -284,7 +288,7 @@ class Search {
       rank(library_, problem_, tried);
       const bool replaced = tried.front().candidate != entry.candidate &&
                             !tried.front().far_behind && !at_bound(library_, tried.front()) &&
-                            leaves_null(library_, tried.front()) &&
+                            leaves_null(settings().decisions, library_, tried.front()) &&
                             self.heldout.sum() - tried.front().heldout.sum() > kNoiseUnit &&
                             holds_on_conditions(tried.front());
       if (replaced) {
@@ -333,7 +337,8 @@ class Search {
         continue;
       }
       const Eigen::VectorXd energy = heldout_energy(*out_.around, reduced);
-      if (compare(energy, out_.final_heldout).total > constants::kStandInShare * energy.sum()) {
+      if (compare(settings().decisions, energy, out_.final_heldout).total >
+          settings().decisions.stand_in_share * energy.sum()) {
         say("contradicted, kept as a description: " +
             candidate(out_.accepted[i].candidate).title() + ", " + refuted);
         out_.accepted[i].contradicted = refuted;
@@ -360,15 +365,15 @@ class Search {
   void judge_random() {
     constexpr std::uint64_t kStream = 1000;
     if (judge_losses()) return;
-    if (left_level({}) <= constants::kAdequate) return;
+    if (left_level({}) <= settings().decisions.adequate) return;
     const std::vector<ScatterScore> scores =
         judge_scatter(*out_.around, out_.final, practical(), Random(options_.seed, kStream));
     const ScatterScore* best = nullptr;
     // to noise alone: a chance that would scatter more than was seen is none either
     double closest = INFINITY;
     for (const ScatterScore& one : scores) {
-      const bool measured =
-          one.p_family < constants::kFamilyWise && one.energy > practical() && !one.beyond;
+      const bool measured = one.p_family < settings().decisions.family_wise &&
+                            one.energy > practical() && !one.beyond;
       const double left = std::isfinite(one.left) ? one.left : left_level({});
       say(fmt::format(
           "scatter: {}: score {:.1f}, p {:.3g}, size {:.3g} [{:.3g}, {:.3g}], {:.2f} noise levels "
@@ -378,7 +383,7 @@ class Search {
       const double from_noise = std::abs(std::log(std::max(left, 1e-3)));
       if (measured && one.low > 0.0 && from_noise < closest) best = &one, closest = from_noise;
     }
-    if (best != nullptr && closest <= std::log(constants::kAdequate)) accept_random(*best);
+    if (best != nullptr && closest <= std::log(settings().decisions.adequate)) accept_random(*best);
   }
 
   /// Lost commands, one by one: named when what they explain matters and no more than noise is left
@@ -387,13 +392,13 @@ class Search {
     const LossScore found = find_losses(*out_.around, out_.final);
     if (found.candidate < 0) return false;
     const CandidateParameter& parameter = candidate(found.candidate).parameters.front();
-    const char* refused = !found.blind ? "refused: chance does not choose what shows little"
-                          : found.misfit > constants::kStandardErrors ? "refused: losses are whole"
-                          : found.left > constants::kAdequate ? "refused: more than noise is left"
-                          : found.energy <= practical() ? "refused: changes less than what matters"
-                          : found.low <= parameter.null || found.size >= parameter.high
-                              ? "refused: ends at a bound"
-                              : "";
+    const char* refused =
+        !found.blind ? "refused: chance does not choose what shows little"
+        : found.misfit > settings().decisions.standard_errors ? "refused: losses are whole"
+        : found.left > settings().decisions.adequate          ? "refused: more than noise is left"
+        : found.energy <= practical() ? "refused: changes less than what matters"
+        : found.low <= parameter.null || found.size >= parameter.high ? "refused: ends at a bound"
+                                                                      : "";
     const bool named = *refused == 0;
     say(fmt::format(
         "lost commands: {}: {} found, {} of {} that would show: {:.3g} [{:.3g}, {:.3g}], p "
@@ -443,7 +448,7 @@ class Search {
     for (std::size_t i = 0; i < out_.accepted.size();) {
       const FitResult reduced = without(i);
       const Eigen::VectorXd energy = heldout_energy(*out_.around, reduced);
-      const HeldoutGain gain = compare(energy, out_.final_heldout);
+      const HeldoutGain gain = compare(settings().decisions, energy, out_.final_heldout);
       if (!stands_in(candidate(out_.accepted[i].candidate), own) ||
           (gain.lower > 0.0 && gain.total > practical())) {
         ++i;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/rivals.h"
 
@@ -61,7 +60,7 @@ bool worse(const Surroundings& around, const HeldoutGain& lost) {
 
 }  // namespace
 
-std::vector<Untied> untied(const Library& library, const Model& model) {
+std::vector<Untied> untied(const Library& library, const Model& model, int most) {
   std::vector<Untied> out;
   for (std::size_t t = 0; t < model.effects.size(); ++t) {
     const Candidate& tied = candidate(library, model.effects[t]);
@@ -74,22 +73,23 @@ std::vector<Untied> untied(const Library& library, const Model& model) {
       if (!goes) u.model.effects.push_back(model.effects[i]);
     }
     if (u.replaced.size() < 2 || !append_singles(library, model.effects[t], u.model)) continue;
-    if (u.model.effects.size() <= static_cast<std::size_t>(constants::kMaximumEffects))
-      out.push_back(std::move(u));
+    if (u.model.effects.size() <= static_cast<std::size_t>(most)) out.push_back(std::move(u));
   }
   return out;
 }
 
 std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart,
                                     const FitResult& tied) {
-  FitResult out = fit(around, apart.model, constants::kIterations);
+  FitResult out = fit(around, apart.model, around.settings().fitting.iterations);
+  const DecisionSettings& decisions = around.settings().decisions;
   // on what the fits saw first: where fits without a group are erratic, the second comparison alone
   // would let anything pass
   const auto seen = [&](const FitResult& f) {
     return around.bounded(around.starts.energy_by_shot(f.r));
   };
-  if (worse(around, compare(seen(out), seen(tied)))) return std::nullopt;
-  if (worse(around, compare(refitted_energy(around, out), refitted_energy(around, tied))))
+  if (worse(around, compare(decisions, seen(out), seen(tied)))) return std::nullopt;
+  if (worse(around,
+            compare(decisions, refitted_energy(around, out), refitted_energy(around, tied))))
     return std::nullopt;
   return out;
 }

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/series.h"
 #include "tools/diagnose/stats/significance.h"
@@ -36,8 +35,8 @@ void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
     const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
     mean_square.push_back(energy_by_shot[static_cast<Eigen::Index>(s)] / rows);
   }
-  shot_scale =
-      constants::kShotOutlier * constants::kShotOutlier * std::max(1.0, median(mean_square));
+  const double outlier = settings().decisions.shot_outlier;
+  shot_scale = outlier * outlier * std::max(1.0, median(mean_square));
 }
 
 Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
@@ -71,7 +70,9 @@ namespace {
 /// tolerance.
 class Coordinates {
  public:
-  Coordinates(const Library& library, const Model& shape) : library_(&library), shape_(shape) {
+  Coordinates(const Surroundings& around, const Model& shape)
+      : library_(around.library), reach_(around.settings().tolerances.reach), shape_(shape) {
+    const Library& library = *library_;
     shape_.nuisance.resize(library.nuisances.size(), 0.0);
     for (const Chosen& c : shape_.effects) {
       for (const CandidateParameter& p :
@@ -115,10 +116,10 @@ class Coordinates {
   }
   double low(Eigen::Index i) const {
     if (i < effects()) return parameter(i).low / parameter(i).typical;
-    return -constants::kToleranceReach;
+    return -reach_;
   }
   double high(Eigen::Index i) const {
-    return i < effects() ? parameter(i).high / parameter(i).typical : constants::kToleranceReach;
+    return i < effects() ? parameter(i).high / parameter(i).typical : reach_;
   }
   Eigen::VectorXd inside(Eigen::VectorXd x) const {
     for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = std::clamp(x[i], low(i), high(i));
@@ -127,6 +128,7 @@ class Coordinates {
 
  private:
   const Library* library_;
+  double reach_;
   Model shape_;
   std::vector<CandidateParameter> parameters_;
   std::vector<const std::vector<int>*> joints_;
@@ -137,16 +139,14 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
                          const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
-  // a step of 3 % of the typical size: small against curvature, large against kinks of the order of
-  // the integrator's step
-  constexpr double kStep = 0.03;
+  const double length = around.settings().fitting.derivative_step;
   parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
     if (coordinates.parameter(i).structural) {
       J.col(i).setZero();
       return;
     }
     Eigen::VectorXd moved = x;
-    const double step = x[i] + kStep <= coordinates.high(i) ? kStep : -kStep;
+    const double step = x[i] + length <= coordinates.high(i) ? length : -length;
     moved[i] += step;
     J.col(i) = (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r,
                                       coordinates.joints(i)) -
@@ -164,8 +164,8 @@ struct Normal {
 
 /// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the
 /// tolerance on nuisances.
-double prior(Eigen::Index effects, Eigen::Index i) {
-  return i < effects ? 1e-6 : constants::kTolerancePrecision;
+double prior(const Surroundings& around, Eigen::Index effects, Eigen::Index i) {
+  return i < effects ? 1e-6 : around.settings().tolerances.precision;
 }
 
 Eigen::MatrixXd with_error(const Eigen::MatrixXd& J, const Eigen::VectorXd& r) {
@@ -181,10 +181,10 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
   const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
   Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1), around.bounded(energy).sum()};
   for (Eigen::Index i = 0; i < n; ++i) {
-    out.H(i, i) += prior(c.effects(), i);
+    out.H(i, i) += prior(around, c.effects(), i);
     if (i < c.effects()) continue;
-    out.g[i] += constants::kTolerancePrecision * x[i];
-    out.objective += constants::kTolerancePrecision * x[i] * x[i];
+    out.g[i] += around.settings().tolerances.precision * x[i];
+    out.objective += around.settings().tolerances.precision * x[i] * x[i];
   }
   return out;
 }
@@ -192,7 +192,7 @@ Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::M
 double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
                     const Eigen::VectorXd& r) {
   return around.bounded(around.starts.energy_by_shot(r)).sum() +
-         constants::kTolerancePrecision * x.tail(x.size() - c.effects()).squaredNorm();
+         around.settings().tolerances.precision * x.tail(x.size() - c.effects()).squaredNorm();
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
@@ -236,7 +236,8 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
       const double objective = objective_at(around, c, trial, r_trial);
       if (objective < normal.objective) {
         improved = true;
-        out.converged = normal.objective - objective < constants::kConverged * objective;
+        out.converged =
+            normal.objective - objective < around.settings().fitting.converged * objective;
         x = trial;
         r = r_trial;
         damping = std::max(damping * 0.2, 1e-6);
@@ -264,14 +265,14 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
 }  // namespace
 
 FitResult fit(const Surroundings& around, const Model& start, int iterations) {
-  const Coordinates c(*around.library, start);
+  const Coordinates c(around, start);
   const Eigen::VectorXd x = c.inside(c.of(start));
   return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {},
                false, iterations);
 }
 
 FitResult resume(const Surroundings& around, FitResult from, int iterations) {
-  const Coordinates c(*around.library, from.model);
+  const Coordinates c(around, from.model);
   const Eigen::VectorXd x = c.of(from.model);
   Eigen::VectorXd r = std::move(from.r);
   return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
@@ -341,7 +342,7 @@ class LeaveOneOut {
  public:
   LeaveOneOut(const Surroundings& around, const FitResult& result, int parts,
               int (*part_of)(const Shot&))
-      : result_(result), n_(result.J.cols()) {
+      : around_(around), result_(result), n_(result.J.cols()) {
     grams_ = around.starts.gram_by(with_error(result.J, result.r), parts, part_of,
                                    around.weights(around.starts.energy_by_shot(result.r)));
   }
@@ -360,7 +361,7 @@ class LeaveOneOut {
     // of the part alone; the whole gradient is zero
     Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
     for (Eigen::Index i = 0; i < n_; ++i) {
-      rest(i, i) += prior(result_.parameters, i);
+      rest(i, i) += prior(around_, result_.parameters, i);
       if (!result_.fixed[static_cast<std::size_t>(i)]) continue;
       rest.row(i).setZero();
       rest.col(i).setZero();
@@ -388,6 +389,7 @@ class LeaveOneOut {
   }
 
  private:
+  const Surroundings& around_;
   const FitResult& result_;
   Eigen::Index n_;
   std::vector<Eigen::MatrixXd> grams_;
@@ -401,7 +403,7 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& r
   const Eigen::Index n = result.J.cols();
   Eigen::MatrixXd H = left_out.gram() / std::max(1.0, inflation);
   for (Eigen::Index i = 0; i < n; ++i) {
-    H(i, i) += prior(result.parameters, i);
+    H(i, i) += prior(around, result.parameters, i);
     const bool structural = i < result.parameters && H(i, i) < 1e-5;  // moves nothing: no interval
     if (!structural) continue;
     H.row(i).setZero();
@@ -447,7 +449,7 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
   parallel_for(problem.groups, [&](int group) {
     Surroundings rest = around;
     rest.left_out = group;
-    const FitResult fitted = fit(rest, result.model, constants::kFirstIterations);
+    const FitResult fitted = fit(rest, result.model, around.settings().fitting.first_iterations);
     energy[static_cast<std::size_t>(group)] =
         around.bounded(around.starts.energy_by_shot(fitted.r));
   });
@@ -460,10 +462,9 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
 }
 
 namespace {
-double lower_bound(const std::vector<double>& values) {
+double lower_bound(const DecisionSettings& settings, const std::vector<double>& values) {
   constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
-  return moving_block_lower_bound(values, constants::kGainLevel, constants::kGainDraws,
-                                  Random(kSeed));
+  return moving_block_lower_bound(values, settings.gain_level, settings.gain_draws, Random(kSeed));
 }
 double standard_error(const std::vector<double>& values) {
   return standard_deviation(values) *
@@ -471,9 +472,9 @@ double standard_error(const std::vector<double>& values) {
 }
 }  // namespace
 
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
-                    const std::vector<int>& occurrence) {
-  HeldoutGain gain = compare(before, after);
+HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after, const std::vector<int>& occurrence) {
+  HeldoutGain gain = compare(settings, before, after);
   std::map<int, double> there;
   std::vector<double> rest;
   for (Eigen::Index i = 0; i < before.size(); ++i) {
@@ -484,18 +485,19 @@ HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
   if (there.empty()) return gain;
   std::vector<double> occurrences;
   for (const auto& [which, removed] : there) occurrences.push_back(removed);
-  gain.lower = lower_bound(occurrences) + lower_bound(rest);
+  gain.lower = lower_bound(settings, occurrences) + lower_bound(settings, rest);
   gain.standard_error = std::hypot(standard_error(occurrences), standard_error(rest));
   return gain;
 }
 
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after) {
   HeldoutGain gain;
   const Eigen::VectorXd d = before - after;
   std::vector<double> values(d.data(), d.data() + d.size());
   gain.total = d.sum();
   gain.standard_error = standard_error(values);
-  gain.lower = lower_bound(values);
+  gain.lower = lower_bound(settings, values);
   std::sort(values.rbegin(), values.rend());
   double best = 0.0;
   for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i)

@@ -21,7 +21,8 @@ struct Surroundings {
   double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
   int left_out = -1;        // held-out group that fits do not see; -1: none
 
-  /// c from the errors of a reference model: kShotOutlier^2 times the median shot's mean square.
+  const Settings& settings() const { return problem->settings; }
+  /// c from the errors of a reference model: shot_outlier^2 times the median shot's mean square.
   void set_shot_scale(const Eigen::VectorXd& energy_by_shot);
   /// rho of every shot's energy, and its derivative; 0 for shots left out.
   Eigen::VectorXd bounded(const Eigen::VectorXd& energy_by_shot) const;
@@ -86,15 +87,16 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit
 struct HeldoutGain {
   double total = 0.0;           // energy removed
   double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
-  double lower = 0.0;           // bound of `total` at kGainLevel, moving-block bootstrap over shots
+  double lower = 0.0;           // bound of `total` at gain_level, moving-block bootstrap over shots
   double concentration = 0.0;   // share of the gain that comes from the three best shots
 };
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after);
 /// The same for an effect that acts only now and then. `occurrence`: by shot, which of its
 /// occurrences the shot belongs to, -1: none. Bound and error are those over occurrences and over
 /// the other shots, added: resampling all shots alike would ask whether the effect acts, not
 /// whether the name explains it.
-HeldoutGain compare(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
-                    const std::vector<int>& occurrence);
+HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after, const std::vector<int>& occurrence);
 
 }  // namespace sanso::diagnose

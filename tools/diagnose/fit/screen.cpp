@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -43,8 +42,10 @@ struct BoxedNuisances {
   Eigen::VectorXd d;
   std::vector<Eigen::Index> free;
 };
-BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& library,
+BoxedNuisances boxed_nuisances(const Surroundings& around, const Eigen::MatrixXd& gram,
                                const Model& model, Eigen::Index known) {
+  const Library& library = *around.library;
+  const double reach = around.settings().tolerances.reach;
   const auto n = static_cast<Eigen::Index>(library.nuisances.size());
   const Eigen::Index last = gram.cols() - 1;
   BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
@@ -52,20 +53,20 @@ BoxedNuisances boxed_nuisances(const Eigen::MatrixXd& gram, const Library& libra
   for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
     x[static_cast<Eigen::Index>(i)] = model.nuisance[i] / library.nuisances[i].tolerance;
   }
-  constexpr int kSweeps = 300;  // far more than these few, weakly coupled coordinates need
+  const int sweeps = around.settings().fitting.nuisance_sweeps;
   constexpr double kEdge = 1e-6;
-  const double prior = constants::kTolerancePrecision;
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+  const double prior = around.settings().tolerances.precision;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const double gradient =
           gram(i, last) + gram.row(i).head(n).dot(out.d) + prior * (x[i] + out.d[i]);
       const double moved = x[i] + out.d[i] - gradient / (gram(i, i) + prior);
-      out.d[i] = std::clamp(moved, -constants::kToleranceReach, constants::kToleranceReach) - x[i];
+      out.d[i] = std::clamp(moved, -reach, reach) - x[i];
     }
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     const double at = x[i] + out.d[i];
-    if (std::abs(at) < constants::kToleranceReach - kEdge) out.free.push_back(i);
+    if (std::abs(at) < reach - kEdge) out.free.push_back(i);
   }
   out.d.conservativeResizeLike(Eigen::VectorXd::Zero(known));
   for (Eigen::Index i = n; i < known; ++i) out.free.push_back(i);  // parameters of accepted effects
@@ -80,14 +81,13 @@ struct Eliminated {
   Eigen::VectorXd b;  // probes: s' M r
 };
 Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eigen::Index nuisances,
-                     Eigen::Index probes) {
+                     Eigen::Index probes, double precision) {
   const auto n = static_cast<Eigen::Index>(at.free.size());
   Eigen::MatrixXd H(n, n), cross(n, probes);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
     for (Eigen::Index j = 0; j < n; ++j)
-      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) +
-                (i == j ? constants::kTolerancePrecision : 0.0);
+      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? precision : 0.0);
     cross.row(i) = gram.block(row, nuisances, 1, probes);
   }
   // the free nuisances are at their optimum: they contribute no gradient of their own
@@ -125,16 +125,16 @@ std::vector<double> saturated_overdispersion(const Surroundings& around,
   Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
   Eigen::VectorXd left;           // M times what they leave
   std::vector<Eigen::Index> chosen;
-  constexpr int kPursuit = 5;
-  for (int round = 0; round <= kPursuit; ++round) {
+  const int pursuit = around.settings().fitting.pursuit;
+  for (int round = 0; round <= pursuit; ++round) {
     Eigen::MatrixXd with_error(r.size(), taken.cols() + 1);
     with_error << taken, r;
     const Eigen::MatrixXd gram = around.starts.gram(with_error, weights);
     Eigen::MatrixXd H = gram.topLeftCorner(taken.cols(), taken.cols());
     for (Eigen::Index i = 0; i < H.rows(); ++i)
-      H(i, i) += i < a ? constants::kTolerancePrecision : 1e-9 * (1.0 + H(i, i));
+      H(i, i) += i < a ? around.settings().tolerances.precision : 1e-9 * (1.0 + H(i, i));
     left = around.starts.project(r - taken * H.ldlt().solve(gram.topRightCorner(taken.cols(), 1)));
-    if (round == kPursuit) break;
+    if (round == pursuit) break;
     const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
     parallel_for(static_cast<int>(k), [&](int c) {
       const double b = columns.col(a + c).cast<double>().dot(weighted);
@@ -178,11 +178,12 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const Random& random) {
+void family_wise(const DecisionSettings& settings, Screening& out,
+                 const std::vector<char>& one_sided_probe, const Random& random) {
   const auto k = static_cast<Eigen::Index>(out.probes.size());
   const Eigen::MatrixXd root = square_root(out.correlation);
   Random generator = random;
-  Eigen::MatrixXd normals(k, constants::kNullDraws);
+  Eigen::MatrixXd normals(k, settings.null_draws);
   for (Eigen::Index c = 0; c < normals.cols(); ++c) {
     for (Eigen::Index i = 0; i < k; ++i) normals(i, c) = generator.normal();
   }
@@ -196,12 +197,12 @@ void family_wise(Screening& out, const std::vector<char>& one_sided_probe, const
       draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   }
   const std::vector<double> p =
-      step_down_max_t(statistic, constants::kNullDraws, [&](int b, std::span<double> draw) {
+      step_down_max_t(statistic, settings.null_draws, [&](int b, std::span<double> draw) {
         for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
       });
   for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
   for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
-  out.critical = quantile(maxima, 1.0 - constants::kFamilyWise);
+  out.critical = quantile(maxima, 1.0 - settings.family_wise);
 }
 
 }  // namespace
@@ -241,8 +242,8 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   Eigen::MatrixXd gram = groups.front();
   for (std::size_t g = 1; g < groups.size(); ++g) gram += groups[g];
   if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
-  const Eliminated e = eliminate(gram, boxed_nuisances(gram, *around.library, model, known.cols()),
-                                 known.cols(), count);
+  const Eliminated e = eliminate(gram, boxed_nuisances(around, gram, model, known.cols()),
+                                 known.cols(), count, around.settings().tolerances.precision);
   out.correlation.resize(count, count);
   // a signature below rounding says nothing
   const auto says_something = [&](Eigen::Index i) {
@@ -264,7 +265,7 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
                                                                        : 0.0;
     }
   }
-  family_wise(out, signed_probe, random);
+  family_wise(around.settings().decisions, out, signed_probe, random);
   return out;
 }
 

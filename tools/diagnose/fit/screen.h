@@ -28,7 +28,7 @@ struct ProbeScore {
 struct Screening {
   std::vector<ProbeScore> probes;
   Eigen::MatrixXd correlation;  // of the projected signatures, probes x probes
-  // |z| that the family's maximum exceeds with probability kFamilyWise under the null
+  // |z| that the family's maximum exceeds with probability family_wise under the null
   double critical = 0.0;
   std::vector<double>
       // by channel: error level of a model large enough, natural units, not below the floor

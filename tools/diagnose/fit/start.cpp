@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/gate/checks.h"
 
 namespace sanso::diagnose {
@@ -12,30 +11,29 @@ namespace {
 
 // a null beyond it means "off": such a parameter is scaled, not moved away from its null
 constexpr double kFar = 1e5;
-constexpr int kOrderSteps = 16;  // tried at most between two probed orders
 
 double error_energy(const Surroundings& around, const Model& model) {
   const Eigen::VectorXd r = prediction_error(*around.problem, *around.library, model);
   return around.bounded(around.starts.energy_by_shot(r)).sum();
 }
 
-/// A little inside the bounds (rule 2 of the method page: no fit starts at one).
-std::vector<double> inside(const Candidate& effect, std::vector<double> theta) {
+/// Inside the bounds by `share` of the range (rule 2 of the method page: no fit starts at one).
+std::vector<double> inside(const Candidate& effect, std::vector<double> theta, double share) {
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
     if (p.structural) continue;
     // an effect that is off at infinity has no meaningful width: there half a typical size is the
     // margin
-    const double margin = std::min(constants::kInsideBound * (p.high - p.low), 0.5 * p.typical);
+    const double margin = std::min(share * (p.high - p.low), 0.5 * p.typical);
     const double low = p.null == p.low ? p.low + std::min(margin, 0.1 * p.typical) : p.low + margin;
     theta[i] = std::clamp(theta[i], low, p.high - margin);
   }
   return theta;
 }
 
-/// The probe at `factor` times its distance from the null.
-std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe,
-                           double factor) {
+/// The probe at `factor` times its distance from the null, inside the bounds by `share`.
+std::vector<double> scaled(const Candidate& effect, const std::vector<double>& probe, double factor,
+                           double share) {
   std::vector<double> theta = probe;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
@@ -43,7 +41,7 @@ std::vector<double> scaled(const Candidate& effect, const std::vector<double>& p
     theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor)
                                        : p.null + factor * (probe[i] - p.null);
   }
-  return inside(effect, std::move(theta));
+  return inside(effect, std::move(theta), share);
 }
 
 Model with(const Model& base, int candidate, std::vector<double> theta) {
@@ -57,21 +55,23 @@ Model with(const Model& base, int candidate, std::vector<double> theta) {
 Model best_size(const Surroundings& around, const Model& base, int candidate,
                 const std::vector<double>& probe, double amount) {
   const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  const double share = around.settings().fitting.inside_bound;
   std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
   for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2})
     factors.push_back(std::copysign(f, amount));
   Model best;
   double least = std::numeric_limits<double>::infinity();
   for (const double f : factors) {
-    Model trial = with(base, candidate, scaled(effect, probe, f));
+    Model trial = with(base, candidate, scaled(effect, probe, f, share));
     const double energy = error_energy(around, trial);
     if (energy < least) least = energy, best = std::move(trial);
   }
   return best;
 }
 
-/// Orders around the probed one, up to the next ones that were probed.
-std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order) {
+/// Orders around the probed one, up to the next ones that were probed; at most `steps` in between.
+std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order,
+                                int steps) {
   double below = effect.parameters[index].low, above = effect.parameters[index].high;
   for (const std::vector<double>& probe : effect.probes) {
     if (probe[index] < order) below = std::max(below, probe[index]);
@@ -79,7 +79,7 @@ std::vector<double> orders_near(const Candidate& effect, std::size_t index, doub
   }
   above = std::min(above, 1.5 * order);  // beyond the last probe
   const double unit = effect.parameters[index].typical;
-  const double step = unit * std::max(1.0, std::ceil((above - below) / (unit * kOrderSteps)));
+  const double step = unit * std::max(1.0, std::ceil((above - below) / (unit * steps)));
   std::vector<double> out;
   for (double o = order - step; o > below; o -= step) out.push_back(o);
   for (double o = order + step; o < above; o += step) out.push_back(o);
@@ -105,11 +105,12 @@ Model best_value(const Surroundings& around, const Model& model, std::size_t ind
 Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
   const Candidate& effect =
       around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
-  const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index]);
+  const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index],
+                                               around.settings().fitting.order_steps);
   const Model coarse = best_value(around, model, index, near, 1);
   const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
   return best_value(around, coarse, index, {order - unit, order + unit},
-                    constants::kFirstIterations);
+                    around.settings().fitting.first_iterations);
 }
 
 /// Where a parameter that says "from here on" may lie: an instant of the recordings, a position of
@@ -123,7 +124,7 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   const Role role = effect.parameters[index].role;
   if (role == Role::instant) {  // probed at equal steps
     const double longest = longest_recording(*around.problem);
-    return {0.0, longest, longest / kInstants};
+    return {0.0, longest, longest / around.settings().data.instants};
   }
   if (role == Role::delay) {  // from a whole sample off
     const CandidateParameter& p = effect.parameters[index];
@@ -131,7 +132,7 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   }
   // an event's probes lie half a shot apart
   if (role == Role::event)
-    return {0.0, longest_recording(*around.problem), 0.5 * constants::kShotSeconds};
+    return {0.0, longest_recording(*around.problem), 0.5 * around.settings().data.shot_seconds};
   if (role != Role::position) return {};
   Range out{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), 0.0};
   for (const std::vector<double>& probe : effect.probes) {
@@ -164,16 +165,14 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
 
 /// A position is tried on a grid first: its probes are few.
 Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
-  // a place off by half a step still explains most; the halving finds the rest
-  constexpr int kPlaces = 14;
-  constexpr int kHalvings = 5;
+  const FittingSettings& settings = around.settings().fitting;
   if (range.step == 0.0) {
-    range.step = (range.high - range.low) / (kPlaces + 1);
+    range.step = (range.high - range.low) / (settings.places + 1);
     std::vector<double> places;
-    for (int i = 1; i <= kPlaces; ++i) places.push_back(range.low + i * range.step);
+    for (int i = 1; i <= settings.places; ++i) places.push_back(range.low + i * range.step);
     model = best_value(around, model, index, places, 1);
   }
-  return halved_to_best_place(around, model, index, range, range.step / (1 << kHalvings));
+  return halved_to_best_place(around, model, index, range, range.step / (1 << settings.halvings));
 }
 
 int index_of(const Candidate& effect, Role role) {
@@ -187,17 +186,17 @@ int index_of(const Candidate& effect, Role role) {
 /// own instant.
 Model with_best_event(const Surroundings& around, Model model, const Candidate& effect,
                       std::size_t from) {
-  constexpr double kLeast = 1.0 / 128;  // of half a shot: two milliseconds
+  const double least = around.settings().fitting.event_resolution;
   const int duration = index_of(effect, Role::duration);
   const Range when = range_of_place(around, effect, from);
   model = with_best_place(around, std::move(model), from, when);
   if (duration < 0) return model;
   const Range length{effect.parameters[static_cast<std::size_t>(duration)].low,
-                     constants::kShotSeconds, when.step};
+                     around.settings().data.shot_seconds, when.step};
   for (int round = 0; round < 2; ++round) {
     model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length,
-                                 kLeast * length.step);
-    model = halved_to_best_place(around, model, from, when, kLeast * when.step, duration);
+                                 least * length.step);
+    model = halved_to_best_place(around, model, from, when, least * when.step, duration);
   }
   return model;
 }

@@ -7,11 +7,11 @@
 #include <limits>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/explain/events.h"
 #include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/gate/load.h"
+#include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/decide.h"
@@ -64,13 +64,13 @@ ModelFolder patched_model(const ModelFolder& nominal, const Library& library, co
 std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
                                const std::vector<NoiseLevel>& noise, const Library& library,
                                const Model& patched, const Part& part,
-                               const std::vector<int>& joints) {
+                               const std::vector<int>& joints, const Settings& settings) {
   std::vector<RollOut> out;
   ProblemOptions options;
   options.shot_seconds = 2.0;
-  options.maximum_rows = 4 * constants::kMaximumRows;
+  options.maximum_rows = 4 * settings.data.maximum_rows;
   options.secondary = false;
-  const Problem problem = restricted(make_problem(sources, noise, options), part);
+  const Problem problem = restricted(make_problem(sources, noise, options, settings), part);
   if (problem.shots.empty()) return out;
   const Eigen::VectorXd before = prediction_error(problem, library, Model{}),
                         after = prediction_error(problem, library, patched);
@@ -128,15 +128,15 @@ std::vector<int> joints_to_show(const Verdict& verdict, const Problem& problem,
   return out;
 }
 
-/// Length of a shot: kShotSeconds, or what the slowest recording needs for kLeastShotRows rows.
-double shot_seconds(const std::vector<Source>& sources) {
-  double seconds = constants::kShotSeconds;
+/// Length of a shot, or what the slowest recording needs for the least number of rows.
+double shot_seconds(const std::vector<Source>& sources, const DataSettings& settings) {
+  double seconds = settings.shot_seconds;
   for (const Source& s : sources) {
     std::vector<double> steps;
     for (std::size_t k = 1; k < s.drive.t.size(); ++k)
       steps.push_back(s.drive.t[k] - s.drive.t[k - 1]);
     if (!steps.empty())
-      seconds = std::max(seconds, constants::kLeastShotRows * quantile(steps, 0.5));
+      seconds = std::max(seconds, settings.least_shot_rows * quantile(steps, 0.5));
   }
   return seconds;
 }
@@ -146,7 +146,11 @@ class Run {
  public:
   Run(const DiagnoseOptions& options, const Progress& progress, const ModelFolder& model,
       const LoadedRecordings& loaded)
-      : options_(options), progress_(progress), model_(model), loaded_(loaded) {}
+      : options_(options),
+        settings_(options.settings),
+        progress_(progress),
+        model_(model),
+        loaded_(loaded) {}
 
   Diagnosis all() {
     prepare();
@@ -159,19 +163,19 @@ class Run {
  private:
   void prepare() {
     progress_("smooth the motion, cut shots");
-    sources_ = make_sources(model_, loaded_.recordings, loaded_.gate.noise);
+    sources_ = make_sources(model_, loaded_.recordings, loaded_.gate.noise, settings_);
     ProblemOptions options;
-    options.shot_seconds = shot_seconds(sources_);
-    options.maximum_rows = constants::kMaximumRows;
-    options.maximum_shots = constants::kMaximumShots;
-    problem_ = make_problem(sources_, loaded_.gate.noise, options);
+    options.shot_seconds = shot_seconds(sources_, settings_.data);
+    options.maximum_rows = settings_.data.maximum_rows;
+    options.maximum_shots = settings_.data.maximum_shots;
+    problem_ = make_problem(sources_, loaded_.gate.noise, options, settings_);
     if (!problem_.shots.empty() && look_for_events(options))
-      problem_ = make_problem(sources_, loaded_.gate.noise, options);
+      problem_ = make_problem(sources_, loaded_.gate.noise, options, settings_);
     if (problem_.shots.empty()) {  // nothing was compared: no answer, least of all "no mismatch"
-      throw recording::InputError(sources_.front().file, 0, "t", "too short",
-                                  "no piece of motion to simulate",
-                                  fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
-                                              options.shot_seconds, constants::kLeastShotRows));
+      throw recording::InputError(
+          sources_.front().file, 0, "t", "too short", "no piece of motion to simulate",
+          fmt::format("pieces of {:.2g} s without gaps, {} rows or more", options.shot_seconds,
+                      settings_.data.least_shot_rows));
     }
     Placement placement = place_library(problem_, options_.effects);
     std::erase_if(placement.candidates, [&](const Candidate& c) {
@@ -199,17 +203,17 @@ class Run {
   /// whatever thinning leaves out. True: there are some.
   bool look_for_events(ProblemOptions& options) {
     ProblemOptions all = options;
-    all.maximum_rows = 4 * constants::kMaximumRows;
+    all.maximum_rows = 4 * settings_.data.maximum_rows;
     all.maximum_shots = std::numeric_limits<int>::max();
     all.secondary = false;
     Library calibrated;
-    whole_ = make_problem(sources_, loaded_.gate.noise, all);
+    whole_ = make_problem(sources_, loaded_.gate.noise, all, settings_);
     calibrated.nuisances = make_nuisances(whole_);
     const std::vector<Event> events = events_left(calibrated, Model{});
     if (repeated(events).energy < practical_energy(whole_)) return false;
     // three shots a recording and instant, as many in all as half the search's
     const std::size_t allowed =
-        static_cast<std::size_t>(constants::kMaximumShots) / (2 * 3 * sources_.size());
+        static_cast<std::size_t>(settings_.data.maximum_shots) / (2 * 3 * sources_.size());
     options.instants = instants_of(whole_, events, std::max<std::size_t>(1, allowed));
     for (const Event& e : events) options.struck.push_back(e.joint);
     return true;
@@ -233,6 +237,7 @@ class Run {
     Screening& first = selection_.first;
     out_.first_look.by_group = std::move(first.by_group);
     out_.first_look.nuisances = first.known;
+    out_.first_look.nuisance_precision = settings_.tolerances.precision;
     out_.first_look.critical = first.critical;
     for (const ProbeScore& p : first.probes) {
       const Candidate& c = library_.candidates[static_cast<std::size_t>(p.candidate)];
@@ -271,10 +276,10 @@ class Run {
     add_limits(v, library_, selection_);
     v.next_experiment = next_experiment(problem_, library_, selection_, v.findings);
     const std::vector<TorqueSample> left =
-        missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model);
+        missing_torque(sources_, loaded_.gate.noise, library_, selection_.final.model, settings_);
     Remains remains;
     remains.torque = predictable(left, 100);
-    remains.velocity = predictable(velocity_errors(sources_, loaded_.gate.noise), 10000);
+    remains.velocity = predictable(velocity_errors(sources_, loaded_.gate.noise, settings_), 10000);
     std::erase_if(remains.velocity,
                   [&](const Predictability& p) { return velocity_has_a_name(p.joint); });
     judge_stretches(remains);
@@ -282,7 +287,7 @@ class Run {
            location_sentence(v.findings.empty() ? out_.before : out_.after));
     out_.shown_joints = joints_to_show(v, problem_, out_.before);
     const std::vector<TorqueSample> at_first =
-        missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model);
+        missing_torque(sources_, loaded_.gate.noise, library_, selection_.nominal.model, settings_);
     for (const int j : out_.shown_joints) {
       out_.curves_before.push_back(shape_curves(at_first, j));
       out_.curves_after.push_back(shape_curves(left, j));
@@ -306,7 +311,7 @@ class Run {
     std::vector<Predictability> out(problem_.joints.size());
     parallel_for(static_cast<int>(out.size()), [&](int j) {
       const auto k = static_cast<std::size_t>(j);
-      out[k] = predictability(samples, j, Random(options_.seed, stream + k));
+      out[k] = predictability(samples, j, Random(options_.seed, stream + k), settings_);
     });
     return out;
   }
@@ -328,8 +333,8 @@ class Run {
     const RepeatedEvents again = repeated(events);
     remains.stretches_matter =
         selection_.expected_scatter.size() == 0 &&  // chance that has a name makes them
-        again.energy >
-            std::max(practical_energy(whole_), constants::kMinimumShare * energy_at_first_);
+        again.energy > std::max(practical_energy(whole_),
+                                settings_.decisions.minimum_share * energy_at_first_);
     remains.stretches_joint = again.joint;
     for (const Event& e : events) {
       const Shot& shot = whole_.shots[e.shot];
@@ -348,16 +353,17 @@ class Run {
     const Problem fitted = restricted(problem_, split.fitted);
     Surroundings around = make_surroundings(fitted, library_, selection_.final.model);
     around.shot_scale = selection_.around->shot_scale;
-    const FitResult refit = fit(around, selection_.final.model, constants::kIterations);
-    out_.verdict.heldout =
-        heldout_scores(sources_, loaded_.gate.noise, library_, refit.model, split.heldout);
+    const FitResult refit = fit(around, selection_.final.model, settings_.fitting.iterations);
+    out_.verdict.heldout = heldout_scores(sources_, loaded_.gate.noise, library_, refit.model,
+                                          split.heldout, settings_);
     out_.verdict.heldout_recordings = split.heldout_names;
     out_.roll_outs = roll_outs(sources_, loaded_.gate.noise, library_, refit.model, split.heldout,
-                               out_.shown_joints);
+                               out_.shown_joints, settings_);
     out_.patched = patched_model(model_, library_, selection_.final.model);
   }
 
   const DiagnoseOptions& options_;
+  const Settings& settings_;
   const Progress& progress_;
   const ModelFolder& model_;
   const LoadedRecordings& loaded_;
@@ -385,6 +391,7 @@ Diagnosis refused(std::vector<Defect> defects) {
 }  // namespace
 
 Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress) {
+  require_in_range(options.settings);
   try {
     const ModelFolder model = read_model_folder(options.model);
     progress("read and judge the recordings");

@@ -26,6 +26,7 @@ struct DiagnoseOptions {
   bool json = false;                 // print verdict.json instead of the summary
   bool quiet = false;                // no progress lines
   unsigned long seed = 1;
+  Settings settings;
   // fills FirstLook::by_group, for methods that are compared with this one
   bool first_look_by_group = false;
 };
@@ -48,6 +49,7 @@ struct FirstLook {
   /// eliminated; empty unless DiagnoseOptions::first_look_by_group.
   std::vector<Eigen::MatrixXd> by_group;
   Eigen::Index nuisances = 0;
+  double nuisance_precision = 0.0;  // prior of the nuisances in these units
 };
 
 /// All that was found out; the verdict is what counts, the rest feeds the report.
@@ -67,7 +69,7 @@ struct Diagnosis {
 using Progress = std::function<void(const std::string&)>;
 
 /// The whole method. Bad input gives a verdict with status REFUSED; nothing is thrown but
-/// Interrupted.
+/// Interrupted, and std::invalid_argument for settings outside their range.
 Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress);
 
 /// The command: runs, prints, writes `out`. Exit code 0 no mismatch, 1 mismatch found, 2 refused.

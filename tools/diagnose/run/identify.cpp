@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/fit/fit.h"
 
 namespace sanso::diagnose {
 namespace {
-
-constexpr int kRounds = 6;  // most fits settle after two
-// decrease of the objective: a third of a standard deviation of one parameter
-constexpr double kSettled = 0.1;
 
 /// The library says which parameters are fitted: what model.toml has a key for, and the two
 /// calibrations that every real robot needs.
@@ -69,7 +64,8 @@ FitResult best_fit(Surroundings& around, const Library& library, const std::vect
   best.objective = INFINITY;
   for (const double share :
        {0.1, 1.0}) {  // two starts: near the nominal model, and at sizes that occur in practice
-    FitResult result = fit(around, start_at(library, used, share), 2 * constants::kIterations);
+    FitResult result =
+        fit(around, start_at(library, used, share), 2 * around.settings().fitting.iterations);
     if (result.objective < best.objective) best = std::move(result);
   }
   return best;
@@ -89,16 +85,18 @@ void to_error_level(Problem& problem, const std::vector<double>& overdispersion_
 /// where parameters act alike.
 FitResult settle(Surroundings& around, const Problem& problem, const Library& library,
                  FitResult result) {
-  for (int round = 0; round < kRounds; ++round) {
+  const FittingSettings& settings = problem.settings.fitting;
+  for (int round = 0; round < settings.identify_rounds; ++round) {
     around = make_surroundings(problem, library, result.model);
     const double before = fit(around, result.model, 0).objective;
-    result = fit(around, result.model, constants::kIterations);
-    if (before - result.objective < kSettled) break;
+    result = fit(around, result.model, settings.iterations);
+    if (before - result.objective < settings.identify_settled) break;
   }
   return result;
 }
 
-std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Library& library) {
+std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Library& library,
+                                               double standard_errors) {
   std::vector<IdentifiedParameter> out;
   const std::vector<double> sigmas = parameter_sigmas(result, library);
   std::size_t i = 0;
@@ -115,7 +113,7 @@ std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Li
             return bound != p.null && std::abs(found.value - bound) <= margin;
           };
       found.at_bound = ends_at(p.low) || ends_at(p.high);
-      found.determined = std::abs(found.value - p.null) > constants::kStandardErrors * found.sigma;
+      found.determined = std::abs(found.value - p.null) > standard_errors * found.sigma;
       out.push_back(std::move(found));
     }
   }
@@ -138,11 +136,13 @@ void fold_in(ModelFolder& model, const IdentifiedParameter& p) {
 }  // namespace
 
 Identification identify(const ModelFolder& model, const LoadedRecordings& loaded,
-                        const IdentifyProgress& progress) {
+                        const Settings& settings, const IdentifyProgress& progress) {
+  const double standard_errors = settings.decisions.standard_errors;
   const std::vector<NoiseLevel>& noise = loaded.gate.noise;
   ProblemOptions options;
-  options.maximum_rows = constants::kMaximumRows;
-  Problem problem = make_problem(make_sources(model, loaded.recordings, noise), noise, options);
+  options.maximum_rows = settings.data.maximum_rows;
+  Problem problem = make_problem(make_sources(model, loaded.recordings, noise, settings), noise,
+                                 options, settings);
   const Library library = one_by_one(problem);
   progress(fmt::format("{} parameters, {} shots of {} s", library.candidates.size(),
                        problem.shots.size(), options.shot_seconds));
@@ -157,7 +157,7 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
 
   Identification out;
   out.model = model;
-  out.parameters = parameters_of(result, library);
+  out.parameters = parameters_of(result, library, standard_errors);
   progress("leave out what the data do not determine, fit again");
   std::size_t index = 0;
   for (const Chosen& chosen : result.model.effects) {
@@ -169,7 +169,7 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
   }
   result.model = kept;
   result = settle(around, problem, library, std::move(result));
-  for (const IdentifiedParameter& p : parameters_of(result, library)) {
+  for (const IdentifiedParameter& p : parameters_of(result, library, standard_errors)) {
     for (IdentifiedParameter& shown : out.parameters) {
       if (shown.joint != p.joint || shown.effect != p.effect || shown.parameter != p.parameter)
         continue;
@@ -196,7 +196,7 @@ int run_identify(const std::string& model_folder, const std::vector<std::string>
                  d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
     }
     if (loaded.gate.refused()) return 2;
-    const Identification found = identify(model, loaded, [](const std::string& line) {
+    const Identification found = identify(model, loaded, Settings{}, [](const std::string& line) {
       fmt::print(stderr, "identify   {}\n", line);
     });
     fmt::print("{:<16} {:<18} {:<14} {:>12} {:>12} {:<10}\n", "joint", "effect", "parameter",

@@ -9,6 +9,7 @@
 
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/settings.h"
 
 namespace sanso::diagnose {
 
@@ -33,7 +34,7 @@ using IdentifyProgress = std::function<void(const std::string&)>;
 
 /// `loaded` must not be refused. Throws recording::InputError.
 Identification identify(const ModelFolder& model, const LoadedRecordings& loaded,
-                        const IdentifyProgress& progress);
+                        const Settings& settings, const IdentifyProgress& progress);
 
 /// Exit code 0 done, 2 refused. Writes `out` (a model folder) only when everything went well.
 int run_identify(const std::string& model_folder, const std::vector<std::string>& files,

@@ -96,7 +96,7 @@ Prepared prepare(const ModelFolder& model, const recording::Recording& recording
   Prepared out;
   out.drive = make_drive(recording, here);
   out.params = params_with_effects(here);
-  out.motion = measured_motion(out.drive);
+  out.motion = measured_motion(out.drive, DataSettings{});
   return out;
 }
 

@@ -70,10 +70,8 @@ Filtered filter(std::span<const double> t, std::span<const double> q, std::span<
 /// Largest likelihood over two decades a step; the first rows suffice (the density is a property of
 /// the whole motion).
 double choose_density(std::span<const double> t, std::span<const double> q,
-                      std::span<const double> sigma) {
-  // chosen: 30 s at 200 Hz; more changes the choice by < 1 grid step
-  constexpr std::size_t kRowsForLikelihood = 6000;
-  const std::size_t rows = std::min(t.size(), kRowsForLikelihood);
+                      std::span<const double> sigma, int likelihood_rows) {
+  const std::size_t rows = std::min(t.size(), static_cast<std::size_t>(likelihood_rows));
   double best = -std::numeric_limits<double>::infinity(), density = 1.0;
   for (double exponent = -6.0; exponent <= 9.0; exponent += 1.0) {
     const double candidate = std::pow(10.0, exponent);
@@ -85,17 +83,18 @@ double choose_density(std::span<const double> t, std::span<const double> q,
 
 }  // namespace
 
-SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma) {
-  return smooth_position(t, q, std::vector<double>(t.size(), sigma));
+SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma,
+                              int likelihood_rows) {
+  return smooth_position(t, q, std::vector<double>(t.size(), sigma), likelihood_rows);
 }
 
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
-                              std::span<const double> sigma) {
+                              std::span<const double> sigma, int likelihood_rows) {
   const std::size_t n = t.size();
   SmoothedState out;
   for (auto* v : {&out.q, &out.dq, &out.ddq, &out.q_sigma, &out.dq_sigma}) v->resize(n);
   if (n == 0) return out;
-  out.jerk_density = choose_density(t, q, sigma);
+  out.jerk_density = choose_density(t, q, sigma, likelihood_rows);
   const Filtered f = filter(t, q, sigma, out.jerk_density, n, true);
   Vec3 x = f.x[n - 1];
   Mat3 P = f.P[n - 1];

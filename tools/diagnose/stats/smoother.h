@@ -2,6 +2,7 @@
 // samples.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -18,12 +19,15 @@ struct SmoothedState {
 
 /// Rauch-Tung-Striebel smoother of the constant-jerk (white-jerk) model; state [q, dq, ddq], exact
 /// for uneven sampling.
-/// The jerk density is the one of largest likelihood on a logarithmic grid. An empty (NaN) q is a
+/// The jerk density is the one of largest likelihood of the first `likelihood_rows` rows on a
+/// logarithmic grid. An empty (NaN) q is a
 /// row without measurement. `t` [s] strictly increasing, at least 3 finite q; `sigma` > 0 is the
 /// standard deviation of a position sample [rad].
-SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma);
+SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma,
+                              int likelihood_rows = std::numeric_limits<int>::max());
 /// The same with a deviation for every sample.
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
-                              std::span<const double> sigma);
+                              std::span<const double> sigma,
+                              int likelihood_rows = std::numeric_limits<int>::max());
 
 }  // namespace sanso::diagnose

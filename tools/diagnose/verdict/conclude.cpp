@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/incidence.h"
 
@@ -95,6 +94,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
                                  const Regimes& regimes) {
   std::vector<Finding> out;
   std::vector<const Candidate*> candidates;  // by finding
+  const DecisionSettings& settings = selection.around->settings().decisions;
   const double excess = std::max(selection.nominal_heldout.sum(), 1e-9);
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     const Accepted& entry = selection.accepted[i];
@@ -124,7 +124,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
       rival.similarity = a.similarity;
       rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
       // two simulations that differ by less than what matters are the same prediction
-      const bool level = a.behind < std::max(constants::kStandardErrors * a.behind_se + kNoiseUnit,
+      const bool level = a.behind < std::max(settings.standard_errors * a.behind_se + kNoiseUnit,
                                              practical_energy(*selection.around->problem));
       const bool other_place = other.effect == c.effect;
       if (level && rival.said_wrong.empty() && !contains(other, c) && !other_place &&
@@ -163,6 +163,7 @@ double remaining_share(const Problem& problem, const Selection& selection) {
 
 void add_limits(Verdict& verdict, const Library& library, const Selection& selection) {
   const Screening& screening = selection.first;
+  const double testable = selection.around->settings().decisions.testable;
   // effect -> noise levels that its largest probe makes
   std::map<std::string, double> best_signature;
   for (const ProbeScore& probe : screening.probes) {
@@ -181,12 +182,12 @@ void add_limits(Verdict& verdict, const Library& library, const Selection& selec
                                   c.parameters[0].unit, smallest});
   }
   for (const auto& [effect, signature] : best_signature) {
-    if (signature >= constants::kTestable) continue;
+    if (signature >= testable) continue;
     verdict.untestable.push_back(
         {effect,
          fmt::format(
              "a typical size changes these recordings by {:.2g} noise levels only (needs {})",
-             signature, constants::kTestable)});
+             signature, testable)});
   }
 }
 

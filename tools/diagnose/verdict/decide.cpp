@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/verdict/conclude.h"
 
 namespace sanso::diagnose {
@@ -14,19 +13,21 @@ namespace {
 /// Some candidate stood out in the first screening: the error is no noise, whether or not a name
 /// passed the later gates.
 bool detected(const Selection& selection) {
+  const double level = selection.around->settings().decisions.family_wise;
   return std::any_of(selection.first.probes.begin(), selection.first.probes.end(),
-                     [](const ProbeScore& p) { return p.p_family < constants::kFamilyWise; });
+                     [level](const ProbeScore& p) { return p.p_family < level; });
 }
 
 /// The joint whose remaining error is most surely physics: predictable, and larger than noise makes
 /// it.
-const Predictability* most_predictable(const std::vector<Predictability>& left) {
+const Predictability* most_predictable(const DecisionSettings& settings,
+                                       const std::vector<Predictability>& left) {
   const Predictability* best = nullptr;
   const double level =
-      constants::kFamilyWise / static_cast<double>(std::max<std::size_t>(1, left.size()));
+      settings.family_wise / static_cast<double>(std::max<std::size_t>(1, left.size()));
   for (const Predictability& p : left) {
-    // p resolves to 1 / (kBootstrap + 1); with many joints the smallest p is all one can ask for
-    const bool significant = p.p <= std::max(level, 1.0 / (constants::kBootstrap + 1.0) + 1e-12);
+    // p resolves to 1 / (bootstrap + 1); with many joints the smallest p is all one can ask for
+    const bool significant = p.p <= std::max(level, 1.0 / (settings.bootstrap + 1.0) + 1e-12);
     if (!significant || p.explained < 0.1 || p.torque_rms < 1.5 * p.noise_rms) continue;
     if (best == nullptr || p.explained > best->explained) best = &p;
   }
@@ -77,8 +78,9 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
   u.energy_share = remaining_share(problem, selection);
   u.regime = location;
   const auto name = [&](int joint) { return problem.joints[static_cast<std::size_t>(joint)]; };
-  const Predictability* torque = most_predictable(left.torque);
-  const Predictability* velocity = most_predictable(left.velocity);
+  const DecisionSettings& settings = problem.settings.decisions;
+  const Predictability* torque = most_predictable(settings, left.torque);
+  const Predictability* velocity = most_predictable(settings, left.velocity);
   for (const Predictability* p : {torque, velocity}) {
     if (p == nullptr) continue;
     u.predictable = p->explained;
@@ -97,7 +99,7 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
   // however loud the effects that have a name were: what is left besides is no noise
   const double level =
       position_error_level(*selection.around, selection.final.r, selection.expected_scatter);
-  const bool inadequate = level > constants::kAdequate && detected(selection);
+  const bool inadequate = level > settings.adequate && detected(selection);
   const bool stopped =
       std::any_of(verdict.findings.begin(), verdict.findings.end(),
                   [](const Finding& f) { return f.status == VerdictStatus::present_unnamed; });
@@ -139,7 +141,7 @@ std::string answer(const Verdict& verdict) {
 
 void decide(Verdict& verdict, const Problem& problem, const Library& library,
             const Selection& selection, const Remains& left, const std::string& location) {
-  const Predictability* torque = most_predictable(left.torque);
+  const Predictability* torque = most_predictable(problem.settings.decisions, left.torque);
   verdict.notes.push_back(fmt::format(
       "left: {:.1f} % of the position error beyond noise, {:.2f} noise levels, "
       "predictable {:.0f} %",

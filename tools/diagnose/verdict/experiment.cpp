@@ -106,11 +106,11 @@ double separation(const Problem& problem, const Library& library, const Model& c
 /// A few shots suffice to compare entries of the menu.
 Problem small(const Problem& problem) {
   Problem out = problem;
-  constexpr std::size_t kShots = 16;
-  if (out.shots.size() > kShots) {
+  const auto enough = static_cast<std::size_t>(problem.settings.remains.experiment_shots);
+  if (out.shots.size() > enough) {
     std::vector<Shot> kept;
-    for (std::size_t i = 0; i < kShots; ++i)
-      kept.push_back(out.shots[i * out.shots.size() / kShots]);
+    for (std::size_t i = 0; i < enough; ++i)
+      kept.push_back(out.shots[i * out.shots.size() / enough]);
     out.shots = kept;
   }
   out.size = 0;

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "tools/diagnose/constants.h"
-
 namespace sanso::diagnose {
 namespace {
 
@@ -74,15 +72,15 @@ Problem restricted(const Problem& problem, const Part& part) {
 
 std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
     const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-    const Library& library, const Model& patched, const Part& heldout) {
+    const Library& library, const Model& patched, const Part& heldout, const Settings& settings) {
   std::map<std::string, std::map<std::string, FitScore>> out;
   for (const auto& [name, seconds] :
        {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
     ProblemOptions options;
     options.shot_seconds = seconds;
-    options.maximum_rows = 4 * constants::kMaximumRows;
+    options.maximum_rows = 4 * settings.data.maximum_rows;
     options.secondary = false;
-    const Problem problem = restricted(make_problem(sources, noise, options), heldout);
+    const Problem problem = restricted(make_problem(sources, noise, options, settings), heldout);
     if (problem.shots.empty() || problem.channels.empty()) continue;
     const Eigen::VectorXd before = prediction_error(problem, library, Model{});
     const Eigen::VectorXd after = prediction_error(problem, library, patched);

@@ -33,6 +33,6 @@ Problem restricted(const Problem& problem, const Part& part);
 /// score.
 std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
     const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-    const Library& library, const Model& patched, const Part& heldout);
+    const Library& library, const Model& patched, const Part& heldout, const Settings& settings);
 
 }  // namespace sanso::diagnose

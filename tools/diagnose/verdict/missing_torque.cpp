@@ -5,7 +5,6 @@
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/compare/prediction_error.h"
-#include "tools/diagnose/constants.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -58,23 +57,24 @@ TorqueSample describe(const Problem& problem, const Shot& shot, int joint,
 
 std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
                                          const std::vector<NoiseLevel>& noise,
-                                         const Library& library, const Model& model) {
+                                         const Library& library, const Model& model,
+                                         const Settings& settings) {
   ProblemOptions options;
-  options.shot_seconds = constants::kTorqueWindow;
-  options.maximum_rows = constants::kMaximumRows;
+  options.shot_seconds = settings.data.torque_window;
+  options.maximum_rows = settings.data.maximum_rows;
   options.secondary = false;
-  const Problem problem = make_problem(sources, noise, options);
+  const Problem problem = make_problem(sources, noise, options, settings);
   const Eigen::VectorXd base = prediction_error(problem, library, model);
   const StartElimination starts(problem, library, model);
   const Eigen::VectorXd error = starts.project(base);
   const int n = static_cast<int>(problem.joints.size());
   // as in StartElimination: beyond, only a joint's own rows answer for it
-  constexpr int kCoupled = 4;
-  std::vector<Eigen::VectorXd> raw(static_cast<std::size_t>(n <= kCoupled ? n : 1));
+  const bool coupled = n <= settings.data.coupled_starts;
+  std::vector<Eigen::VectorXd> raw(static_cast<std::size_t>(coupled ? n : 1));
   parallel_for(static_cast<int>(raw.size()), [&](int i) {
     const auto joint = static_cast<std::size_t>(i);
     const double limit = problem.sources.front().nominal.joints[joint].nominal.torque_limit;
-    raw[joint] = torque_signature(problem, library, model, n <= kCoupled ? i : -1, base,
+    raw[joint] = torque_signature(problem, library, model, coupled ? i : -1, base,
                                   limit > 0.0 ? 0.02 * limit : 0.05);
   });
   std::vector<std::vector<Prediction>> replay(problem.sources.size());
@@ -88,7 +88,7 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
     library.apply(model, params);
     SimOptions sim;
     sim.motion = &problem.sources[s].motion;
-    sim.max_step_s = constants::kSearchStep;
+    sim.max_step_s = settings.fitting.search_step;
     replay[s] = simulate(params, problem.sources[s].drive, windows, sim);
   }
   std::vector<Eigen::VectorXd> projected;
@@ -99,7 +99,7 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
     const Prediction* prediction = &replay[source][next[source]++];
     for (std::size_t c = 0; c < problem.channels.size(); ++c) {
       const int joint = problem.channels[c].joint;
-      const auto signature = static_cast<std::size_t>(n <= kCoupled ? joint : 0);
+      const auto signature = static_cast<std::size_t>(coupled ? joint : 0);
       const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
       const auto rows = static_cast<Eigen::Index>(shot.rows);
       const double norm =

@@ -22,11 +22,12 @@ struct TorqueSample {
   double sigma = 0.0;    // N m, standard deviation of `missing` from measurement noise
 };
 
-/// All joints, all windows that `make_problem` cuts with kTorqueWindow. Joints that were not
+/// All joints, all windows that `make_problem` cuts with torque_window. Joints that were not
 /// measured are left out.
 std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
                                          const std::vector<NoiseLevel>& noise,
-                                         const Library& library, const Model& model);
+                                         const Library& library, const Model& model,
+                                         const Settings& settings);
 
 /// Energy that the missing torque takes out of a joint over the recording, relative to the motor's
 /// own turnover: positive:

@@ -9,7 +9,6 @@
 #include <functional>
 #include <numbers>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/series.h"
 
@@ -49,18 +48,17 @@ Eigen::MatrixXd state(const std::vector<TorqueSample>& s) {
 
 /// The state itself, the sign of the velocity, and random Fourier features of the state (Rahimi and
 /// Recht 2007).
-Eigen::MatrixXd features(const std::vector<TorqueSample>& s, Random random) {
-  constexpr Eigen::Index kFourier = 40;
+Eigen::MatrixXd features(const std::vector<TorqueSample>& s, Random random, Eigen::Index fourier) {
   const Eigen::MatrixXd X = state(s);
   const Eigen::Index n = X.rows(), d = X.cols();
-  Eigen::MatrixXd F(n, d + 2 + kFourier);
+  Eigen::MatrixXd F(n, d + 2 + fourier);
   F.leftCols(d) = X;
   const double speed = std::max(0.02 * standard_deviation(column(s, &TorqueSample::dq)), 1e-9);
   for (Eigen::Index i = 0; i < n; ++i) {
     F(i, d) = 1.0;
     F(i, d + 1) = std::tanh(s[static_cast<std::size_t>(i)].dq / speed);
   }
-  for (Eigen::Index k = 0; k < kFourier; ++k) {
+  for (Eigen::Index k = 0; k < fourier; ++k) {
     Eigen::VectorXd w(d);
     for (Eigen::Index c = 0; c < d; ++c) w[c] = 0.7 * random.normal();
     const double phase = 2.0 * std::numbers::pi * random.uniform();
@@ -108,7 +106,8 @@ class BlockRidge {
 
 }  // namespace
 
-Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random) {
+Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random,
+                              const Settings& settings) {
   Predictability out;
   out.joint = joint;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
@@ -121,7 +120,7 @@ Predictability predictability(const std::vector<TorqueSample>& samples, int join
   for (double& v : missing) v = std::clamp(v, -limit, limit);
   const Eigen::VectorXd y =
       Eigen::Map<const Eigen::VectorXd>(missing.data(), static_cast<Eigen::Index>(missing.size()));
-  const Eigen::MatrixXd F = features(s, random);
+  const Eigen::MatrixXd F = features(s, random, settings.remains.fourier_features);
   const BlockRidge ridge(F, 5);
   out.explained = ridge.explained(y);
   // shifted by more than the dependence between neighbours, the torque has lost its state but kept
@@ -130,12 +129,12 @@ Predictability predictability(const std::vector<TorqueSample>& samples, int join
   const int block = std::clamp(static_cast<int>(3.0 * autocorrelation_time(missing)), 5, n / 4);
   int exceed = 0;
   Eigen::VectorXd shifted(n);
-  for (int b = 0; b < constants::kBootstrap; ++b) {
+  for (int b = 0; b < settings.decisions.bootstrap; ++b) {
     const int shift = block + random.below(n - 2 * block);
     for (int i = 0; i < n; ++i) shifted[i] = y[(i + shift) % n];
     exceed += ridge.explained(shifted) >= out.explained;
   }
-  out.p = (exceed + 1.0) / (constants::kBootstrap + 1.0);
+  out.p = (exceed + 1.0) / (settings.decisions.bootstrap + 1.0);
   return out;
 }
 

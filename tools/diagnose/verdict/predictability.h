@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/settings.h"
 #include "tools/diagnose/stats/curve.h"
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/verdict/missing_torque.h"
@@ -22,7 +23,8 @@ struct Predictability {
 };
 
 /// One joint's samples. Fewer than 40: nothing can be said (p = 1).
-Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random);
+Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random,
+                              const Settings& settings);
 
 /// Sparse regression of the missing torque on a fixed list of terms with physical meaning: forward
 /// selection by BIC, coefficients refitted. `text`: "missing torque = -0.12 sign(dq) + 0.03

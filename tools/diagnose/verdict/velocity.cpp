@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/constants.h"
 #include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
 namespace {
-
-constexpr std::size_t kMostSamples = 2000;  // more only sharpen a p that is small already
 
 double noise_of(const std::vector<NoiseLevel>& noise, const std::string& channel) {
   const auto at = std::find_if(noise.begin(), noise.end(),
@@ -42,37 +39,38 @@ void add_samples(const Source& source, int source_index, int joint, double noise
 }
 
 /// Takes a sensor's offset and gain error out of one joint's samples, the gain error no further
-/// than it may be.
+/// than `reach`.
 void take_out_calibration(std::vector<TorqueSample>::iterator from,
-                          std::vector<TorqueSample>::iterator until) {
+                          std::vector<TorqueSample>::iterator until, double reach) {
   const double n = static_cast<double>(until - from);
   if (n < 3.0) return;
   double v = 0.0, e = 0.0, vv = 0.0, ve = 0.0;
   for (auto s = from; s != until; ++s) v += s->dq / n, e += s->missing / n;
   for (auto s = from; s != until; ++s)
     vv += (s->dq - v) * (s->dq - v), ve += (s->dq - v) * (s->missing - e);
-  const double gain =
-      vv > 0.0 ? std::clamp(ve / vv, -constants::kSecondaryFloor, constants::kSecondaryFloor) : 0.0;
+  const double gain = vv > 0.0 ? std::clamp(ve / vv, -reach, reach) : 0.0;
   for (auto s = from; s != until; ++s) s->missing -= e + gain * (s->dq - v);
 }
 
 }  // namespace
 
 std::vector<TorqueSample> velocity_errors(const std::vector<Source>& sources,
-                                          const std::vector<NoiseLevel>& noise) {
+                                          const std::vector<NoiseLevel>& noise,
+                                          const Settings& settings) {
   std::vector<TorqueSample> out;
   const std::vector<TreeJoint>& joints = sources.front().nominal.tree.joints;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     std::size_t rows = 0;
     for (const Source& s : sources) rows += s.motion.q[j].empty() ? 0 : s.drive.joints[j].dq.size();
-    const std::size_t stride = std::max<std::size_t>(1, rows / kMostSamples);
+    const std::size_t stride =
+        std::max<std::size_t>(1, rows / static_cast<std::size_t>(settings.data.velocity_samples));
     const auto from = static_cast<std::ptrdiff_t>(out.size());
     for (std::size_t i = 0; i < sources.size(); ++i) {
       if (sources[i].drive.joints[j].q.empty()) continue;  // nothing to compare with
       add_samples(sources[i], static_cast<int>(i), static_cast<int>(j),
                   noise_of(noise, "dq:" + joints[j].name), stride, out);
     }
-    take_out_calibration(out.begin() + from, out.end());
+    take_out_calibration(out.begin() + from, out.end(), settings.data.secondary_floor);
   }
   return out;
 }

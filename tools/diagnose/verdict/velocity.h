@@ -5,15 +5,17 @@
 #include <vector>
 
 #include "tools/diagnose/gate/gate.h"
+#include "tools/diagnose/settings.h"
 #include "tools/diagnose/verdict/missing_torque.h"
 
 namespace sanso::diagnose {
 
 /// One sample a row of every joint with a velocity channel, in the place of a missing torque:
 /// `missing` [rad/s, m/s] is the reading less the smoothed motion, less the offset and gain error
-/// that a sensor may have (gain within kSecondaryFloor); `sigma` the noise of both. At most 2000 a
-/// joint, evenly chosen.
+/// that a sensor may have (gain within secondary_floor); `sigma` the noise of both. At most
+/// velocity_samples a joint, evenly chosen.
 std::vector<TorqueSample> velocity_errors(const std::vector<Source>& sources,
-                                          const std::vector<NoiseLevel>& noise);
+                                          const std::vector<NoiseLevel>& noise,
+                                          const Settings& settings);
 
 }  // namespace sanso::diagnose

@@ -29,7 +29,7 @@ std::vector<Source> sources(int recordings) {
     r.set("q:a", drive.joints[0].command);
     made.push_back(r);
   }
-  return make_sources(test::pendulum(kServo), made, kNoise);
+  return make_sources(test::pendulum(kServo), made, kNoise, Settings{});
 }
 
 /// Noise of one level everywhere, and `level` times it in some shots.
@@ -45,7 +45,7 @@ Eigen::VectorXd errors(const Problem& problem, const std::vector<std::size_t>& s
 }
 
 TEST(Events, AreFarAboveNoiseAndAboveTheOtherShots) {
-  const Problem problem = make_problem(sources(2), kNoise, ProblemOptions{});
+  const Problem problem = make_problem(sources(2), kNoise, ProblemOptions{}, Settings{});
   EXPECT_TRUE(find_events(problem, errors(problem, {}, 1.0)).empty());
   EXPECT_TRUE(find_events(problem, errors(problem, {3, 5}, 2.5)).empty());
   const std::vector<Event> events = find_events(problem, errors(problem, {3, 25}, 10.0));
@@ -57,7 +57,7 @@ TEST(Events, AreFarAboveNoiseAndAboveTheOtherShots) {
 }
 
 TEST(Events, WhatHappensOnceIsAnAccident) {
-  const Problem problem = make_problem(sources(2), kNoise, ProblemOptions{});
+  const Problem problem = make_problem(sources(2), kNoise, ProblemOptions{}, Settings{});
   EXPECT_EQ(repeated({}).joint, -1);
   EXPECT_EQ(repeated(find_events(problem, errors(problem, {7}, 30.0))).energy, 0.0);
   const RepeatedEvents twice = repeated(find_events(problem, errors(problem, {7, 27}, 30.0)));
@@ -66,7 +66,7 @@ TEST(Events, WhatHappensOnceIsAnAccident) {
 }
 
 TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
-  const Problem all = make_problem(sources(3), kNoise, ProblemOptions{});
+  const Problem all = make_problem(sources(3), kNoise, ProblemOptions{}, Settings{});
   // 4.5 s into two recordings
   const std::vector<Event> events = find_events(all, errors(all, {9, 29}, 10.0));
   ProblemOptions options;
@@ -74,7 +74,7 @@ TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
   options.instants = instants_of(all, events, 4);
   ASSERT_EQ(options.instants.size(), 1U);  // the same instant of both
   EXPECT_NEAR(options.instants[0], 4.5, 1e-9);
-  const Problem thin = make_problem(sources(3), kNoise, options);
+  const Problem thin = make_problem(sources(3), kNoise, options, Settings{});
   std::vector<std::set<int>> tenths(3);
   for (const Shot& s : thin.shots) {
     const auto source = static_cast<std::size_t>(s.source);
@@ -89,14 +89,16 @@ TEST(Events, ThinningKeepsTheirShotsAndNeighboursInEveryRecording) {
 
 TEST(Events, APushIsPlacedOnlyWhereErrorsStandAlone) {
   ProblemOptions options;
-  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"})
-                  .candidates.empty());
+  EXPECT_TRUE(
+      place_library(make_problem(sources(2), kNoise, options, Settings{}), {"external_push"})
+          .candidates.empty());
   options.instants = {4.5};
-  EXPECT_TRUE(place_library(make_problem(sources(2), kNoise, options), {"external_push"})
-                  .candidates.empty());
+  EXPECT_TRUE(
+      place_library(make_problem(sources(2), kNoise, options, Settings{}), {"external_push"})
+          .candidates.empty());
   options.struck = {0};
   const Placement placed =
-      place_library(make_problem(sources(2), kNoise, options), {"external_push"});
+      place_library(make_problem(sources(2), kNoise, options, Settings{}), {"external_push"});
   ASSERT_EQ(placed.candidates.size(), 1U);
   for (const std::vector<double>& probe : placed.candidates[0].probes) {
     EXPECT_GE(probe[3], 4.5);

@@ -58,14 +58,14 @@ TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const FitResult nominal = fit(around, Model{}, 3);
   const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
-  const std::vector<int> which = rivals(b.library, seen, 10.0);
+  const std::vector<int> which = rivals(Settings{}, b.library, seen, 10.0);
   ASSERT_FALSE(which.empty());
   std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, which, seen);
   rank(b.library, b.problem, fitted);
   EXPECT_EQ(fitted.front().candidate, b.of("viscous_friction"));
   // the damping that the motor itself gives, kt ke / R, may be wrong by its tolerance of 5 %
   EXPECT_NEAR(fitted.front().fit.model.effects.back().theta[0], 0.12, 0.05 * 1.78 * 2.49 / 5.22);
-  EXPECT_TRUE(leaves_null(b.library, fitted.front()));
+  EXPECT_TRUE(leaves_null(DecisionSettings{}, b.library, fitted.front()));
   EXPECT_FALSE(at_bound(b.library, fitted.front()));
 }
 
@@ -78,8 +78,9 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   for (const Alternative& a : race.fitted)
     EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
   EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
-  const std::vector<int> others = replacements(b.library, race.seen, race.fitted.front().fit.model,
-                                               race.fitted.front().candidate, {});
+  const std::vector<int> others =
+      replacements(DecisionSettings{}, b.library, race.seen, race.fitted.front().fit.model,
+                   race.fitted.front().candidate, {});
   EXPECT_EQ(others, std::vector<int>{race.fitted.back().candidate});
 }
 
@@ -111,7 +112,7 @@ TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
   Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction"});
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const Screening seen = screen(around, Model{}, fit(around, Model{}, 3).r, b.all(), Random(1));
-  EXPECT_TRUE(rivals(b.library, seen, 1e12).empty());
+  EXPECT_TRUE(rivals(Settings{}, b.library, seen, 1e12).empty());
 }
 
 }  // namespace

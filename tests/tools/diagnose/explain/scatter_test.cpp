@@ -80,9 +80,9 @@ TEST(Scatter, MotionIsSmoothedByHowWellReadingsAreKnown) {
   const std::vector<recording::Recording> made{
       record({{"timing_jitter", {"a"}, {{"jitter", 0.003}}, 0}}, 0, false)};
   const std::vector<recording::Recording> exact{record({}, 0, false)};
-  Problem problem =
-      make_problem(make_sources(test::pendulum(kServo), made, {level}), {level}, ProblemOptions{});
-  const Source truth = make_sources(test::pendulum(kServo), exact, {level}).front();
+  Problem problem = make_problem(make_sources(test::pendulum(kServo), made, {level}, Settings{}),
+                                 {level}, ProblemOptions{}, Settings{});
+  const Source truth = make_sources(test::pendulum(kServo), exact, {level}, Settings{}).front();
   const auto error = [&] {
     double sum = 0.0;
     for (std::size_t k = 0; k < truth.motion.q[0].size(); ++k)

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "tests/support/small_comparison.h"
-#include "tools/diagnose/constants.h"
+#include "tools/diagnose/settings.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -43,7 +43,7 @@ TEST(Untie, TakesATiedEffectAndWhatStandsInsideItApart) {
   model.effects = {{b.of("link_inertia", {0, 1}), {0.6}},
                    {b.of("coulomb_friction", {0, 1}), {0.1}},
                    {b.of("link_inertia", {1}), {-0.6}}};
-  const std::vector<Untied> apart = untied(b.library, model);
+  const std::vector<Untied> apart = untied(b.library, model, Settings{}.decisions.maximum_effects);
   ASSERT_EQ(apart.size(), 1U);  // the friction is tied too, with nothing of its kind beside it
   EXPECT_EQ(apart[0].replaced, (std::vector<std::size_t>{0, 2}));
   EXPECT_EQ(apart[0].stay, std::vector<std::size_t>{1});
@@ -54,9 +54,9 @@ TEST(Untie, TakesATiedEffectAndWhatStandsInsideItApart) {
   EXPECT_EQ(apart[0].model.effects[2].theta, std::vector<double>{0.6});
   // a documented twin of it inside counts as well; the effect over the same joints does not
   model.effects.back().candidate = b.of("rotor_inertia", {1});
-  EXPECT_EQ(untied(b.library, model).size(), 1U);
+  EXPECT_EQ(untied(b.library, model, Settings{}.decisions.maximum_effects).size(), 1U);
   model.effects.back().candidate = b.of("rotor_inertia", {0, 1});
-  EXPECT_TRUE(untied(b.library, model).empty());
+  EXPECT_TRUE(untied(b.library, model, Settings{}.decisions.maximum_effects).empty());
 }
 
 TEST(Untie, ANumberForEachJointTakesThePlaceOfATermAtItsBound) {
@@ -67,9 +67,9 @@ TEST(Untie, ANumberForEachJointTakesThePlaceOfATermAtItsBound) {
                    {}};
   correct_step(b.problem, b.library, tied);
   const Surroundings around = make_surroundings(b.problem, b.library, tied);
-  const FitResult pair = fit(around, tied, constants::kIterations);
-  const std::optional<FitResult> apart =
-      fit_untied(around, untied(b.library, pair.model).front(), pair);
+  const FitResult pair = fit(around, tied, Settings{}.fitting.iterations);
+  const std::optional<FitResult> apart = fit_untied(
+      around, untied(b.library, pair.model, Settings{}.decisions.maximum_effects).front(), pair);
   ASSERT_TRUE(apart);
   EXPECT_NEAR(apart->model.effects[0].theta[0], 0.5, 0.06);
   EXPECT_NEAR(apart->model.effects[1].theta[0], 0.15, 0.06);
@@ -84,8 +84,9 @@ TEST(Untie, TwoEffectsThatAreBothThereStayTwo) {
   const Model start{
       {{b.of("coulomb_friction", {0, 1}), {0.1}}, {b.of("backlash", {1}), {0.05, kEncoderAtLink}}},
       {}};
-  const FitResult pair = fit(around, start, constants::kIterations);
-  const std::vector<Untied> apart = untied(b.library, pair.model);
+  const FitResult pair = fit(around, start, Settings{}.fitting.iterations);
+  const std::vector<Untied> apart =
+      untied(b.library, pair.model, Settings{}.decisions.maximum_effects);
   ASSERT_EQ(apart.size(), 1U);
   EXPECT_FALSE(fit_untied(around, apart.front(), pair));
 }
@@ -94,7 +95,7 @@ TEST(Untie, ARefitWithoutAGroupPredictsItAsTheLinearStepSays) {
   const Bench b({{"link_inertia", {"upper"}, {{"share", 0.1}}}}, {"link_inertia"});
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const FitResult found =
-      fit(around, Model{{{b.of("link_inertia", {0}), {0.0}}}, {}}, constants::kIterations);
+      fit(around, Model{{{b.of("link_inertia", {0}), {0.0}}}, {}}, Settings{}.fitting.iterations);
   const double linear = heldout_energy(around, found).sum(),
                refitted = refitted_energy(around, found).sum();
   const double seen = around.bounded(around.starts.energy_by_shot(found.r)).sum();

@@ -32,7 +32,7 @@ TEST(Identify, FindsTheSettingsOfAServo) {
   for (const auto& r : loaded.recordings) views.push_back(gate_view(r));
   loaded.gate = inspect(views, gate_joints(nominal));
   ASSERT_FALSE(loaded.gate.refused());
-  const Identification found = identify(nominal, loaded, [](const std::string&) {});
+  const Identification found = identify(nominal, loaded, Settings{}, [](const std::string&) {});
   const JointSettings& s = found.model.joints[0];
   EXPECT_NEAR(s.coulomb, 0.15, 0.02);
   EXPECT_NEAR(s.viscous, 0.1, 0.05);

@@ -35,8 +35,8 @@ Predictability judged(const Sensor& sensor) {
   r.set("q:a", q);
   r.set("dq:a", dq);
   const std::vector<NoiseLevel> noise{{"q:a", 0.0, 3e-4, {}}, {"dq:a", 0.0, kNoise, {}}};
-  const std::vector<Source> sources = make_sources(test::pendulum(kServo), {r}, noise);
-  return predictability(velocity_errors(sources, noise), 0, Random(1));
+  const std::vector<Source> sources = make_sources(test::pendulum(kServo), {r}, noise, Settings{});
+  return predictability(velocity_errors(sources, noise, Settings{}), 0, Random(1), Settings{});
 }
 
 TEST(VelocityChannel, OffsetAndGainErrorOfASensorAreNoMismatch) {

@@ -1,0 +1,314 @@
+// Every figure that a diagnosis depends on, declared once: name, unit, default, range, reason. The
+// settings page, the range check and the bench that halves and doubles walk the same visit(). What
+// half and double of each does to a few cases stands in docs/results/diagnose.md. The gates among
+// the decisions were added while looking at sealed development cases, and stand_in_share while
+// looking at one real recording: scores on other data judge them.
+#pragma once
+
+namespace sanso::diagnose {
+
+/// What is taken of the recordings, and how closely a simulation is asked to be right.
+struct DataSettings {
+  double shot_seconds = 0.5;
+  int least_shot_rows = 10;
+  double torque_window = 0.1;
+  double fastest_rate = 1100.0;
+  int maximum_rows = 40000;
+  int maximum_shots = 120;
+  double model_floor = 0.0002;
+  double secondary_floor = 0.05;
+  double arrival_inflation = 3.0;
+  int compared_rows = 100;
+  int smoothing_rounds = 3;
+  int likelihood_rows = 6000;
+  int coupled_starts = 4;
+  double start_step_position = 0.0001;
+  double start_step_velocity = 0.001;
+  int instants = 5;
+  double end_margin = 0.03;
+  int velocity_samples = 2000;
+  template <class Field>
+  void visit(Field&& field) {
+    field("shot_seconds", shot_seconds, "s", 0.05, 10.0,
+          "length of a shot: the horizon an MPC feels; long enough for a servo's lag");
+    field("least_shot_rows", least_shot_rows, "rows", 2, 1000,
+          "slower recordings get longer shots: fewer rows show no shape of motion");
+    field("torque_window", torque_window, "s", 0.01, 2.0,
+          "window of the missing-torque residual; between 60 and 240 ms");
+    field("fastest_rate", fastest_rate, "Hz", 50.0, 100000.0,
+          "faster recordings are thinned; joint physics end far below");
+    field("maximum_rows", maximum_rows, "rows x joints", 100, 10000000,
+          "compared in a search; more only narrows intervals");
+    field("maximum_shots", maximum_shots, "shots", 4, 100000,
+          "compared in a search; the same reason");
+    field("model_floor", model_floor, "share of the range", 0.0, 0.1,
+          "of a position's range: below this no simulation is asked to be right");
+    field("secondary_floor", secondary_floor, "share of the RMS", 0.0, 1.0,
+          "of an electrical or velocity channel: gain error and filters of such sensors");
+    field("arrival_inflation", arrival_inflation, "factor", 0.1, 100.0,
+          "on the smoother's velocity deviation: its motion model is not the robot's");
+    field("compared_rows", compared_rows, "rows", 10, 100000,
+          "of a shot; 200 Hz at half a second: above it neighbouring errors are the same error");
+    field("smoothing_rounds", smoothing_rounds, "rounds", 1, 100,
+          "the speed that says how well a jittering reading is known settles in as many");
+    field("likelihood_rows", likelihood_rows, "rows", 100, 10000000,
+          "by which the smoother's density is chosen; more change it by less than a step");
+    field("coupled_starts", coupled_starts, "joints", 1, 20,
+          "with more, starts are moved all at once and coupling is left out of their derivative");
+    field(
+        "start_step_position", start_step_position, "rad (m)", 1e-07, 0.01,
+        "of a start's derivative: well above the integrator's rounding, below any regime's width");
+    field("start_step_velocity", start_step_velocity, "rad/s (m/s)", 1e-06, 0.1,
+          "the same for the velocity");
+    field("instants", instants, "instants", 1, 100,
+          "at which what begins somewhere in a recording is probed: 0 and equal steps");
+    field("end_margin", end_margin, "share of the range", 0.001, 0.25,
+          "nearest to the end of a motion where a position is looked for: rows have to show it");
+    field("velocity_samples", velocity_samples, "samples", 100, 1000000,
+          "of a velocity channel by joint; more only sharpen a p that is small already");
+  }
+};
+
+/// What a nominal model may be wrong by without anything being missing: the deviation of the prior
+/// and, times `reach`, the bound.
+struct ToleranceSettings {
+  double mass = 0.03;
+  double length = 0.02;
+  double damping = 0.05;
+  double friction = 0.05;
+  double gain = 0.02;
+  double motor = 0.02;
+  double zero = 0.0015;
+  double lag = 0.0005;
+  double armature = 0.1;
+  double precision = 3.0;
+  double reach = 1.0;
+  template <class Field>
+  void visit(Field&& field) {
+    field("mass", mass, "relative", 0.0001, 0.5, "weighing and CAD");
+    field("length", length, "relative", 0.0001, 0.5, "centre of mass along the link");
+    field("damping", damping, "relative", 0.0001, 0.9, "of the actuator's own damping");
+    field("friction", friction, "relative", 0.0001, 0.9,
+          "of the dry friction that the model states");
+    field("gain", gain, "relative", 0.0001, 0.5,
+          "servo stiffness: supply level, rounding in the servo");
+    field("motor", motor, "relative", 0.0001, 0.5,
+          "torque constant and winding resistance (a few kelvin do it)");
+    field("zero", zero, "rad", 1e-06, 0.1, "one count of a 12-bit encoder");
+    field("lag", lag, "s", 1e-06, 0.05, "instants inside a bus cycle are not known better");
+    field("armature", armature, "relative", 0.0001, 0.9, "rotor inertia");
+    field("precision", precision, "1 / tolerance^2", 0.01, 100.0,
+          "of a nuisance: 1 / variance of a uniform spread over [-1, 1]");
+    field("reach", reach, "tolerances", 0.1, 10.0,
+          "further off, something is missing that wants a name");
+  }
+};
+
+/// What counts: levels, widths and sizes by which names are given or refused.
+struct DecisionSettings {
+  double family_wise = 0.01;
+  int null_draws = 999;
+  double standard_errors = 2.0;
+  double gain_level = 0.023;
+  int gain_draws = 999;
+  double testable = 3.0;
+  double same_signature = 0.9;
+  double practical_size = 0.3;
+  double minimum_share = 0.01;
+  double stand_in_share = 0.5;
+  double adequate = 1.42;
+  int rivals = 8;
+  int maximum_effects = 6;
+  int folds = 4;
+  int bootstrap = 199;
+  double shot_outlier = 3.0;
+  template <class Field>
+  void visit(Field&& field) {
+    field("family_wise", family_wise, "probability", 1e-06, 0.5, "level of every naming decision");
+    field("null_draws", null_draws, "draws", 19, 1000000,
+          "of the family's null law: p resolves to 0.001");
+    field("standard_errors", standard_errors, "standard errors", 0.1, 20.0,
+          "held-out improvement that counts, and the width of equally good");
+    field("gain_level", gain_level, "probability", 0.0001, 0.5,
+          "of the bootstrap bound above which a held-out gain counts: two deviations");
+    field("gain_draws", gain_draws, "draws", 19, 1000000,
+          "resamples of that bound: 23 lie below it");
+    field("testable", testable, "noise levels", 0.1, 100.0,
+          "that a typical effect must make, else it is untestable here");
+    field("same_signature", same_signature, "correlation", 0.1, 2.0,
+          "above it two effects are one cluster; above 1 none are");
+    field("practical_size", practical_size, "noise levels", 0.01, 10.0,
+          "RMS over one joint's rows; less (integration step, rounding of goals) does not matter");
+    field("minimum_share", minimum_share, "share", 1e-06, 0.5,
+          "of the first model's error: smaller effects are not worth a name");
+    field("stand_in_share", stand_in_share, "share", 0.01, 1.0,
+          "of the error energy: a contradicted effect that removes more stays, as a description");
+    field("adequate", adequate, "noise levels", 0.1, 20.0,
+          "above, what is left has more energy than the noise itself");
+    field("rivals", rivals, "candidates", 1, 1000,
+          "cluster representatives fitted fully at every step");
+    field("maximum_effects", maximum_effects, "effects", 1, 100,
+          "more names than this is a different robot, not a missing effect");
+    field("folds", folds, "groups", 1, 100,
+          "held-out groups when recordings or conditions do not give them");
+    field("bootstrap", bootstrap, "draws", 19, 100000, "resamples of a confidence interval");
+    field("shot_outlier", shot_outlier, "factor", 0.5, 100.0,
+          "times the median shot's RMS error: from there a shot's weight falls");
+  }
+};
+
+/// How far and how finely a fit goes.
+struct FittingSettings {
+  double search_step = 0.002;
+  double fine_step = 0.0005;
+  int iterations = 7;
+  int first_iterations = 3;
+  double polish_share = 0.3;
+  double linear_reach = 4.0;
+  double converged = 0.001;
+  double inside_bound = 0.05;
+  double derivative_step = 0.03;
+  int order_steps = 16;
+  int places = 14;
+  int halvings = 5;
+  double event_resolution = 0.0078125;
+  int nuisance_sweeps = 300;
+  int pursuit = 5;
+  int identify_rounds = 6;
+  double identify_settled = 0.1;
+  template <class Field>
+  void visit(Field&& field) {
+    field(
+        "search_step", search_step, "s", 1e-05, 0.05,
+        "step of the integrator; what its length does to a prediction is corrected, see fine_step");
+    field("fine_step", fine_step, "s", 1e-06, 0.05,
+          "the step at which that is measured; four times finer resolves a first-order error");
+    field("iterations", iterations, "steps", 1, 1000, "Gauss-Newton steps; most fits stop after 4");
+    field("first_iterations", first_iterations, "steps", 1, 1000,
+          "after these a rival far behind the best is not polished further");
+    field("polish_share", polish_share, "share", 0.01, 10.0,
+          "far behind: by this share of what the best rival removes");
+    field("linear_reach", linear_reach, "factor", 0.5, 100.0,
+          "a fit removes at most this many times what the linear screening promises");
+    field("converged", converged, "relative", 1e-09, 0.5,
+          "decrease of the objective that ends a fit");
+    field("inside_bound", inside_bound, "share of the range", 0.0001, 0.4,
+          "fits start this far inside the bounds");
+    field("derivative_step", derivative_step, "typical sizes", 0.0001, 0.5,
+          "small against curvature, large against kinks of the integrator's step");
+    field("order_steps", order_steps, "steps", 1, 1000, "tried at most between two probed orders");
+    field("places", places, "places", 1, 1000,
+          "a position is tried on a grid first; off by half a step it still explains most");
+    field("halvings", halvings, "halvings", 1, 30, "of a step of that grid, to find the rest");
+    field("event_resolution", event_resolution, "of half a shot", 0.0001, 0.5,
+          "an event's edges are halved down to it: two milliseconds");
+    field("nuisance_sweeps", nuisance_sweeps, "sweeps", 10, 100000,
+          "of coordinate descent; far more than few, weakly coupled coordinates need");
+    field("pursuit", pursuit, "signatures", 1, 100,
+          "taken out one after the other before the error level is taken");
+    field("identify_rounds", identify_rounds, "rounds", 1, 100,
+          "of a fit around its own answer; most settle after two");
+    field("identify_settled", identify_settled, "objective", 1e-06, 10.0,
+          "decrease that ends these rounds: a third of a deviation of one parameter");
+  }
+};
+
+/// Effects that are chance: lost commands, one by one, and what scatters.
+struct ChanceSettings {
+  int worst_shots = 12;
+  int loss_changes = 30;
+  int promising = 12;
+  int loss_refits = 3;
+  int loss_runs = 4;
+  int draws = 24;
+  int least_draws = 8;
+  int all_draws = 240;
+  int sizes = 6;
+  int parametric_draws = 299;
+  int steps_anew = 2;
+  double beyond = 1.5;
+  double capped_share = 0.02;
+  double margin = 1.2;
+  template <class Field>
+  void visit(Field&& field) {
+    field("worst_shots", worst_shots, "shots", 1, 10000,
+          "tried first: when no loss is found in the worst, none is behind the others");
+    field("loss_changes", loss_changes, "changes", 1, 1000,
+          "of a shot; at the library's largest rate half a second at 100 Hz loses 15");
+    field("promising", promising, "changes", 1, 1000,
+          "that were best a moment ago are tried again before all others");
+    field("loss_refits", loss_refits, "refits", 1, 100,
+          "of the nuisances, which took up what the losses do on average");
+    field("loss_runs", loss_runs, "lengths", 1, 10,
+          "of commands lost in a row that are tried at once: 1, 2, 4, ...; others grow");
+    field(
+        "draws", draws, "draws", 2, 10000,
+        "of an effect at one size: variances of a row to 30 %, and thousands of rows are compared");
+    field("least_draws", least_draws, "draws", 2, 10000,
+          "where many joints share the time, at least");
+    field("all_draws", all_draws, "draws", 2, 100000, "of all joints together");
+    field("sizes", sizes, "sizes", 2, 100,
+          "between a twelfth of the largest and the largest, evenly in the logarithm");
+    field("parametric_draws", parametric_draws, "draws", 19, 100000,
+          "of the null law in which readings alone scatter: p resolves to 0.003");
+    field("steps_anew", steps_anew, "steps", 1, 100,
+          "Gauss-Newton steps where shots begin a little elsewhere");
+    field("beyond", beyond, "factor", 0.5, 100.0,
+          "times the scatter of the largest size: something else scatters");
+    field("capped_share", capped_share, "share", 0.0001, 0.4,
+          "of a channel's rows from above: no single row decides");
+    field("margin", margin, "factor", 0.5, 10.0,
+          "on what may be left, for what few draws get wrong");
+  }
+};
+
+/// Durations in which a servo's reversal, breakaway or step response happens.
+struct RegimeSettings {
+  double reversal = 0.04;
+  double standstill = 0.1;
+  double breakaway = 0.06;
+  double after_step = 0.15;
+  template <class Field>
+  void visit(Field&& field) {
+    field("reversal", reversal, "s", 0.001, 1.0, "around a change of direction");
+    field("standstill", standstill, "s", 0.001, 5.0, "shorter rests are none");
+    field("breakaway", breakaway, "s", 0.001, 1.0, "after a standstill");
+    field("after_step", after_step, "s", 0.001, 2.0, "after a command step");
+  }
+};
+
+/// What is asked of what stays without a name, and of the next experiment.
+struct RemainsSettings {
+  int fourier_features = 40;
+  int experiment_shots = 16;
+  template <class Field>
+  void visit(Field&& field) {
+    field("fourier_features", fourier_features, "features", 1, 10000,
+          "random ones of the state that predict the missing torque");
+    field("experiment_shots", experiment_shots, "shots", 1, 10000,
+          "suffice to compare entries of the menu of experiments");
+  }
+};
+
+struct Settings {
+  DataSettings data;
+  ToleranceSettings tolerances;
+  DecisionSettings decisions;
+  FittingSettings fitting;
+  ChanceSettings chance;
+  RegimeSettings regimes;
+  RemainsSettings remains;
+  /// Calls section(name, struct) for every group, in the order of the settings page.
+  template <class Section>
+  void visit(Section&& section) {
+    section("data", data);
+    section("tolerances", tolerances);
+    section("decisions", decisions);
+    section("fitting", fitting);
+    section("chance", chance);
+    section("regimes", regimes);
+    section("remains", remains);
+  }
+};
+
+}  // namespace sanso::diagnose
