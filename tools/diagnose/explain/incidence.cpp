@@ -1,3 +1,4 @@
+// An explanation is asked what it would change, residual by residual, and held to it.
 #include "tools/diagnose/explain/incidence.h"
 
 #include <fmt/format.h>
@@ -11,9 +12,14 @@ namespace sanso::diagnose {
 namespace {
 
 struct Sums {
+  ErrorPart residual;
   std::vector<double> dr, dd;  // by shot: promised . measured, promised . promised
-  bool effort = false;
   double rows = 0.0;
+};
+
+struct Table {
+  std::map<std::string, Sums> residuals;  // by their names: the order in which they are told
+  double total = 0.0;                     // d'd of the channels that the motion gives
 };
 
 const char* words(Signal signal) {
@@ -32,9 +38,16 @@ const char* words(Signal signal) {
   return "position";
 }
 
-IncidenceRow row_of(const std::string& name, const Sums& sums) {
+/// One residual over its shots s:
+///
+///   slope     = sum_s d_s'r_s / sum_s d_s'd_s       1: as promised, 0: did not happen
+///   predicted = sqrt(sum_s d_s'd_s)                 noise levels
+///   low, high = slope -+ 1.96 sqrt(sum_s (d_s'r_s - slope d_s'd_s)^2) / sum_s d_s'd_s
+///
+/// A shot is one observation: errors of neighbouring rows are not independent.
+IncidenceRow row_of(const Sums& sums) {
   IncidenceRow row;
-  row.residual = name;
+  row.residual = sums.residual;
   double dr = 0.0, dd = 0.0;
   for (std::size_t s = 0; s < sums.dd.size(); ++s) dr += sums.dr[s], dd += sums.dd[s];
   row.predicted = std::sqrt(dd);
@@ -77,50 +90,73 @@ void judge_efforts_at_the_measured_motion(const Surroundings& around, const Mode
   }
 }
 
+/// Adds one shot of one channel to the residuals in which it counts.
+void add_shot(const Problem& problem, const Regimes& regimes, std::size_t s, std::size_t c,
+              const Eigen::VectorXd& r, const Eigen::VectorXd& d, Table& table) {
+  const Shot& shot = problem.shots[s];
+  const Observed& channel = problem.channels[c];
+  const auto sums_in = [&](const std::string& regime) {
+    const ErrorPart residual{channel.signal, regime};
+    Sums& sums = table.residuals[to_string(residual)];
+    sums.residual = residual;
+    sums.dr.resize(problem.shots.size(), 0.0);
+    sums.dd.resize(problem.shots.size(), 0.0);
+    return &sums;
+  };
+  const auto add = [s](Sums& sums, double dr, double dd) {
+    sums.dr[s] += dr;
+    sums.dd[s] += dd;
+    sums.rows += 1.0;
+  };
+  Sums& whole = *sums_in("");
+  std::vector<Sums*> by_regime;
+  if (channel.signal == Signal::q) {
+    for (const std::string& regime : regimes.names) by_regime.push_back(sums_in(regime));
+  }
+  for (std::size_t k = 0; k < shot.rows; ++k) {
+    const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+    const double dr = d[i] * r[i], dd = d[i] * d[i];
+    if (!is_effort(channel.signal)) table.total += dd;
+    add(whole, dr, dd);
+    const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
+    for (std::size_t g = 0; g < by_regime.size(); ++g) {
+      if (regimes.in(shot.source, channel.joint, g, row)) add(*by_regime[g], dr, dd);
+    }
+  }
+}
+
+Table sums_of(const Problem& problem, const Regimes& regimes, const Eigen::VectorXd& r,
+              const Eigen::VectorXd& d) {
+  Table table;
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c)
+      add_shot(problem, regimes, s, c, r, d, table);
+  }
+  return table;
+}
+
 }  // namespace
+
+std::string to_string(const ErrorPart& residual) {
+  const std::string signal = words(residual.signal);
+  return residual.regime.empty() ? signal : signal + ", " + residual.regime;
+}
 
 std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes,
                                     const FitResult& without, const FitResult& with) {
   const Problem& problem = *around.problem;
-  Eigen::VectorXd measured = around.starts.project(without.r);
-  Eigen::VectorXd promised = around.starts.project(without.r - with.r);
+  // r: the error that is there; d: the change of it that the explanation promises
+  Eigen::VectorXd r = around.starts.project(without.r);
+  Eigen::VectorXd d = around.starts.project(without.r - with.r);
   judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model),
-                                       with.model, measured, promised);
-  std::map<std::string, Sums> table;
-  double total = 0.0;
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Shot& shot = problem.shots[s];
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      const Observed& channel = problem.channels[c];
-      const auto add = [&](const std::string& name, double dr, double dd) {
-        Sums& sums = table[name];
-        sums.dr.resize(problem.shots.size(), 0.0);
-        sums.dd.resize(problem.shots.size(), 0.0);
-        sums.dr[s] += dr;
-        sums.dd[s] += dd;
-        sums.rows += 1.0;
-        sums.effort = is_effort(channel.signal);
-      };
-      for (std::size_t k = 0; k < shot.rows; ++k) {
-        const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
-        const double dr = promised[i] * measured[i], dd = promised[i] * promised[i];
-        if (!is_effort(channel.signal)) total += dd;
-        add(words(channel.signal), dr, dd);
-        if (channel.signal != Signal::q) continue;
-        const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
-        for (std::size_t g = 0; g < regimes.names.size(); ++g) {
-          if (regimes.in(shot.source, channel.joint, g, row))
-            add("position, " + regimes.names[g], dr, dd);
-        }
-      }
-    }
-  }
+                                       with.model, r, d);
+  const Table table = sums_of(problem, regimes, r, d);
   std::vector<IncidenceRow> out;
-  for (const auto& [name, sums] : table) {
-    const IncidenceRow row = row_of(name, sums);
+  for (const auto& [name, sums] : table.residuals) {
+    const IncidenceRow row = row_of(sums);
     // the servo's law is trusted to its channel's floor only: less than that a row on average is no
     // promise
-    const double least = sums.effort ? sums.rows : 0.02 * total;
+    const double least = is_effort(sums.residual.signal) ? sums.rows : 0.02 * table.total;
     const bool told = row.predicted > 5.0 && row.predicted * row.predicted > least;
     if (told) out.push_back(row);
   }
@@ -130,10 +166,11 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
 std::string refuted_by(const std::vector<IncidenceRow>& rows) {
   for (const IncidenceRow& row : rows) {
     if (row.high < 0.5)
-      return fmt::format("{}: {:.0f} % of the promised change happened", row.residual,
+      return fmt::format("{}: {:.0f} % of the promised change happened", to_string(row.residual),
                          100 * row.slope);
     if (row.low > 2.0)
-      return fmt::format("{}: {:.1f} times the promised change happened", row.residual, row.slope);
+      return fmt::format("{}: {:.1f} times the promised change happened", to_string(row.residual),
+                         row.slope);
   }
   return "";
 }

@@ -11,10 +11,19 @@
 
 namespace sanso::diagnose {
 
+/// A part of the prediction error: one kind of channel, all joints together; of positions also one
+/// regime of the joint.
+struct ErrorPart {
+  Signal signal = Signal::q;
+  std::string regime;  // empty: all of it
+};
+/// "position", "position, reversal", "duty": as verdict.json has it.
+std::string to_string(const ErrorPart& residual);
+
 /// What an explanation says that the data should show, and whether they do: slope of (measured
 /// change) on (predicted change).
 struct IncidenceRow {
-  std::string residual;    // "position, reversal", "duty, high speed", ...
+  ErrorPart residual;
   double predicted = 0.0;  // size of the predicted change, in noise levels
   double slope = 0.0;      // 1: as predicted; 0: did not happen
   double low = 0.0, high = 0.0;

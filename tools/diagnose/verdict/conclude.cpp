@@ -60,11 +60,10 @@ void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidat
 std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
   const IncidenceRow* best = nullptr;
   for (const IncidenceRow& row : rows) {
-    if (row.residual.rfind("position, ", 0) == 0 &&
-        (best == nullptr || row.predicted > best->predicted))
-      best = &row;
+    const bool in_a_regime = row.residual.signal == Signal::q && !row.residual.regime.empty();
+    if (in_a_regime && (best == nullptr || row.predicted > best->predicted)) best = &row;
   }
-  return best == nullptr ? "everywhere" : best->residual.substr(10);
+  return best == nullptr ? "everywhere" : best->residual.regime;
 }
 
 }  // namespace

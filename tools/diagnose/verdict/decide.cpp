@@ -86,13 +86,13 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
     u.predictable = p->explained;
     u.p = p->p;
     u.where = name(p->joint);
-    u.channel = p == torque ? "torque" : "velocity channel";
+    u.shows_in = p == torque ? ShowsIn::torque : ShowsIn::velocity_channel;
     if (p == velocity) u.regime = "velocity channel against the motion of the position channel";
     return u;
   }
   if (left.stretches_matter) {
     u.where = name(left.stretches_joint);
-    u.channel = "stretches";
+    u.shows_in = ShowsIn::stretches;
     u.regime = "in " + std::to_string(verdict.stretches.size()) + " short stretches";
     return u;
   }
@@ -109,7 +109,7 @@ std::optional<Unexplained> unexplained(const Verdict& verdict, const Problem& pr
   const bool refuted = verdict.findings.empty() && !selection.refuted.empty();
   if (!inadequate && !stopped && !described && !refuted) return std::nullopt;
   u.where = verdict.locations.empty() ? problem.joints.front() : verdict.locations.front().where;
-  u.channel = "position";
+  u.shows_in = ShowsIn::position;
   return u;
 }
 

@@ -14,7 +14,8 @@ namespace {
 
 /// A change of the robot's settings or of its commands.
 struct MenuEntry {
-  std::string what, kind;
+  std::string what;
+  ExperimentKind kind;
   std::function<void(Source&)> change;
 };
 
@@ -50,16 +51,16 @@ std::vector<MenuEntry> menu(const Problem& problem) {
       std::any_of(nominal.joints.begin(), nominal.joints.end(),
                   [](const JointParams& j) { return j.nominal.actuator == Actuator::dc_servo; });
   if (loop) {
-    out.push_back({"halve the P gain and repeat the motions", "setting",
+    out.push_back({"halve the P gain and repeat the motions", ExperimentKind::setting,
                    each([](JointParams& j) { j.nominal.p_gain *= 0.5, j.nominal.kp *= 0.5; })});
-    out.push_back({"double the P gain and repeat the motions", "setting",
+    out.push_back({"double the P gain and repeat the motions", ExperimentKind::setting,
                    each([](JointParams& j) { j.nominal.p_gain *= 2.0, j.nominal.kp *= 2.0; })});
   }
   if (servo) {
-    out.push_back({"raise the supply by a tenth and repeat the motions", "setting",
+    out.push_back({"raise the supply by a tenth and repeat the motions", ExperimentKind::setting,
                    each([](JointParams& j) { j.nominal.voltage *= 1.1; })});
     out.push_back({"switch the torque off and let the joints swing from the recorded postures",
-                   "setting", [](Source& s) {
+                   ExperimentKind::setting, [](Source& s) {
                      for (JointData& joint : s.drive.joints)
                        std::fill(joint.command.begin(), joint.command.end(), NAN);
                    }});
@@ -68,18 +69,20 @@ std::vector<MenuEntry> menu(const Problem& problem) {
   const double mass = 0.3 * std::max(last.body.mass, 0.05);
   out.push_back({fmt::format("fasten {:.2g} kg at the centre of mass of {} and repeat the motions",
                              mass, last.link),
-                 "setting", [mass](Source& s) { s.nominal.tree.joints.back().body.mass += mass; }});
-  out.push_back({"tilt the base by 20 degrees and repeat the motions", "setting", [](Source& s) {
+                 ExperimentKind::setting,
+                 [mass](Source& s) { s.nominal.tree.joints.back().body.mass += mass; }});
+  out.push_back({"tilt the base by 20 degrees and repeat the motions", ExperimentKind::setting,
+                 [](Source& s) {
                    const Vec3 g = s.nominal.gravity;
                    const double c = std::cos(0.349), si = std::sin(0.349);
                    s.nominal.gravity = {c * g[0] + si * g[2], g[1], -si * g[0] + c * g[2]};
                  }});
   if (loop) {
-    out.push_back({"the same motions with half the amplitude", "motion",
+    out.push_back({"the same motions with half the amplitude", ExperimentKind::motion,
                    [](Source& s) { scale_commands(s, 0.5, 1.0); }});
-    out.push_back({"the same motions at half the speed", "motion",
+    out.push_back({"the same motions at half the speed", ExperimentKind::motion,
                    [](Source& s) { scale_commands(s, 1.0, 0.5); }});
-    out.push_back({"the same motions at 1.5 times the speed", "motion",
+    out.push_back({"the same motions at 1.5 times the speed", ExperimentKind::motion,
                    [](Source& s) { scale_commands(s, 1.0, 1.5); }});
   }
   return out;
@@ -169,7 +172,9 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Libr
     // a setting wins over a motion unless the motion is clearly better: it changes what a motion
     // cannot
     const double handicap =
-        entries[e].kind == "motion" && entries[pick].kind == "setting" ? 1.5 : 1.0;
+        entries[e].kind == ExperimentKind::motion && entries[pick].kind == ExperimentKind::setting
+            ? 1.5
+            : 1.0;
     if (nats[e] > handicap * nats[pick]) pick = e;
   }
   if (nats[pick] < 1e-3) return std::nullopt;

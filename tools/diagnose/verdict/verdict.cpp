@@ -24,6 +24,24 @@ const char* to_string(VerdictStatus status) {
   return "REFUSED";
 }
 
+const char* to_string(ExperimentKind kind) {
+  return kind == ExperimentKind::motion ? "motion" : "setting";
+}
+
+const char* to_string(ShowsIn where) {
+  switch (where) {
+    case ShowsIn::torque:
+      return "torque";
+    case ShowsIn::velocity_channel:
+      return "velocity channel";
+    case ShowsIn::stretches:
+      return "stretches";
+    case ShowsIn::position:
+      return "position";
+  }
+  return "position";
+}
+
 std::string stopped_at_bounds(const Finding& finding) {
   std::string names;
   for (const auto& [name, parameter] : finding.parameters) {
@@ -97,7 +115,7 @@ ordered_json json_of(const Finding& f) {
   for (const Rival& r : f.rivals) out["rivals"].push_back(json_of(r));
   out["incidence"] = ordered_json::array();
   for (const IncidenceRow& row : f.incidence) {
-    out["incidence"].push_back({{"residual", row.residual},
+    out["incidence"].push_back({{"residual", to_string(row.residual)},
                                 {"predicted", number(row.predicted)},
                                 {"slope", number(row.slope)},
                                 {"low", number(row.low)},
@@ -167,7 +185,7 @@ std::string verdict_json(const Verdict& v) {
   if (v.next_experiment) {
     const NextExperiment& e = *v.next_experiment;
     out["next_experiment"] = {{"what", e.what},
-                              {"kind", e.kind},
+                              {"kind", to_string(e.kind)},
                               {"separates", e.separates},
                               {"nats_per_second", number(e.nats_per_second)},
                               {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)},
@@ -176,10 +194,14 @@ std::string verdict_json(const Verdict& v) {
   out["unexplained"] = nullptr;
   if (v.unexplained) {
     const Unexplained& u = *v.unexplained;
-    out["unexplained"] = {{"channel", u.channel}, {"predictable", number(u.predictable)},
-                          {"p", number(u.p)},     {"energy_share", number(u.energy_share)},
-                          {"where", u.where},     {"regime", u.regime},
-                          {"formula", u.formula}, {"nearest_effect", u.nearest_effect}};
+    out["unexplained"] = {{"channel", to_string(u.shows_in)},
+                          {"predictable", number(u.predictable)},
+                          {"p", number(u.p)},
+                          {"energy_share", number(u.energy_share)},
+                          {"where", u.where},
+                          {"regime", u.regime},
+                          {"formula", u.formula},
+                          {"nearest_effect", u.nearest_effect}};
   }
   out["stretches"] = ordered_json::array();
   for (const Stretch& s : v.stretches) {

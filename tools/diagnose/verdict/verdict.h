@@ -90,13 +90,17 @@ struct Detectable {
   double size = 0.0;
 };
 
+/// What an experiment changes: a setting of the robot or its bench, or the motion commanded.
+enum class ExperimentKind { setting, motion };
+const char* to_string(ExperimentKind kind);
+
 struct NextExperiment {
   std::string what;  // in words
-  std::string kind;  // "setting" | "motion" | "channel"
+  ExperimentKind kind = ExperimentKind::setting;
   std::vector<std::string> separates;
   double nats_per_second = 0.0;
   double seconds_to_100_to_1 = 0.0;
-  std::string motion_file;  // CSV with the command, when kind is "motion"
+  std::string motion_file;  // CSV with the command, when the motion changes
 };
 
 /// A short stretch of a recording that the last model misses by far more than its other errors.
@@ -106,9 +110,13 @@ struct Stretch {
   double level = 0.0;              // RMS of the position error, noise levels
 };
 
+/// Where what has no name shows: the missing torque, the velocity channel against the position
+/// channel, short stretches, or no more than the level of the position error.
+enum class ShowsIn { torque, velocity_channel, stretches, position };
+const char* to_string(ShowsIn where);
+
 struct Unexplained {
-  // where it shows: "torque", "velocity channel", "stretches", "position"
-  std::string channel;
+  ShowsIn shows_in = ShowsIn::position;
   // cross-validated share of it that joint state predicts (torque, velocity channel)
   double predictable = 0.0;
   double p = 1.0;

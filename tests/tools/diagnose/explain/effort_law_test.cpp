@@ -60,7 +60,7 @@ class EffortLaw : public testing::Test {
     const Regimes regimes = find_regimes(problem_);
     for (const IncidenceRow& row :
          incidence(around, regimes, fit(around, Model{}, 0), fit(around, model, 0))) {
-      if (row.residual == "duty") return row.slope;
+      if (row.residual.signal == Signal::pwm) return row.slope;
     }
     return 0.0;
   }
