@@ -96,6 +96,18 @@ void smooth_source(Source& source, const std::vector<double>& sigmas, int likeli
 
 }  // namespace
 
+double shot_seconds(const std::vector<Source>& sources, const DataSettings& settings) {
+  double seconds = settings.shot_seconds;
+  for (const Source& s : sources) {
+    std::vector<double> steps;
+    for (std::size_t k = 1; k < s.drive.t.size(); ++k)
+      steps.push_back(s.drive.t[k] - s.drive.t[k - 1]);
+    if (!steps.empty())
+      seconds = std::max(seconds, settings.least_shot_rows * quantile(steps, 0.5));
+  }
+  return seconds;
+}
+
 double measured(const Source& source, const Observed& channel, std::size_t row) {
   const JointData& data = source.drive.joints[static_cast<std::size_t>(channel.joint)];
   const std::vector<double>& values = column(data, channel.signal);

@@ -113,6 +113,9 @@ double rows_of_a_joint(const Problem& problem);
 /// Duration of the longest recording, s.
 double longest_recording(const Problem& problem);
 
+/// Length of a shot, s: as set, or what the slowest recording needs for the least number of rows.
+double shot_seconds(const std::vector<Source>& sources, const DataSettings& settings);
+
 /// A row's measured value of a channel; NaN when it was not sampled.
 double measured(const Source& source, const Observed& channel, std::size_t row);
 

@@ -1,12 +1,29 @@
 // What the readers refuse becomes a defect with the same name that the checks would give it.
 #include "tools/diagnose/gate/load.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
+namespace {
+
+std::string hash_of(const recording::Recording& r) {
+  std::uint64_t h = 1469598103934665603ULL;
+  const auto mix = [&](const std::vector<double>& values) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+    for (std::size_t i = 0; i < values.size() * sizeof(double); ++i)
+      h = (h ^ bytes[i]) * 1099511628211ULL;
+  };
+  mix(r.t);
+  for (const recording::Channel& c : r.channels) mix(c.values);
+  return fmt::format("{:016x}", h);
+}
+
+}  // namespace
 
 GateRecording gate_view(const recording::Recording& recording) {
   GateRecording view{recording.file, recording.condition, recording.t, {}};
@@ -77,6 +94,12 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
     report.defects.push_back({"", "", -1, defect::kEmpty, "no recording was given"});
   loaded.gate = std::move(report);
   return loaded;
+}
+
+std::map<std::string, std::string> data_hash(const std::vector<recording::Recording>& recordings) {
+  std::map<std::string, std::string> out;
+  for (const recording::Recording& r : recordings) out[r.file] = hash_of(r);
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -2,6 +2,7 @@
 // gate.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,8 @@ struct LoadedRecordings {
 /// Reads and judges all files. Never throws for bad input: the reasons stand in `gate.defects`.
 LoadedRecordings load_recordings(const std::vector<std::string>& files,
                                  const std::vector<GateJoint>& joints);
+
+/// File -> FNV-1a of the recording's columns, in hexadecimal: which data a verdict speaks of.
+std::map<std::string, std::string> data_hash(const std::vector<recording::Recording>& recordings);
 
 }  // namespace sanso::diagnose

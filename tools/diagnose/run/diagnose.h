@@ -2,16 +2,14 @@
 // the report shows.
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/explain/select.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/diagnose/verdict/location_map.h"
-#include "tools/diagnose/verdict/predictability.h"
+#include "tools/diagnose/run/first_look.h"
+#include "tools/diagnose/run/shown.h"
 #include "tools/diagnose/verdict/verdict.h"
 
 namespace sanso::diagnose {
@@ -29,27 +27,6 @@ struct DiagnoseOptions {
   Settings settings;
   // fills FirstLook::by_group, for methods that are compared with this one
   bool first_look_by_group = false;
-};
-
-/// One roll-out on held-out data for the report: measured, nominal, patched position of a joint.
-struct RollOut {
-  std::string recording, joint;
-  std::vector<double> t, measured, nominal, patched;
-  double noise = 0.0;
-};
-
-/// The linear first look that simpler methods would stop at: one entry a probe of a candidate.
-struct FirstLook {
-  std::vector<std::string> effect, family;
-  std::vector<double> z;            // matched-filter score of the probe
-  std::vector<double> correlation;  // probes x probes, of the projected signatures
-  // |z| that the family's maximum exceeds by chance once in a hundred
-  double critical = 0.0;
-  /// Inner products of [nuisances / tolerance | probes | error] by held-out group, starts
-  /// eliminated; empty unless DiagnoseOptions::first_look_by_group.
-  std::vector<Eigen::MatrixXd> by_group;
-  Eigen::Index nuisances = 0;
-  double nuisance_precision = 0.0;  // prior of the nuisances in these units
 };
 
 /// All that was found out; the verdict is what counts, the rest feeds the report.

@@ -123,6 +123,10 @@ Problem small(const Problem& problem) {
 
 }  // namespace
 
+const char* to_string(ExperimentKind kind) {
+  return kind == ExperimentKind::motion ? "motion" : "setting";
+}
+
 std::optional<NextExperiment> next_experiment(const Problem& problem, const Library& library,
                                               const Selection& selection,
                                               const std::vector<Finding>& findings) {

@@ -4,12 +4,26 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "tools/diagnose/explain/select.h"
-#include "tools/diagnose/verdict/verdict.h"
+#include "tools/diagnose/verdict/finding.h"
 
 namespace sanso::diagnose {
+
+/// What an experiment changes: a setting of the robot or its bench, or the motion commanded.
+enum class ExperimentKind { setting, motion };
+const char* to_string(ExperimentKind kind);
+
+struct NextExperiment {
+  std::string what;  // in words
+  ExperimentKind kind = ExperimentKind::setting;
+  std::vector<std::string> separates;
+  double nats_per_second = 0.0;
+  double seconds_to_100_to_1 = 0.0;
+  std::string motion_file;  // CSV with the command, when the motion changes
+};
 
 /// Tries every entry of the menu by simulation: the recorded motions again with half and double
 /// gain, a payload, a tilted base, a higher supply; then the same with commands half as large, half

@@ -1,3 +1,4 @@
+// What is fitted, what is held out, and errors before and after on what was held out.
 #include "tools/diagnose/verdict/heldout.h"
 
 #include <algorithm>
@@ -18,7 +19,43 @@ bool inside(const Problem& problem, const Shot& shot, const Part& part) {
 
 std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
+/// Sums over all joints; energies in rad^2 (m^2).
+struct Sums {
+  double before = 0.0, after = 0.0, noise = 0.0, rows = 0.0;
+};
+
+/// One horizon: RMS of each position channel, and of all.
+std::map<std::string, FitScore> scores_of(const Problem& problem, const Eigen::VectorXd& before,
+                                          const Eigen::VectorXd& after) {
+  std::map<std::string, FitScore> out;
+  Sums all;
+  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+    const Observed& channel = problem.channels[c];
+    double b = 0.0, a = 0.0, rows = 0.0;
+    for (const Shot& shot : problem.shots) {
+      for (std::size_t k = 0; k < shot.rows; ++k) {
+        const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+        b += before[i] * before[i], a += after[i] * after[i], rows += 1.0;
+      }
+    }
+    const double scale = channel.sigma * channel.sigma;
+    out["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
+        std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
+    all.before += scale * b, all.after += scale * a,
+        all.noise += channel.noise * channel.noise * rows, all.rows += rows;
+  }
+  out["all"] = {std::sqrt(all.before / all.rows), std::sqrt(all.after / all.rows),
+                std::sqrt(all.noise / all.rows)};
+  return out;
+}
+
 }  // namespace
+
+double FitScore::explained() const {
+  const double before = nominal * nominal - noise * noise,
+               after = nominal * nominal - patched * patched;
+  return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
+}
 
 Split make_split(const std::vector<Source>& sources) {
   const std::size_t n = sources.size();
@@ -70,10 +107,10 @@ Problem restricted(const Problem& problem, const Part& part) {
   return out.shots.empty() ? problem : out;
 }
 
-std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
-    const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-    const Library& library, const Model& patched, const Part& heldout, const Settings& settings) {
-  std::map<std::string, std::map<std::string, FitScore>> out;
+HeldoutScores heldout_scores(const std::vector<Source>& sources,
+                             const std::vector<NoiseLevel>& noise, const Library& library,
+                             const Model& patched, const Part& heldout, const Settings& settings) {
+  HeldoutScores out;
   for (const auto& [name, seconds] :
        {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
     ProblemOptions options;
@@ -82,27 +119,24 @@ std::map<std::string, std::map<std::string, FitScore>> heldout_scores(
     options.secondary = false;
     const Problem problem = restricted(make_problem(sources, noise, options, settings), heldout);
     if (problem.shots.empty() || problem.channels.empty()) continue;
-    const Eigen::VectorXd before = prediction_error(problem, library, Model{});
-    const Eigen::VectorXd after = prediction_error(problem, library, patched);
-    double all_before = 0.0, all_after = 0.0, all_noise = 0.0, all_rows = 0.0;
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      const Observed& channel = problem.channels[c];
-      double b = 0.0, a = 0.0, rows = 0.0;
-      for (const Shot& shot : problem.shots) {
-        for (std::size_t k = 0; k < shot.rows; ++k) {
-          const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
-          b += before[i] * before[i], a += after[i] * after[i], rows += 1.0;
-        }
-      }
-      const double scale = channel.sigma * channel.sigma;
-      out[name]["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
-          std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
-      all_before += scale * b, all_after += scale * a,
-          all_noise += channel.noise * channel.noise * rows, all_rows += rows;
-    }
-    out[name]["all"] = {std::sqrt(all_before / all_rows), std::sqrt(all_after / all_rows),
-                        std::sqrt(all_noise / all_rows)};
+    out[name] = scores_of(problem, prediction_error(problem, library, Model{}),
+                          prediction_error(problem, library, patched));
   }
+  return out;
+}
+
+HeldoutProof prove(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+                   const Surroundings& around, const Model& final) {
+  const Library& library = *around.library;
+  const Split split = make_split(sources);
+  const Problem fitted = restricted(*around.problem, split.fitted);
+  Surroundings around_fitted = make_surroundings(fitted, library, final);
+  around_fitted.shot_scale = around.shot_scale;
+  HeldoutProof out;
+  out.model = fit(around_fitted, final, around.settings().fitting.iterations).model;
+  out.scores = heldout_scores(sources, noise, library, out.model, split.heldout, around.settings());
+  out.recordings = split.heldout_names;
+  out.part = split.heldout;
   return out;
 }
 

@@ -1,3 +1,4 @@
+// Squared errors by joint and regime, and which cells hold more than their share.
 #include "tools/diagnose/verdict/location_map.h"
 
 #include <algorithm>
@@ -9,7 +10,7 @@ namespace sanso::diagnose {
 namespace {
 
 /// Energy of one joint in one shot, inside and outside a regime.
-struct Split {
+struct InAndOut {
   double in = 0.0, out = 0.0, n_in = 0.0, n_out = 0.0, sum_in = 0.0;
 };
 
@@ -29,35 +30,9 @@ void for_rows(const Problem& problem, const Eigen::VectorXd& r, int joint, const
   }
 }
 
-LocationCell cell_of(const std::vector<Split>& shots, double total_excess) {
-  LocationCell cell;
-  Split all;
-  for (const Split& s : shots) {
-    all.in += s.in, all.out += s.out, all.n_in += s.n_in, all.n_out += s.n_out,
-        all.sum_in += s.sum_in;
-  }
-  cell.rows = all.n_in;
-  if (all.n_in < 1.0 || all.n_out < 1.0) return cell;
-  const double outside = std::max(all.out / all.n_out, 1e-12);
-  cell.lift = (all.in / all.n_in) / outside;
-  cell.share = total_excess > 0.0 ? std::clamp((all.in - all.n_in) / total_excess, 0.0, 1.0) : 0.0;
-  cell.mean = all.sum_in / all.n_in;
-  // a shot is one observation: neighbouring rows of one shot are not independent
-  double sum = 0.0, square = 0.0;
-  for (const Split& s : shots) {
-    const double d = s.in - s.n_in * outside;
-    sum += d, square += d * d;
-  }
-  // p here; adjusted by the caller
-  cell.q_value = square > 0.0 ? normal_tail(sum / std::sqrt(square)) : 1.0;
-  return cell;
-}
-
-}  // namespace
-
-LocationMap locate(const Problem& problem, const Regimes& regimes,
-                   const Eigen::VectorXd& projected) {
-  LocationMap map;
+/// Mean squares of one joint's errors by shot; returns the energy beyond noise of all joints,
+/// sum (e^2 - 1).
+double fill_time_strip(const Problem& problem, const Eigen::VectorXd& projected, LocationMap& map) {
   const std::size_t n = problem.joints.size(), shots = problem.shots.size();
   double total_excess = 0.0;
   map.time_strip.assign(n, std::vector<double>(shots, 0.0));
@@ -70,52 +45,121 @@ LocationMap locate(const Problem& problem, const Regimes& regimes,
     });
     for (std::size_t s = 0; s < shots; ++s) map.time_strip[j][s] /= std::max(1.0, count[s]);
   }
+  return total_excess;
+}
+
+/// When each shot begins, recordings one after the other, s.
+std::vector<double> times_of_shots(const Problem& problem) {
+  std::vector<double> out;
   double elapsed = 0.0;
-  for (std::size_t s = 0; s < shots; ++s) {
+  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
     const Source& source = problem.sources[static_cast<std::size_t>(problem.shots[s].source)];
     if (s > 0 && problem.shots[s].source != problem.shots[s - 1].source) {
       const Source& before = problem.sources[static_cast<std::size_t>(problem.shots[s - 1].source)];
       elapsed += before.drive.t.back() - before.drive.t.front();
     }
-    map.shot_time.push_back(elapsed + source.drive.t[problem.shots[s].window.first] -
-                            source.drive.t.front());
+    out.push_back(elapsed + source.drive.t[problem.shots[s].window.first] - source.drive.t.front());
   }
+  return out;
+}
+
+/// One joint's errors by shot, in a regime and out of it.
+std::vector<InAndOut> in_and_out(const Problem& problem, const Regimes& regimes,
+                                 const Eigen::VectorXd& projected, std::size_t joint,
+                                 std::size_t regime) {
+  std::vector<InAndOut> out(problem.shots.size());
+  const int j = static_cast<int>(joint);
+  for_rows(problem, projected, j, [&](std::size_t s, std::size_t row, double e) {
+    InAndOut& here = out[s];
+    if (regimes.in(problem.shots[s].source, j, regime, row)) {
+      here.in += e * e, here.n_in += 1.0, here.sum_in += e;
+    } else {
+      here.out += e * e, here.n_out += 1.0;
+    }
+  });
+  return out;
+}
+
+/// Turns the cells' p into q, and sorts: called ones first (q < 0.05), then by share log(lift).
+void call(std::vector<LocationCell>& cells) {
+  std::vector<double> p;
+  for (const LocationCell& c : cells) p.push_back(c.q_value);
+  const std::vector<double> q = false_discovery_rate(p);
+  for (std::size_t i = 0; i < q.size(); ++i) cells[i].q_value = q[i];
+  std::stable_sort(cells.begin(), cells.end(), [](const LocationCell& a, const LocationCell& b) {
+    const bool called_a = a.q_value < 0.05, called_b = b.q_value < 0.05;
+    return called_a != called_b ? called_a
+                                : a.share * std::log(std::max(a.lift, 1.0)) >
+                                      b.share * std::log(std::max(b.lift, 1.0));
+  });
+}
+
+/// One cell from its shots s, e in noise levels, n rows; `in` and `out` are sums of e^2:
+///
+///   lift  = (in / n_in) / (out / n_out)
+///   share = (in - n_in) / total_excess                       clamped to [0, 1]
+///   z     = sum_s d_s / sqrt(sum_s d_s^2),  d_s = in_s - n_in_s (out / n_out)
+///
+/// A shot is one observation: neighbouring rows of one shot are not independent. q_value holds
+/// p = P(N(0, 1) > z) until the caller adjusts it over all cells.
+LocationCell cell_of(const std::vector<InAndOut>& shots, double total_excess) {
+  LocationCell cell;
+  InAndOut all;
+  for (const InAndOut& s : shots) {
+    all.in += s.in, all.out += s.out, all.n_in += s.n_in, all.n_out += s.n_out,
+        all.sum_in += s.sum_in;
+  }
+  cell.rows = all.n_in;
+  if (all.n_in < 1.0 || all.n_out < 1.0) return cell;
+  const double outside = std::max(all.out / all.n_out, 1e-12);
+  cell.lift = (all.in / all.n_in) / outside;
+  cell.share = total_excess > 0.0 ? std::clamp((all.in - all.n_in) / total_excess, 0.0, 1.0) : 0.0;
+  cell.mean = all.sum_in / all.n_in;
+  double sum = 0.0, square = 0.0;
+  for (const InAndOut& s : shots) {
+    const double d = s.in - s.n_in * outside;
+    sum += d, square += d * d;
+  }
+  cell.q_value = square > 0.0 ? normal_tail(sum / std::sqrt(square)) : 1.0;
+  return cell;
+}
+
+}  // namespace
+
+LocationMap locate(const Problem& problem, const Regimes& regimes,
+                   const Eigen::VectorXd& projected) {
+  LocationMap map;
+  const std::size_t n = problem.joints.size();
+  const double total_excess = fill_time_strip(problem, projected, map);
+  map.shot_time = times_of_shots(problem);
   map.heat.assign(n, std::vector<double>(regimes.names.size(), NAN));
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t g = 0; g < regimes.names.size(); ++g) {
-      std::vector<Split> split(shots);
-      for_rows(problem, projected, static_cast<int>(j),
-               [&](std::size_t s, std::size_t row, double e) {
-                 Split& here = split[s];
-                 if (regimes.in(problem.shots[s].source, static_cast<int>(j), g, row)) {
-                   here.in += e * e, here.n_in += 1.0, here.sum_in += e;
-                 } else {
-                   here.out += e * e, here.n_out += 1.0;
-                 }
-               });
-      LocationCell cell = cell_of(split, total_excess);
+      const std::vector<InAndOut> shots = in_and_out(problem, regimes, projected, j, g);
+      LocationCell cell = cell_of(shots, total_excess);
       cell.where = problem.joints[j];
       cell.regime = regimes.names[g];
       if (cell.rows > 0.0) {
         double energy = 0.0;
-        for (const Split& s : split) energy += s.in;
+        for (const InAndOut& s : shots) energy += s.in;
         map.heat[j][g] = energy / cell.rows;
       }
       if (cell.rows >= 20.0) map.cells.push_back(std::move(cell));
     }
   }
-  std::vector<double> p;
-  for (const LocationCell& c : map.cells) p.push_back(c.q_value);
-  const std::vector<double> q = false_discovery_rate(p);
-  for (std::size_t i = 0; i < q.size(); ++i) map.cells[i].q_value = q[i];
-  std::stable_sort(map.cells.begin(), map.cells.end(),
-                   [](const LocationCell& a, const LocationCell& b) {
-                     const bool called_a = a.q_value < 0.05, called_b = b.q_value < 0.05;
-                     return called_a != called_b ? called_a
-                                                 : a.share * std::log(std::max(a.lift, 1.0)) >
-                                                       b.share * std::log(std::max(b.lift, 1.0));
-                   });
+  call(map.cells);
   return map;
+}
+
+Eigen::VectorXd in_noise_levels(const Problem& problem, Eigen::VectorXd r) {
+  for (const Shot& shot : problem.shots) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
+                static_cast<Eigen::Index>(shot.rows)) *=
+          problem.channels[c].sigma / problem.channels[c].floor;
+    }
+  }
+  return r;
 }
 
 std::string location_sentence(const LocationMap& map) {

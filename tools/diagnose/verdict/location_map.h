@@ -3,12 +3,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "tools/diagnose/explain/regimes.h"
-#include "tools/diagnose/verdict/verdict.h"
 
 namespace sanso::diagnose {
+
+struct LocationCell {
+  std::string where, regime;
+  double share = 0.0;    // of the residual energy beyond noise
+  double lift = 0.0;     // energy density inside over outside
+  double mean = 0.0;     // signed mean of the whitened residual
+  double q_value = 1.0;  // false discovery rate at which this cell is called
+  double rows = 0.0;     // samples in the cell
+};
 
 struct LocationMap {
   std::vector<LocationCell> cells;  // joint x regime, strongest first
@@ -23,6 +32,10 @@ struct LocationMap {
 /// layout.
 LocationMap locate(const Problem& problem, const Regimes& regimes,
                    const Eigen::VectorXd& projected);
+
+/// The search divides channels by the error level that it reaches; a person reads errors in units
+/// of the noise: r times sigma / floor of its channel.
+Eigen::VectorXd in_noise_levels(const Problem& problem, Eigen::VectorXd r);
 
 /// The called cells of the joint where it shows most, in words: "l_knee, reversal and high load".
 std::string location_sentence(const LocationMap& map);

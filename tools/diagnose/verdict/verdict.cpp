@@ -1,78 +1,10 @@
+// verdict.json: keys that scripts rely on; numbers that JSON cannot hold become null.
 #include "tools/diagnose/verdict/verdict.h"
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tools/diagnose/effects/effect.h"
-
 namespace sanso::diagnose {
-
-const char* to_string(VerdictStatus status) {
-  switch (status) {
-    case VerdictStatus::confirmed:
-      return "CONFIRMED";
-    case VerdictStatus::one_of:
-      return "ONE_OF";
-    case VerdictStatus::present_unnamed:
-      return "PRESENT_UNNAMED";
-    case VerdictStatus::absent:
-      return "ABSENT";
-    case VerdictStatus::refused:
-      return "REFUSED";
-  }
-  return "REFUSED";
-}
-
-const char* to_string(ExperimentKind kind) {
-  return kind == ExperimentKind::motion ? "motion" : "setting";
-}
-
-const char* to_string(ShowsIn where) {
-  switch (where) {
-    case ShowsIn::torque:
-      return "torque";
-    case ShowsIn::velocity_channel:
-      return "velocity channel";
-    case ShowsIn::stretches:
-      return "stretches";
-    case ShowsIn::position:
-      return "position";
-  }
-  return "position";
-}
-
-std::string stopped_at_bounds(const Finding& finding) {
-  std::string names;
-  for (const auto& [name, parameter] : finding.parameters) {
-    if (parameter.at_bound) names += (names.empty() ? "" : ", ") + name;
-  }
-  return names.empty() ? "" : names + " ends at a bound of the library";
-}
-
-std::string reserve(const Finding& finding) {
-  if (finding.spans_null) return "its interval contains the null";
-  if (finding.terms.empty()) return stopped_at_bounds(finding);
-  std::string text = "with";
-  for (const std::string& t : finding.terms) text += " " + t;
-  const char* series = finding.terms_of == kOfAngle          ? "a torque of the angle"
-                       : finding.terms_of == kOfAcceleration ? "an inertia"
-                                                             : "a load";
-  return text + " it describes " + series + " that may have any cause";
-}
-
-VerdictStatus status_of(const Finding& finding) {
-  if (!finding.terms.empty() || finding.spans_null) return VerdictStatus::present_unnamed;
-  if (finding.one_of.size() > 1) return VerdictStatus::one_of;
-  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
-                                            : VerdictStatus::present_unnamed;
-}
-
-double FitScore::explained() const {
-  const double before = nominal * nominal - noise * noise,
-               after = nominal * nominal - patched * patched;
-  return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
-}
 
 namespace {
 

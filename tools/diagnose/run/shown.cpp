@@ -1,0 +1,92 @@
+// Joints, roll-outs and curves for the report.
+#include "tools/diagnose/run/shown.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr int kShotsShown = 4;
+
+/// One position channel over the first shots of the first recording. Errors are whitened:
+/// predicted = measured - sigma r.
+RollOut roll_out(const Problem& problem, std::size_t c, const Eigen::VectorXd& before,
+                 const Eigen::VectorXd& after) {
+  const Observed& channel = problem.channels[c];
+  RollOut r;
+  r.joint = problem.joints[static_cast<std::size_t>(channel.joint)];
+  r.recording = problem.sources[static_cast<std::size_t>(problem.shots.front().source)].file;
+  r.noise = channel.noise;
+  int shown = 0;
+  for (const Shot& shot : problem.shots) {
+    if (shot.source != problem.shots.front().source || ++shown > kShotsShown) break;
+    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
+    for (std::size_t k = 0; k < shot.rows; ++k) {
+      const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
+      const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+      const double y = measured(source, channel, row);
+      r.t.push_back(source.drive.t[row]);
+      r.measured.push_back(y);
+      r.nominal.push_back(y - channel.sigma * before[i]);
+      r.patched.push_back(y - channel.sigma * after[i]);
+    }
+    r.t.push_back(r.t.back()), r.measured.push_back(NAN), r.nominal.push_back(NAN),
+        r.patched.push_back(NAN);  // pen up
+  }
+  return r;
+}
+
+}  // namespace
+
+std::vector<int> joints_to_show(const Verdict& verdict, const RobotTree& tree) {
+  std::vector<int> out;
+  const auto add = [&](const std::string& name) {
+    for (std::size_t j = 0; j < tree.joints.size(); ++j) {
+      const bool is = tree.joints[j].name == name || tree.joints[j].link == name;
+      if (is && out.size() < 3 &&
+          std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end())
+        out.push_back(static_cast<int>(j));
+    }
+  };
+  for (const Finding& f : verdict.findings) {
+    for (const std::string& w : f.where) add(w);
+  }
+  if (verdict.unexplained) add(verdict.unexplained->where);
+  for (const LocationCell& c : verdict.locations) {
+    if (out.empty()) add(c.where);
+  }
+  if (out.empty()) out.push_back(0);
+  return out;
+}
+
+std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
+                               const std::vector<NoiseLevel>& noise, const Library& library,
+                               const HeldoutProof& proof, const std::vector<int>& joints,
+                               const Settings& settings) {
+  std::vector<RollOut> out;
+  ProblemOptions options;
+  options.shot_seconds = 2.0;
+  options.maximum_rows = 4 * settings.data.maximum_rows;
+  options.secondary = false;
+  const Problem problem = restricted(make_problem(sources, noise, options, settings), proof.part);
+  if (problem.shots.empty()) return out;
+  const Eigen::VectorXd before = prediction_error(problem, library, Model{}),
+                        after = prediction_error(problem, library, proof.model);
+  for (const int joint : joints) {
+    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+      if (problem.channels[c].joint == joint && problem.channels[c].signal == Signal::q)
+        out.push_back(roll_out(problem, c, before, after));
+    }
+  }
+  return out;
+}
+
+std::vector<std::vector<ShapeCurve>> curves_of(const std::vector<TorqueSample>& missing,
+                                               const std::vector<int>& joints) {
+  std::vector<std::vector<ShapeCurve>> out;
+  for (const int j : joints) out.push_back(shape_curves(missing, j));
+  return out;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,26 @@
+// What a verdict needs of a search that is done.
+#include "tools/diagnose/verdict/evidence.h"
+
+#include <algorithm>
+
+namespace sanso::diagnose {
+
+SearchRecord record_of(const Library& library, const Selection& selection) {
+  const auto candidate = [&](int i) -> const Candidate& {
+    return library.candidates[static_cast<std::size_t>(i)];
+  };
+  SearchRecord out;
+  const std::vector<ProbeScore>& probes = selection.first.probes;
+  const double level = selection.around->settings().decisions.family_wise;
+  out.detected = std::any_of(probes.begin(), probes.end(),
+                             [level](const ProbeScore& p) { return p.p_family < level; });
+  for (const Accepted& entry : selection.accepted) {
+    if (!entry.contradicted.empty())
+      out.described.push_back(candidate(entry.candidate).title() + " (" + entry.contradicted + ")");
+  }
+  out.refuted = selection.refuted;
+  if (!probes.empty()) out.nearest_effect = candidate(selection.first.ranking().front()).effect;
+  return out;
+}
+
+}  // namespace sanso::diagnose

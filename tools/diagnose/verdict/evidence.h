@@ -1,0 +1,50 @@
+// What was measured, from which a verdict is concluded: plain values, no fits and no recordings.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/gate/gate.h"
+#include "tools/diagnose/verdict/experiment.h"
+#include "tools/diagnose/verdict/finding.h"
+#include "tools/diagnose/verdict/heldout.h"
+#include "tools/diagnose/verdict/limits.h"
+#include "tools/diagnose/verdict/location_map.h"
+#include "tools/diagnose/verdict/remains.h"
+
+namespace sanso::diagnose {
+
+/// What the search tells beside the names that it found.
+struct SearchRecord {
+  // some candidate stood out in the first screening: the error is no noise, whether or not a name
+  // passed the later gates
+  bool detected = false;
+  // stay in the model though a residual speaks against them: "effect at place (residual)"
+  std::vector<std::string> described;
+  // predictions gained from them, and a residual spoke against them: likewise
+  std::vector<std::string> refuted;
+  std::string nearest_effect;  // strongest of the first screening; empty: nothing was screened
+};
+SearchRecord record_of(const Library& library, const Selection& selection);
+
+struct Evidence {
+  // not empty: the data were refused, and nothing below was measured
+  std::vector<Defect> defects;
+  std::vector<std::string> joints;
+  LocationMap before, after;  // errors of the nominal and of the last model
+  std::vector<Finding> findings;
+  SearchRecord search;
+  Remains left;
+  HeldoutProof proof;
+  std::vector<Untestable> untestable;
+  std::vector<Detectable> detectable;
+  std::optional<NextExperiment> next_experiment;
+  std::vector<std::string> notes;                // of the gate
+  std::map<std::string, std::string> data_hash;  // file -> hash
+  DecisionSettings decisions;                    // by which what is left counts
+  unsigned long seed = 0;
+};
+
+}  // namespace sanso::diagnose

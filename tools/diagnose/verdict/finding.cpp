@@ -1,0 +1,206 @@
+// From what the search accepted to findings: parameters with intervals, rivals, what was promised.
+#include "tools/diagnose/verdict/finding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tools/diagnose/effects/effect.h"
+
+namespace sanso::diagnose {
+namespace {
+
+const Candidate& candidate(const Library& library, int i) {
+  return library.candidates[static_cast<std::size_t>(i)];
+}
+
+std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
+                                                      const std::vector<double>& theta,
+                                                      const Accepted& entry) {
+  std::map<std::string, VerdictParameter> out;
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const CandidateParameter& p = c.parameters[i];
+    VerdictParameter v{theta[i], theta[i], theta[i], p.unit, false};
+    if (c.random && i == 0) v.at_bound = theta[i] >= p.high * (1.0 - 1e-6);
+    if (c.random && i == 0)
+      v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
+    if (!p.structural) {
+      v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
+      v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
+      v.at_bound = entry.at_bound[i] != 0 && !at_null(p, theta[i]);
+    }
+    out[p.name] = v;
+  }
+  return out;
+}
+
+/// A rival that is the chosen effect for some of its parameters is no other explanation.
+bool contains(const Candidate& larger, const Candidate& chosen) {
+  return larger.where == chosen.where && std::find(larger.contains.begin(), larger.contains.end(),
+                                                   chosen.effect) != larger.contains.end();
+}
+
+/// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the
+/// terms of a series are no causes.
+void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidate*>& candidates,
+                const std::vector<TreeJoint>& tree) {
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    for (std::size_t k = 0; k < findings.size(); ++k) {
+      if (k == i || candidates[k]->joints != candidates[i]->joints) continue;
+      const unsigned common = terms_of(*candidates[i], tree) & terms_of(*candidates[k], tree);
+      if (common == 0) continue;
+      findings[i].terms.push_back(findings[k].effect);
+      findings[i].terms_of |= common;
+    }
+  }
+}
+
+std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
+  const IncidenceRow* best = nullptr;
+  for (const IncidenceRow& row : rows) {
+    const bool in_a_regime = row.residual.signal == Signal::q && !row.residual.regime.empty();
+    if (in_a_regime && (best == nullptr || row.predicted > best->predicted)) best = &row;
+  }
+  return best == nullptr ? "everywhere" : best->residual.regime;
+}
+
+/// Held-out energies are told as shares of the nominal model's.
+double energy_to_explain(const Selection& selection) {
+  return std::max(selection.nominal_heldout.sum(), 1e-9);
+}
+
+Rival rival_of(const Library& library, const Selection& selection, const Regimes& regimes,
+               const Accepted& entry, const Alternative& a) {
+  const Candidate& other = candidate(library, a.candidate);
+  Rival rival;
+  rival.effect = other.effect;
+  rival.where = other.where;
+  rival.heldout_gain =
+      (selection.nominal_heldout.sum() - a.heldout.sum()) / energy_to_explain(selection);
+  rival.behind_in_se = a.behind / std::max(a.behind_se, 1e-9);
+  rival.similarity = a.similarity;
+  rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
+  return rival;
+}
+
+/// These data cannot tell the rival from the chosen effect, and it is another explanation: another
+/// effect that says nothing wrong and predicts as well. Two simulations that differ by less than
+/// what matters are the same prediction.
+bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,
+             const Alternative& a, const Rival& rival) {
+  const double width = selection.around->settings().decisions.standard_errors;
+  const bool level = a.behind < std::max(width * a.behind_se + kNoiseUnit,
+                                         practical_energy(*selection.around->problem));
+  const bool other_place = rival.effect == chosen.effect;
+  return level && rival.said_wrong.empty() && !contains(candidate(library, a.candidate), chosen) &&
+         !other_place;
+}
+
+/// The finding that the i-th accepted effect is.
+Finding finding_of(const Library& library, const Selection& selection, const Regimes& regimes,
+                   std::size_t i) {
+  const Accepted& entry = selection.accepted[i];
+  const Candidate& c = candidate(library, entry.candidate);
+  const double whole = energy_to_explain(selection);
+  Finding f;
+  f.effect = c.effect;
+  f.family = c.family;
+  f.where = c.where;
+  f.p_family = entry.p_family;
+  f.heldout_gain = entry.gain.total / whole;
+  f.heldout_gain_se = entry.gain.standard_error / whole;
+  f.heldout_gain_low = entry.gain.lower / whole;
+  f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+  f.spans_null = spans_null(c, f.parameters);
+  f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
+  f.regime = strongest_regime(f.incidence);
+  f.one_of.push_back(c.effect);
+  for (const Alternative& a : entry.alternatives) {
+    Rival rival = rival_of(library, selection, regimes, entry, a);
+    const bool listed = std::find(f.one_of.begin(), f.one_of.end(), rival.effect) != f.one_of.end();
+    if (!listed && as_good(library, selection, c, a, rival)) f.one_of.push_back(rival.effect);
+    f.rivals.push_back(std::move(rival));
+  }
+  return f;
+}
+
+}  // namespace
+
+const char* to_string(VerdictStatus status) {
+  switch (status) {
+    case VerdictStatus::confirmed:
+      return "CONFIRMED";
+    case VerdictStatus::one_of:
+      return "ONE_OF";
+    case VerdictStatus::present_unnamed:
+      return "PRESENT_UNNAMED";
+    case VerdictStatus::absent:
+      return "ABSENT";
+    case VerdictStatus::refused:
+      return "REFUSED";
+  }
+  return "REFUSED";
+}
+
+std::string stopped_at_bounds(const Finding& finding) {
+  std::string names;
+  for (const auto& [name, parameter] : finding.parameters) {
+    if (parameter.at_bound) names += (names.empty() ? "" : ", ") + name;
+  }
+  return names.empty() ? "" : names + " ends at a bound of the library";
+}
+
+std::string reserve(const Finding& finding) {
+  if (finding.spans_null) return "its interval contains the null";
+  if (finding.terms.empty()) return stopped_at_bounds(finding);
+  std::string text = "with";
+  for (const std::string& t : finding.terms) text += " " + t;
+  const char* series = finding.terms_of == kOfAngle          ? "a torque of the angle"
+                       : finding.terms_of == kOfAcceleration ? "an inertia"
+                                                             : "a load";
+  return text + " it describes " + series + " that may have any cause";
+}
+
+VerdictStatus status_of(const Finding& finding) {
+  if (!finding.terms.empty() || finding.spans_null) return VerdictStatus::present_unnamed;
+  if (finding.one_of.size() > 1) return VerdictStatus::one_of;
+  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
+                                            : VerdictStatus::present_unnamed;
+}
+
+unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
+  const Effect* effect = find_effect(c.effect);
+  if (effect == nullptr || c.joints.empty()) return 0;
+  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(), [&](int j) {
+    return tree[static_cast<std::size_t>(j)].parent < 0;
+  });
+  return effect->scope == Scope::link && !on_base ? 0 : effect->terms;
+}
+
+bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter>& parameters) {
+  bool asked = false;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    const CandidateParameter& p = c.parameters[i];
+    if (c.random ? i > 0 : p.structural) continue;
+    const VerdictParameter& v = parameters.at(p.name);
+    if (v.low > p.null || v.high < p.null || v.at_bound) return false;
+    asked = true;
+  }
+  return asked;
+}
+
+std::vector<Finding> findings_of(const Library& library, const Selection& selection,
+                                 const Regimes& regimes) {
+  std::vector<Finding> out;
+  std::vector<const Candidate*> candidates;  // by finding
+  for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
+    if (!selection.accepted[i].contradicted.empty()) continue;
+    candidates.push_back(&candidate(library, selection.accepted[i].candidate));
+    out.push_back(finding_of(library, selection, regimes, i));
+  }
+  mark_terms(out, candidates, selection.around->problem->sources.front().nominal.tree.joints);
+  for (Finding& f : out) f.status = status_of(f);
+  return out;
+}
+
+}  // namespace sanso::diagnose

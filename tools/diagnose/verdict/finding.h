@@ -1,0 +1,80 @@
+// A finding: a name of the library that passed every gate, with its parameters, its rivals and what
+// is held against it.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/explain/incidence.h"
+#include "tools/diagnose/explain/select.h"
+
+namespace sanso::diagnose {
+
+enum class VerdictStatus { confirmed, one_of, present_unnamed, absent, refused };
+const char* to_string(VerdictStatus status);
+
+/// A fitted parameter with its 95 % interval.
+struct VerdictParameter {
+  double value = 0.0, low = 0.0, high = 0.0;
+  std::string unit;
+  bool at_bound = false;  // the fit ended at the library's bound: the interval is one-sided
+};
+
+/// Another name for the same data, with its held-out score.
+struct Rival {
+  std::string effect;
+  std::vector<std::string> where;
+  double heldout_gain = 0.0;  // share of the prediction error's energy removed on held-out data
+  // how far behind the best, in standard errors of the paired difference
+  double behind_in_se = 0.0;
+  double similarity = 0.0;  // |correlation| of the two effects' signatures in these data
+  std::string said_wrong;   // the residual that it should have changed and did not; empty: none
+};
+
+struct Finding {
+  std::string effect, family;
+  std::vector<std::string> where;
+  std::string regime;  // where in the motion it shows most
+  VerdictStatus status = VerdictStatus::confirmed;
+  std::map<std::string, VerdictParameter> parameters;
+  double p_family = 1.0;
+  // share of the prediction error's energy that this effect alone removes, held out
+  double heldout_gain = 0.0;
+  double heldout_gain_se = 0.0;
+  double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
+  std::vector<std::string> one_of;
+  std::vector<std::string> terms;  // findings that are terms of one series with this one
+  unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share
+  bool spans_null = false;         // its interval contains what changes nothing
+  std::vector<Rival> rivals;
+  std::vector<IncidenceRow> incidence;
+};
+
+/// Parameters that the fit left at a bound of the library, in words; empty: none. What was stopped
+/// there is of another size or another structure.
+std::string stopped_at_bounds(const Finding& finding);
+
+/// Why a finding is not confirmed: an interval that contains the null, a bound, or terms that
+/// together describe any torque of the angle; empty: nothing.
+std::string reserve(const Finding& finding);
+
+/// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names
+/// are left; CONFIRMED where one is and no bound stopped it; else PRESENT_UNNAMED.
+VerdictStatus status_of(const Finding& finding);
+
+/// One finding for every accepted effect that no residual contradicts.
+std::vector<Finding> findings_of(const Library& library, const Selection& selection,
+                                 const Regimes& regimes);
+
+/// Term bits (effects/effect.h) of a candidate on this tree. What a link does to a joint that hangs
+/// on the base is a function of that joint's motion alone; further out, the motion of other joints
+/// tells masses from springs and rotors.
+unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree);
+
+/// The final intervals (wider than those by which a name is accepted) of all that was fitted
+/// contain the null.
+bool spans_null(const Candidate& candidate,
+                const std::map<std::string, VerdictParameter>& parameters);
+
+}  // namespace sanso::diagnose
