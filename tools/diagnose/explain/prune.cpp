@@ -1,0 +1,95 @@
+// Names that leave again: not needed beside the others, tied where they should not be, or
+// contradicted by their own residual.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "tools/diagnose/explain/steps.h"
+#include "tools/diagnose/explain/untie.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// The untied effects in the place of the tied ones.
+void replace(SearchState& state, const Untied& u, FitResult apart) {
+  std::vector<Accepted>& accepted = state.found.accepted;
+  double p_family = 0.0;
+  for (const std::size_t i : u.replaced) p_family = std::max(p_family, accepted[i].p_family);
+  std::vector<Accepted> kept;
+  for (const std::size_t i : u.stay) kept.push_back(std::move(accepted[i]));
+  for (std::size_t i = u.stay.size(); i < u.model.effects.size(); ++i) {
+    Accepted entry;
+    entry.candidate = u.model.effects[i].candidate;
+    entry.p_family = p_family;
+    kept.push_back(std::move(entry));
+  }
+  accepted = std::move(kept);
+  state.found.final = std::move(apart);
+  state.relinearise();
+}
+
+}  // namespace
+
+void backward(SearchState& state, std::size_t just_judged) {
+  Selection& found = state.found;
+  for (std::size_t i = 0; i + just_judged < found.accepted.size();) {
+    if (state.accepted(i).random) {  // needed for the scatter, whatever its mean gains
+      ++i;
+      continue;
+    }
+    FitResult reduced = state.without(i);
+    const HeldoutGain gain = state.gain_of(
+        found.final.model.effects[i], heldout_energy(*found.around, reduced), found.final_heldout);
+    const bool needed = gain.lower > 0.0 && gain.total > state.practical() &&
+                        gain.total > state.decisions().minimum_share * state.whole();
+    if (needed) {
+      ++i;
+      continue;
+    }
+    state.say("no longer needed: " + state.accepted(i).title());
+    state.drop(i, std::move(reduced));
+  }
+}
+
+void untie(SearchState& state) {
+  const Model& tied = state.found.final.model;
+  for (const Untied& u : untied(state.library, tied, state.decisions().maximum_effects)) {
+    std::optional<FitResult> apart = fit_untied(*state.found.around, u, state.found.final);
+    state.say(fmt::format("untie {}: {}",
+                          state.candidate(tied.effects[u.replaced.front()].candidate).title(),
+                          apart ? "accepted" : "refused, predicts worse"));
+    if (!apart) continue;
+    replace(state, u, std::move(*apart));
+    backward(state, 0);
+    return;
+  }
+}
+
+void drop_refuted(SearchState& state) {
+  Selection& found = state.found;
+  for (std::size_t i = 0; i < found.accepted.size();) {
+    FitResult reduced = state.without(i);
+    const std::string refuted = state.residual_against(reduced, found.final);
+    if (refuted.empty()) {
+      ++i;
+      continue;
+    }
+    const std::string title = state.accepted(i).title();
+    const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
+    if (compare(state.decisions(), energy, found.final_heldout).total >
+        state.decisions().stand_in_share * energy.sum()) {
+      state.say("contradicted, kept as a description: " + title + ", " + refuted);
+      found.accepted[i].contradicted = refuted;
+      ++i;
+      continue;
+    }
+    state.say("refuted: " + title + ", " + refuted);
+    found.refuted.push_back(title + " (" + refuted + ")");
+    state.drop(i, std::move(reduced));
+    for (Accepted& entry : found.accepted) entry.contradicted.clear();
+    i = 0;
+  }
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,123 @@
+// What keeps a search's state consistent, and the gates that a name has to pass.
+#include "tools/diagnose/explain/search_state.h"
+
+#include <algorithm>
+
+#include "tools/diagnose/explain/events.h"
+#include "tools/diagnose/explain/incidence.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// What acts at one instant only has to explain that instant: any blow takes something from any
+/// jerk.
+bool settles_its_event(const SearchState& state, const Alternative& a) {
+  const std::vector<int> occurrence = state.occurrences(a.fit.model.effects.back());
+  const auto energy = [&](const Eigen::VectorXd& r) {
+    double sum = 0.0;
+    for (const Event& e : find_events(state.problem, state.found.around->starts.project(r)))
+      sum += occurrence[e.shot] >= 0 ? e.excess : 0.0;
+    return sum;
+  };
+  return energy(a.fit.r) <= state.decisions().minimum_share * energy(state.found.final.r);
+}
+
+}  // namespace
+
+std::vector<int> SearchState::open() const {
+  std::vector<int> out;
+  for (std::size_t i = 0; i < library.candidates.size(); ++i) {
+    if (!found.final.model.has(static_cast<int>(i))) out.push_back(static_cast<int>(i));
+  }
+  return out;
+}
+
+double SearchState::whole() const { return std::max(found.nominal_heldout.sum(), 1e-9); }
+
+double SearchState::left_level(const Eigen::VectorXd& scatter) const {
+  return position_error_level(*found.around, found.final.r, scatter);
+}
+
+void SearchState::say(const std::string& text) {
+  found.log.push_back(text);
+  options.progress(text);
+}
+
+void SearchState::calibrate(const Screening& screening) {
+  for (std::size_t c = 0; c < problem.channels.size(); ++c)
+    problem.channels[c].sigma = screening.channel_sigma[c];
+  relinearise();
+}
+
+void SearchState::relinearise() {
+  correct_step(problem, library, found.final.model);
+  found.around = make_surroundings(problem, library, found.final.model);
+  found.around->set_shot_scale(
+      found.around->starts.energy_by_shot(prediction_error(problem, library, found.final.model)));
+  found.final = fit(*found.around, found.final.model, 3);
+  found.nominal = found.accepted.empty()
+                      ? found.final
+                      : fit(*found.around, Model{{}, found.nominal.model.nuisance}, 1);
+  found.nominal_heldout = heldout_energy(*found.around, found.nominal);
+  found.final_heldout = heldout_energy(*found.around, found.final);
+}
+
+FitResult SearchState::without(std::size_t index) const {
+  Model model = found.final.model;
+  model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(index));
+  return fit(*found.around, model, 4);
+}
+
+void SearchState::drop(std::size_t index, FitResult reduced) {
+  found.accepted.erase(found.accepted.begin() + static_cast<std::ptrdiff_t>(index));
+  found.final = std::move(reduced);
+  relinearise();
+}
+
+std::vector<int> SearchState::occurrences(const Chosen& effect) const {
+  const Candidate& c = candidate(effect.candidate);
+  std::vector<int> out(problem.shots.size(), -1);
+  for (std::size_t p = 0; p < c.parameters.size(); ++p) {
+    if (c.parameters[p].role != Role::event) continue;
+    for (std::size_t s = 0; s < out.size(); ++s) {
+      const Shot& shot = problem.shots[s];
+      if (near_instant(problem, shot, effect.theta[p])) out[s] = shot.source;
+    }
+  }
+  return out;
+}
+
+HeldoutGain SearchState::gain_of(const Chosen& effect, const Eigen::VectorXd& without,
+                                 const Eigen::VectorXd& with) const {
+  return compare(decisions(), without, with, occurrences(effect));
+}
+
+std::string SearchState::residual_against(const FitResult& without, const FitResult& with) const {
+  return refuted_by(incidence(*found.around, regimes, without, with));
+}
+
+std::string refused_by(const SearchState& state, const Alternative& a, bool refutable) {
+  const Selection& found = state.found;
+  const HeldoutGain gain =
+      state.gain_of(a.fit.model.effects.back(), found.final_heldout, a.heldout);
+  if (gain.lower <= 0.0) return "held-out gain not beyond chance";
+  if (gain.total < state.practical()) return "changes predictions by less than what matters";
+  if (gain.total < state.decisions().minimum_share * state.whole())
+    return "removes less than 1 % of the error";
+  if (!leaves_null(state.decisions(), state.library, a)) return "interval contains the null";
+  if (!holds_on_conditions(state, a)) return "worse on conditions left out";
+  if (!settles_its_event(state, a)) return "leaves errors far above noise at its instant";
+  if (refutable) return state.residual_against(found.final, a.fit);
+  return "";
+}
+
+bool holds_on_conditions(const SearchState& state, const Alternative& a) {
+  if (state.problem.conditions < 2) return true;
+  const Surroundings& around = *state.found.around;
+  const HeldoutGain gain =
+      compare(state.decisions(), heldout_energy(around, state.found.final, true),
+              heldout_energy(around, a.fit, true));
+  return gain.total > -gain.standard_error;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,34 @@
+// The steps of the search, in the order in which select() takes them. Each leaves the state as
+// search_state.h says.
+#pragma once
+
+#include <cstddef>
+
+#include "tools/diagnose/explain/search_state.h"
+
+namespace sanso::diagnose {
+
+/// Accepts the best candidate that passes every gate; false: none does. `step` counts from 0.
+bool forward(SearchState& state, int step);
+
+/// Drops what the others have made superfluous; the last `just_judged` effects are left alone.
+void backward(SearchState& state, std::size_t just_judged);
+
+/// Tied effects and what takes them back at some of their joints, each joint for itself; all of
+/// them have to be needed.
+void untie(SearchState& state);
+
+/// Every accepted effect against its rivals, everything else refitted; the better one stays, the
+/// others are kept as rivals.
+void swap_for_better(SearchState& state);
+
+/// With everything else refitted, an effect whose own residual contradicts it is no explanation.
+/// One without which predictions would be far worse stays as a description of the data.
+void drop_refuted(SearchState& state);
+
+/// Effects that are chance, by the scatter that everything else leaves. Asked only where more than
+/// noise is left, and named only where no more than noise is left with it: an explanation that is
+/// complete, or none.
+void judge_chance(SearchState& state);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,78 @@
+// Every accepted effect is tried against what else could stand in its place, now that the
+// others are known: the first screening saw none of them.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/diagnose/explain/steps.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// The best of those tried is another effect, and no gate speaks against it.
+bool better(const SearchState& state, const std::vector<Alternative>& tried,
+            const Alternative& self) {
+  const Alternative& best = tried.front();
+  return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
+         leaves_null(state.decisions(), state.library, best) &&
+         self.heldout.sum() - best.heldout.sum() > kNoiseUnit && holds_on_conditions(state, best);
+}
+
+/// Puts the best of those tried in the place of the i-th effect.
+void take_place(SearchState& state, std::size_t i, const Alternative& best) {
+  Accepted& entry = state.found.accepted[i];
+  state.say(fmt::format("swapped {} for {}", state.candidate(entry.candidate).title(),
+                        state.candidate(best.candidate).title()));
+  Chosen other = best.fit.model.effects.back();
+  entry.candidate = other.candidate;
+  // the new effect stands last: put it in its predecessor's place
+  Model model = best.fit.model;
+  model.effects.pop_back();
+  model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(i), other);
+  state.found.final.model = model;
+  state.relinearise();
+}
+
+/// The others that were tried, with how far they are behind what is at place i now.
+std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
+                                   std::vector<Alternative> tried) {
+  const Selection& found = state.found;
+  const Accepted& entry = found.accepted[i];
+  std::vector<Alternative> others;
+  for (Alternative& a : tried) {
+    if (a.candidate == entry.candidate) continue;
+    const HeldoutGain g =
+        state.gain_of(found.final.model.effects[i], a.heldout, found.final_heldout);
+    a.behind = g.total;
+    a.behind_se = g.standard_error;
+    a.similarity = found.first.similarity(a.candidate, entry.candidate);
+    others.push_back(std::move(a));
+  }
+  std::stable_sort(others.begin(), others.end(),
+                   [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
+  for (Alternative& a : others) a.fit.J.resize(0, 0);
+  return others;
+}
+
+}  // namespace
+
+void swap_for_better(SearchState& state) {
+  Selection& found = state.found;
+  for (std::size_t i = 0; i < found.accepted.size(); ++i) {
+    Accepted& entry = found.accepted[i];
+    Model base = found.final.model;
+    base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
+    const std::vector<int> which =
+        replacements(state.decisions(), state.library, found.first, found.final.model,
+                     entry.candidate, entry.alternatives);
+    std::vector<Alternative> tried =
+        fit_all(*found.around, base, found.final.objective, which, found.first, entry.alternatives);
+    const Alternative self{entry.candidate, found.final, found.final_heldout};
+    tried.push_back(self);
+    rank(state.library, state.problem, tried);
+    if (better(state, tried, self)) take_place(state, i, tried.front());
+    entry.alternatives = behind_it(state, i, std::move(tried));
+  }
+}
+
+}  // namespace sanso::diagnose
