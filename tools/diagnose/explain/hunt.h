@@ -1,0 +1,93 @@
+// The hunt for lost commands: shot by shot the change that pays most, as long as one pays.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/explain/commands.h"
+#include "tools/diagnose/fit/fit.h"
+
+namespace sanso::diagnose {
+
+/// What a loss has to gain, in twice log-likelihood. N commands are tried, and for two fixed
+/// hypotheses P(likelihood ratio > x) <= 1 / x, whatever the size of what the loss changes:
+///
+///   first    2 ln(N / p)     a run of losses: its place among all commands
+///   further  2 ln(2 / p)     a further row of the run, at this end or at the other
+///
+/// with p the family-wise level.
+struct Price {
+  double first = 0.0, further = 0.0;
+  double of(const std::vector<LostCommand>& lost) const;
+};
+
+/// A shot under way, and the changes to try next; none: all that there are.
+struct Hunted {
+  std::size_t shot = 0;
+  std::vector<Change> promising = {};
+};
+
+/// What is taken for lost. `r` is the prediction error of the hunt's model with `lost` held; every
+/// function that changes the one brings the other up to date.
+struct Repaired {
+  std::vector<LostCommand> lost;  // sorted
+  Eigen::VectorXd r;              // noise levels
+};
+
+class Hunt {
+ public:
+  /// `joints`: where commands may have been lost. `model`: all else that is known.
+  Hunt(const Surroundings& around, const Model& model, const std::vector<int>& joints);
+  Hunt(const Hunt&) = delete;  // commands() refers to problem()
+  Hunt& operator=(const Hunt&) = delete;
+
+  /// Whether losses explain most of the joint's shots that are farthest from noise; if not, none of
+  /// them is kept.
+  bool lost_some(int joint);
+  /// Takes losses out of every shot of the joint whose error is more than noise.
+  void take_all(int joint);
+  /// What losses do on average was taken for a lag within tolerance: nuisances at their null.
+  void forget_nuisances();
+  /// Nuisances were fitted to motions with the losses in them: once more, with the losses known.
+  void refit();
+  /// Of each loss, alone taken back again; by shot of the joint that has one.
+  std::vector<std::vector<Change>> taken_back(int joint) const;
+
+  const Problem& problem() const { return problem_; }  // in noise levels
+  const Library& library() const { return library_; }
+  const Commands& commands() const { return commands_; }
+  const StartElimination& starts() const { return starts_; }
+  const Price& price() const { return price_; }
+  const Repaired& repaired() const { return state_; }
+  const Eigen::VectorXd& error_before() const { return first_; }  // with nothing lost
+  double best_gain() const { return best_gain_; }                 // of one change
+  /// Energy that the loss of one command changes, by the square of the command's jump [1 / rad^2]:
+  /// of every command tried.
+  const std::vector<double>& responses() const { return responses_; }
+
+ private:
+  std::vector<std::size_t> outstanding(int joint) const;
+  std::vector<LostCommand> lost_in(const std::vector<LostCommand>& lost, const Shot& shot,
+                                   int joint) const;
+  std::vector<Change> all_changes(const Shot& shot, int joint) const;
+  std::vector<Change> promising_after(const std::vector<Change>& sorted, const Shot& shot,
+                                      int joint) const;
+  void try_out(int joint, const std::vector<Hunted>& hunted,
+               std::vector<std::vector<Change>>& of) const;
+  void note_responses(int joint, int source, const std::vector<Change>& tried);
+  std::vector<Hunted> round(int joint, const std::vector<Hunted>& hunted, std::vector<char>& moved);
+  std::size_t take(int joint, const std::vector<std::size_t>& shots);
+
+  const Library& library_;
+  Model model_;  // refit() moves its nuisances
+  const Problem problem_;
+  StartElimination starts_;  // at model_
+  const Commands commands_;
+  Price price_;
+  Repaired state_;
+  const Eigen::VectorXd first_;
+  double best_gain_ = 0.0;
+  std::vector<double> responses_;
+};
+
+}  // namespace sanso::diagnose
