@@ -1,35 +1,23 @@
+// Random effects by the scatter that they make. For each candidate, draws of the effect give the
+// variance v of every row; what is left of the error is asked for a share A of it (scatter_rows.h),
+// and p counts how often the largest score of all candidates is as large under either null law
+// (null_errors.h). Size is where A = 1.
 #include "tools/diagnose/explain/scatter.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/explain/null_errors.h"
+#include "tools/diagnose/explain/scatter_rows.h"
 #include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
-
-/// The stretches in which rows follow each other: [from, from + rows) of one channel of one
-/// recording's shot.
-struct Piece {
-  Index from, rows;
-  std::size_t channel, shot;
-};
-std::vector<Piece> pieces_of(const Problem& problem) {
-  std::vector<Piece> out;
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Shot& shot = problem.shots[s];
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      out.push_back(
-          {static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows), c, s});
-    }
-  }
-  return out;
-}
 
 /// Scatter that draws of an effect make: variances by entry, of the rough part and of everything.
 struct Expected {
@@ -58,156 +46,6 @@ Expected scatter_of(const Surroundings& around, const Model& model, int candidat
     return VectorXd((square - sum.cwiseAbs2() / draws).cwiseMax(0.0) / (draws - 1.0));
   };
   return {variance(rough), variance(whole)};
-}
-
-/// No single row decides: a jump of the command that is simulated a fraction of a millisecond off
-/// makes a large error where nearly every effect scatters most. Caps at a share of the channel's
-/// rows from above.
-VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x) {
-  VectorXd out = x;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    std::vector<double> values;
-    for (const Piece& p : pieces) {
-      if (p.channel == c)
-        values.insert(values.end(), x.data() + p.from, x.data() + p.from + p.rows);
-    }
-    const double cap = quantile(values, 1.0 - problem.settings.chance.capped_share);
-    for (const Piece& p : pieces) {
-      if (p.channel == c) out.segment(p.from, p.rows) = out.segment(p.from, p.rows).cwiseMin(cap);
-    }
-  }
-  return out;
-}
-
-/// Mean of a channel's entries, by channel.
-std::vector<double> means(const Problem& problem, const std::vector<Piece>& pieces,
-                          const VectorXd& x) {
-  std::vector<double> sum(problem.channels.size(), 0.0), count(problem.channels.size(), 0.0);
-  for (const Piece& p : pieces) {
-    sum[p.channel] += x.segment(p.from, p.rows).sum();
-    count[p.channel] += static_cast<double>(p.rows);
-  }
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] /= std::max(count[c], 1.0);
-  return sum;
-}
-
-/// Sum over channels of the covariance between squared error and expected scatter, each channel in
-/// units of its own mean square, over its deviation for independent normal errors.
-double score_of(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& squares,
-                const VectorXd& expected) {
-  const std::vector<double> square = means(problem, pieces, squares),
-                            scatter = means(problem, pieces, expected);
-  double covariance = 0.0, variance = 0.0;
-  for (const Piece& p : pieces) {
-    const double mean = square[p.channel];
-    if (!(mean > 0.0)) continue;
-    const auto v = expected.segment(p.from, p.rows).array() - scatter[p.channel];
-    // a channel counts by its precision: scatter of a noisy channel says little
-    covariance += (v * (squares.segment(p.from, p.rows).array() / mean - 1.0)).sum() / mean;
-    variance += 2.0 * v.square().sum() / (mean * mean);
-  }
-  return variance > 0.0 ? covariance / std::sqrt(variance) : 0.0;
-}
-
-/// Errors against time, shifted: every recording's rows of a channel by the same number, around its
-/// end.
-VectorXd shifted(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x,
-                 Random& random) {
-  VectorXd out = x;
-  std::size_t from = 0;
-  while (from < pieces.size()) {
-    const int source = problem.shots[pieces[from].shot].source;
-    std::size_t until = from;
-    while (until < pieces.size() && problem.shots[pieces[until].shot].source == source) ++until;
-    const double share = random.uniform();
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      std::vector<Index> at;
-      for (std::size_t i = from; i < until; ++i) {
-        if (pieces[i].channel != c) continue;
-        for (Index k = 0; k < pieces[i].rows; ++k) at.push_back(pieces[i].from + k);
-      }
-      const auto by = static_cast<std::size_t>(share * static_cast<double>(at.size()));
-      for (std::size_t k = 0; k < at.size(); ++k) out[at[k]] = x[at[(k + by) % at.size()]];
-    }
-    from = until;
-  }
-  return out;
-}
-
-/// Errors that the fitted model's own readings would have: noise, and the quantisation of the
-/// predicted value.
-VectorXd simulated_error(const Problem& problem, const VectorXd& r, Random& random) {
-  VectorXd out(r.size());
-  for (const Shot& shot : problem.shots) {
-    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      const Observed& channel = problem.channels[c];
-      const double step = channel.quantum;
-      const double noise =
-          std::sqrt(std::max(0.0, channel.noise * channel.noise - step * step / 12.0));
-      for (std::size_t k = 0; k < shot.rows; ++k) {
-        const auto at = static_cast<Index>(shot.offset + c * shot.rows + k);
-        const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
-        const double reading = measured(source, channel, row);
-        if (!std::isfinite(reading)) {
-          out[at] = 0.0;
-          continue;
-        }
-        const double predicted = reading - channel.sigma * r[at];
-        double drawn = predicted + noise * random.normal();
-        if (step > 0.0) drawn = step * std::round(drawn / step);
-        out[at] = (drawn - predicted) / channel.sigma;
-      }
-    }
-  }
-  return out;
-}
-
-/// Share of `size`'s scatter that the squared errors hold: weighted regression on [1, expected] by
-/// channel, pooled.
-struct Share {
-  std::vector<double> covariance, variance;  // by shot
-};
-Share shares(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& squares,
-             const VectorXd& expected, int draws) {
-  const std::vector<double> square = means(problem, pieces, squares),
-                            scatter = means(problem, pieces, expected);
-  Share out{std::vector<double>(problem.shots.size(), 0.0),
-            std::vector<double>(problem.shots.size(), 0.0)};
-  for (const Piece& p : pieces) {
-    const double mean = square[p.channel];
-    if (!(mean > 0.0)) continue;
-    const auto v = expected.segment(p.from, p.rows).array() - scatter[p.channel];
-    out.covariance[p.shot] +=
-        (v * (squares.segment(p.from, p.rows).array() - mean)).sum() / (mean * mean);
-    // squares of a variance from few draws are too large by (draws + 1) / (draws - 1)
-    const double centre = scatter[p.channel], honest = (draws - 1.0) / (draws + 1.0);
-    out.variance[p.shot] += (honest * expected.segment(p.from, p.rows).squaredNorm() -
-                             static_cast<double>(p.rows) * centre * centre) /
-                            (mean * mean);
-  }
-  return out;
-}
-
-double ratio(const Share& s, const std::vector<std::size_t>& shots) {
-  double covariance = 0.0, variance = 0.0;
-  for (const std::size_t i : shots) covariance += s.covariance[i], variance += s.variance[i];
-  return variance > 0.0 ? covariance / variance : 0.0;
-}
-
-/// The size at which the expected scatter is what is seen, by interpolation between the tried sizes
-/// (in logarithms):
-/// the share falls from above 1 to below 1 as the size grows.
-double size_at_unit_share(const std::vector<double>& sizes, const std::vector<double>& share) {
-  // variance ~ size^2
-  if (share.front() <= 1.0) return sizes.front() * std::sqrt(std::max(0.0, share.front()));
-  for (std::size_t i = 1; i < sizes.size(); ++i) {
-    if (share[i] > 1.0) continue;
-    const double low = std::log(share[i - 1]), high = std::log(std::max(share[i], 1e-3));
-    const double t = low / std::max(low - high, 1e-9);
-    return sizes[i - 1] * std::pow(sizes[i] / sizes[i - 1], t);
-  }
-  return sizes.back();
 }
 
 /// What a candidate is measured on: the search's shots and fit, or the same begun and fitted anew.
@@ -247,7 +85,7 @@ class Judge {
                                      candidates[i].probes.front().front(), draws_,
                                      Random(random_.bits(), i)));
       expected_.back().rough = capped(*around_.problem, pieces_, expected_.back().rough);
-      s.score = score_of(*around_.problem, pieces_, squares_, expected_.back().rough);
+      s.score = scatter_score(*around_.problem, pieces_, squares_, expected_.back().rough);
       scores_.push_back(std::move(s));
     }
     if (scores_.empty()) return {};
@@ -267,7 +105,7 @@ class Judge {
   double largest(const VectorXd& squares) const {
     double out = -INFINITY;
     for (const Expected& e : expected_)
-      out = std::max(out, score_of(*around_.problem, pieces_, squares, e.rough));
+      out = std::max(out, scatter_score(*around_.problem, pieces_, squares, e.rough));
     return out;
   }
 
@@ -301,10 +139,10 @@ class Judge {
   /// Expected scatter as shares of what is seen, by size.
   struct Sized {
     std::vector<double> sizes;
-    std::vector<Share> share;
+    std::vector<ScatterShare> share;
     double size_of(const std::vector<std::size_t>& shots) const {
       std::vector<double> all;
-      for (const Share& one : share) all.push_back(ratio(one, shots));
+      for (const ScatterShare& one : share) all.push_back(one.over(shots));
       return size_at_unit_share(sizes, all);
     }
   };
@@ -318,7 +156,7 @@ class Judge {
                           std::pow(12.0, static_cast<double>(i - sizes + 1) / (sizes - 1)));
       const Expected e = scatter_of(*ground.around, ground.final->model, candidate,
                                     out.sizes.back(), draws, Random(key));
-      out.share.push_back(shares(*ground.around->problem, pieces_, squares, e.rough, draws));
+      out.share.push_back(scatter_share(*ground.around->problem, pieces_, squares, e.rough, draws));
     }
     return out;
   }
@@ -363,7 +201,7 @@ class Judge {
     Ground ground{nullptr, nullptr, &around_, &final_};
     const auto expect = [&](const Sized& tried, int draws) {
       s.size = tried.size_of(shots);
-      s.beyond = ratio(tried.share.back(), shots) > chance().beyond;
+      s.beyond = tried.share.back().over(shots) > chance().beyond;
       if (ground.own_problem == nullptr) ground = ground_with(s.candidate, s.size);
       s.expected =
           scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
@@ -403,18 +241,6 @@ std::vector<double> jitter_of(const Problem& problem, const Library& library, co
   library.apply(model, params);
   std::vector<double> out;
   for (const JointParams& joint : params.joints) out.push_back(joint.jitter);
-  return out;
-}
-
-VectorXd rough_part(const Problem& problem, const VectorXd& x) {
-  VectorXd out = VectorXd::Zero(x.size());
-  for (const Piece& p : pieces_of(problem)) {
-    if (p.rows < 3) continue;
-    const Index inner = p.rows - 2;
-    out.segment(p.from + 1, inner) =
-        x.segment(p.from + 1, inner) -
-        0.5 * (x.segment(p.from, inner) + x.segment(p.from + 2, inner));
-  }
   return out;
 }
 

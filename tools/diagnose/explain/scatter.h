@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/diagnose/explain/scatter_rows.h"
 #include "tools/diagnose/fit/fit.h"
 #include "tools/diagnose/stats/random.h"
 
@@ -39,9 +40,5 @@ std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitRes
 
 /// Standard deviation of the instants of readings in a model, s, by joint.
 std::vector<double> jitter_of(const Problem& problem, const Library& library, const Model& model);
-
-/// Second differences within every shot and channel, (x[k] - (x[k-1] + x[k+1]) / 2); 0 at a piece's
-/// ends.
-Eigen::VectorXd rough_part(const Problem& problem, const Eigen::VectorXd& x);
 
 }  // namespace sanso::diagnose
