@@ -115,11 +115,30 @@ void score_outside(const json& answer, const json& verdict, Score& score) {
   score.unnamed = score.status == "PRESENT_UNNAMED" && score.where_exact;
 }
 
+Family family_of(const json& answer) {
+  const std::string name = answer.at("family").get<std::string>();
+  const std::optional<Family> family = family_from_string(name);
+  if (!family) {
+    throw plant::WorldError("answer.sealed: family \"" + name +
+                            "\" is none that conceal makes; was the case made by another version?");
+  }
+  return *family;
+}
+
 bool right_answer(const Score& score) {
-  if (score.family == "clean") return !score.detected && score.status == "ABSENT";
-  if (score.family == "decoy") return score.status == "REFUSED" && score.refused_by_name;
-  if (score.family == "outside") return score.unnamed;
-  if (score.family == "ambiguous") return score.in_set && score.status == "ONE_OF";
+  switch (score.family) {
+    case Family::clean:
+      return !score.detected && score.status == "ABSENT";
+    case Family::decoy:
+      return score.status == "REFUSED" && score.refused_by_name;
+    case Family::outside:
+      return score.unnamed;
+    case Family::ambiguous:
+      return score.in_set && score.status == "ONE_OF";
+    case Family::single:
+    case Family::pair:
+      break;
+  }
   return score.in_set;
 }
 
@@ -140,7 +159,7 @@ Score reveal(const std::string& directory, const std::string& verdict_file) {
     for (const json& finding : findings)
       score.named.push_back(finding.at("effect").get<std::string>());
     score.robot = answer.at("robot").get<std::string>();
-    score.family = answer.at("family").get<std::string>();
+    score.family = family_of(answer);
     score.ratio_target = answer.at("ratio_target").get<double>();
     for (const json& effect : answer.at("effects")) {
       score.truth.push_back(effect.at("id").get<std::string>());
@@ -148,7 +167,7 @@ Score reveal(const std::string& directory, const std::string& verdict_file) {
     }
     score_effects(answer, findings, score);
     if (answer.contains("decoy")) score_decoy(answer, verdict, score);
-    if (score.family == "outside") score_outside(answer, verdict, score);
+    if (score.family == Family::outside) score_outside(answer, verdict, score);
   } catch (const json::exception& error) {
     throw plant::WorldError(verdict_file + ": no verdict as diagnose writes it: " + error.what());
   }
@@ -158,7 +177,7 @@ Score reveal(const std::string& directory, const std::string& verdict_file) {
 
 std::string to_json(const Score& s) {
   json out{{"robot", s.robot},
-           {"family", s.family},
+           {"family", to_string(s.family)},
            {"ratio_target", s.ratio_target},
            {"truth", s.truth},
            {"ratios", s.ratios},

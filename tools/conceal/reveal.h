@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "tools/conceal/conceal.h"
+
 namespace sanso::conceal {
 
 /// How a verdict did on one case. Only the fields that the family asks for mean something.
 struct Score {
-  std::string robot, family;
+  std::string robot;
+  Family family = Family::clean;
   double ratio_target = 0;         // 0: clean, decoy
   std::vector<std::string> truth;  // effect ids
   std::vector<double> ratios;      // reached, by effect

@@ -28,7 +28,7 @@ double nearest_ratio(double reached) {
 
 bench::DiagnoseScore opened(const conceal::Score& s) {
   bench::DiagnoseScore out;
-  out.family = s.family;
+  out.family = conceal::to_string(s.family);
   out.ratio = s.ratio_target;
   // a size at its physical limit may reach less than was asked for: cases count under the ratio
   // that they have
