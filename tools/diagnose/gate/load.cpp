@@ -6,21 +6,22 @@
 #include <algorithm>
 #include <iterator>
 
+#include "host/learn/hash.h"
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
 namespace {
 
+/// The bytes of the columns, time first.
 std::string hash_of(const recording::Recording& r) {
-  std::uint64_t h = 1469598103934665603ULL;
-  const auto mix = [&](const std::vector<double>& values) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
-    for (std::size_t i = 0; i < values.size() * sizeof(double); ++i)
-      h = (h ^ bytes[i]) * 1099511628211ULL;
+  std::vector<std::uint8_t> bytes;
+  const auto add = [&](const std::vector<double>& values) {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(values.data());
+    bytes.insert(bytes.end(), first, first + values.size() * sizeof(double));
   };
-  mix(r.t);
-  for (const recording::Channel& c : r.channels) mix(c.values);
-  return fmt::format("{:016x}", h);
+  add(r.t);
+  for (const recording::Channel& c : r.channels) add(c.values);
+  return fmt::format("{:016x}", learn::fnv1a(bytes));
 }
 
 }  // namespace
