@@ -1,3 +1,4 @@
+// The servo's law along the recorded motion: torque, current or duty by replay, less the reading.
 #include "tools/diagnose/explain/effort_law.h"
 
 #include <algorithm>

@@ -1,3 +1,6 @@
+// Shots whose position error stands far above the joint's other shots: mean square m by shot,
+//
+//   event where m >= shot_outlier^2 max(1, median m);   excess = (m - max(1, median m)) rows
 #include "tools/diagnose/explain/events.h"
 
 #include <algorithm>

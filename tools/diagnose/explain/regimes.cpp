@@ -1,3 +1,4 @@
+// Reversal, standstill, speed, load and the like, row by row, with limits common to all recordings.
 #include "tools/diagnose/explain/regimes.h"
 
 #include <algorithm>

@@ -1,3 +1,8 @@
+// Full fits of candidates for one place of the model, and their order:
+//
+//   tried     p < family_wise and linear_reach z^2 > least energy, the best of every cluster
+//   behind    E(candidate) - E(best) on held-out groups, with its paired standard error
+//   best      fewest parameters among behind <= max(standard error + unit, what matters)
 #include "tools/diagnose/explain/rivals.h"
 
 #include <algorithm>

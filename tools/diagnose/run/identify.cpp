@@ -1,3 +1,4 @@
+// Known effects and settings fitted to recordings: no search, no verdict.
 #include "tools/diagnose/run/identify.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Predictions of a model folder against recordings, by horizon and channel.
 #include "tools/diagnose/run/score.h"
 
 #include <cmath>

@@ -1,3 +1,7 @@
+// The menu of experiments, each tried by simulation. With c the chosen model, J the derivatives of
+// the rival and d = r rival - r chosen, what the rival cannot imitate is
+//
+//   separation = d'Md - d'MJ (J'MJ + prior)^-1 J'Md,   nats = separation / 2, a second of recording
 #include "tools/diagnose/verdict/experiment.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,7 @@
+// Missing torque of a window: with s the change of the shot's errors for one more N m at the joint,
+// and M taking out the shot's start,
+//
+//   missing = -s'Mr / s'Ms,   sigma = 1 / sqrt(s'Ms)
 #include "tools/diagnose/verdict/missing_torque.h"
 
 #include <Eigen/Core>

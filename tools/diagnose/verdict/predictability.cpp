@@ -1,3 +1,8 @@
+// Ridge regression of the missing torque y on features F of the joint's state, by blocks f:
+//
+//   w_f       = (F'F - F_f'F_f + ridge)^-1 (F'y - F_f'y_f)     fitted without the block
+//   explained = 1 - sum_f |y_f - F_f w_f|^2 / |y - mean|^2      predicted in it
+//   p           shares of circular shifts of y that are explained as well
 #include "tools/diagnose/verdict/predictability.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,6 @@
+// Readings of the velocity channel less the smoothed motion e(v), less offset and gain error:
+//
+//   gain = cov(v, e) / var(v), clamped to what a sensor may have;   missing = e - mean - gain v
 #include "tools/diagnose/verdict/velocity.h"
 
 #include <algorithm>
