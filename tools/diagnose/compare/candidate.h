@@ -67,8 +67,8 @@ struct Placement {
 };
 Placement place_library(const Problem& problem, const std::vector<std::string>& only);
 
-/// Mass, length, damping, gain, zero, rotor inertia of every joint within the tolerances of
-/// the settings; one common lag.
+/// What the library says a nominal model may be wrong by (Effect::tolerances): joint by joint in the
+/// library's order, then what is common to all joints.
 std::vector<Nuisance> make_nuisances(const Problem& problem);
 
 struct Chosen {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/diagnose/settings.h"
 #include "tools/diagnose/sim/sim_params.h"
 
 namespace sanso::diagnose {
@@ -134,6 +135,18 @@ enum class Identified {
   under_torque
 };
 
+/// What a nominal model states with finite accuracy, so that it may be wrong by it without anything
+/// being missing: a quantity of every joint along a direction of an effect's parameters.
+struct Tolerance {
+  std::string_view name{};  // "mass": as a report says it before "of <joint>"
+  int order = 0;            // among the quantities of a joint: sums are formed in this order
+  double ToleranceSettings::*deviation = nullptr;
+  /// What one unit is in the effect's parameters; empty: this joint has no such quantity.
+  std::function<std::vector<double>(const SimParams&, std::size_t joint)> direction{};
+  double sliding = 1.0;  // times the deviation at a joint that slides
+  bool common = false;   // one number for all joints
+};
+
 struct Effect {
   std::string_view id{};    // stable
   std::string_view code{};  // row of the method page, "F1"
@@ -164,6 +177,7 @@ struct Effect {
   // by parameter; shorter: no key says the rest, and identify leaves the rest alone
   std::vector<SettingChange> settings{};
   std::vector<Identified> identified{};
+  std::vector<Tolerance> tolerances{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
   /// parameters.size().
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
@@ -181,6 +195,14 @@ struct Effect {
 const std::vector<Effect>& library();
 /// nullptr when there is no effect of this id.
 const Effect* find_effect(std::string_view id);
+
+/// An effect and one of its tolerances.
+struct Tolerated {
+  const Effect* effect = nullptr;
+  const Tolerance* tolerance = nullptr;
+};
+/// Every tolerance of the library by its order, those common to all joints last.
+std::vector<Tolerated> tolerated_quantities();
 
 /// Documented twins: the names that may rightly stand for an effect. Data in which only one of the
 /// two acts need not tell them apart. `name` for what is `truth`: the library lists it among the

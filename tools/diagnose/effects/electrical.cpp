@@ -36,6 +36,10 @@ Effect servo_p_gain() {
       .experiments = {kHalveGain, kLogDuty},
       .settings = {multiplied({&JointSettings::p_gain, &JointSettings::kp})},
       .identified = {Identified::always},
+      .tolerances = {{.name = "gain",
+                      .order = 5,
+                      .deviation = &ToleranceSettings::gain,
+                      .direction = driven_by({Actuator::dc_servo, Actuator::position_pd}, {1.0})}},
       .apply = multiplies(&JointParams::p_scale),
   });
 }
@@ -108,6 +112,14 @@ Effect torque_constant() {
                               Actuator::dc_servo),
                    multiplied({&JointSettings::resistance}, Actuator::dc_servo)},
       .identified = {Identified::under_torque, Identified::never},
+      .tolerances = {{.name = "torque constant",
+                      .order = 6,
+                      .deviation = &ToleranceSettings::motor,
+                      .direction = driven_by({Actuator::dc_servo}, {1.0, 0.0})},
+                     {.name = "resistance",
+                      .order = 7,
+                      .deviation = &ToleranceSettings::motor,
+                      .direction = driven_by({Actuator::dc_servo}, {0.0, 1.0})}},
       .apply = multiplies(&JointParams::torque_scale, &JointParams::resistance_scale),
   });
 }

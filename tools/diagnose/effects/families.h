@@ -2,6 +2,7 @@
 // the plain ways of changing a joint, experiments.
 #pragma once
 
+#include <algorithm>
 #include <initializer_list>
 #include <utility>
 #include <vector>
@@ -74,6 +75,26 @@ inline SettingChange added_to(double JointSettings::*key) {
 inline SettingChange multiplied(std::vector<double JointSettings::*> keys,
                                 std::optional<Actuator> only = {}) {
   return {SettingChange::How::multiplied, std::move(keys), only};
+}
+
+/// Parameters change by `parameters` for one unit, at every joint.
+inline auto everywhere(std::vector<double> parameters) {
+  return [=](const SimParams&, std::size_t) { return parameters; };
+}
+/// The same at the joints of some actuators.
+inline auto driven_by(std::vector<Actuator> actuators, std::vector<double> parameters) {
+  return [=](const SimParams& p, std::size_t j) {
+    const Actuator here = p.joints[j].nominal.actuator;
+    const bool listed = std::find(actuators.begin(), actuators.end(), here) != actuators.end();
+    return listed ? parameters : std::vector<double>{};
+  };
+}
+/// The setting's own value is the unit, where the model states one.
+inline auto as_stated(double JointSettings::*key) {
+  return [=](const SimParams& p, std::size_t j) {
+    const double stated = p.joints[j].nominal.*key;
+    return stated > 0.0 ? std::vector<double>{stated} : std::vector<double>{};
+  };
 }
 
 /// Probes of a ripple: sine and cosine of one size at each order.

@@ -9,6 +9,15 @@ Effect friction(Effect effect) {
                     std::move(effect));
 }
 
+/// Damping that the actuator itself gives: back-EMF of a servo, derivative gain of a position loop,
+/// known friction.
+std::vector<double> actuator_damping(const SimParams& p, std::size_t j) {
+  const JointSettings& s = p.joints[j].nominal;
+  double damping = s.viscous + s.kd;
+  if (s.actuator == Actuator::dc_servo) damping += s.torque_constant * s.back_emf / s.resistance;
+  return damping > 0.0 ? std::vector<double>{damping} : std::vector<double>{};
+}
+
 Effect viscous_friction() {
   return friction({
       .id = "viscous_friction",
@@ -24,6 +33,10 @@ Effect viscous_friction() {
       .experiments = {kTorqueOff, kRaiseSupply},
       .settings = {added_to(&JointSettings::viscous)},
       .identified = {Identified::always},
+      .tolerances = {{.name = "damping",
+                      .order = 3,
+                      .deviation = &ToleranceSettings::damping,
+                      .direction = actuator_damping}},
       .apply = adds(&JointParams::viscous),
   });
 }
@@ -46,6 +59,10 @@ Effect coulomb_friction() {
       .experiments = {kHalveGain, kAddPayload, kAmplitudeSweep},
       .settings = {added_to(&JointSettings::coulomb)},
       .identified = {Identified::always},
+      .tolerances = {{.name = "dry friction",
+                      .order = 4,
+                      .deviation = &ToleranceSettings::friction,
+                      .direction = as_stated(&JointSettings::coulomb)}},
       .apply = adds(&JointParams::coulomb),
   });
 }

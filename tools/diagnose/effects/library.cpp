@@ -71,6 +71,18 @@ bool Effect::fold_into(JointSettings& changed, std::size_t k, double value) cons
   return inside;
 }
 
+std::vector<Tolerated> tolerated_quantities() {
+  std::vector<Tolerated> out;
+  for (const Effect& e : library()) {
+    for (const Tolerance& t : e.tolerances) out.push_back({&e, &t});
+  }
+  std::sort(out.begin(), out.end(), [](const Tolerated& a, const Tolerated& b) {
+    return std::pair(a.tolerance->common, a.tolerance->order) <
+           std::pair(b.tolerance->common, b.tolerance->order);
+  });
+  return out;
+}
+
 bool documented_twin(std::string_view name, std::string_view truth) {
   const Effect* named = find_effect(name);
   const Effect* there = find_effect(truth);

@@ -60,6 +60,13 @@ Effect of_joint(Effect effect) {
                     std::move(effect));
 }
 
+/// Lengths are wrong along the line from a turning joint to its link's centre of mass.
+std::vector<double> along_the_link(const SimParams& p, std::size_t j) {
+  const TreeJoint& joint = p.tree.joints[j];
+  if (joint.prismatic) return {};
+  return {joint.body.com[0], joint.body.com[1], joint.body.com[2]};
+}
+
 Effect link_mass() {
   return of_link({
       .id = "link_mass",
@@ -74,6 +81,10 @@ Effect link_mass() {
       .regimes = {"high load", "accelerating"},
       .signature = "gravity and inertia together",
       .experiments = {kAddPayload, kTilt},
+      .tolerances = {{.name = "mass",
+                      .order = 1,
+                      .deviation = &ToleranceSettings::mass,
+                      .direction = everywhere({1.0})}},
       .apply =
           [](SimParams& p, int j, Theta x) {
             body(p, j).mass *= 1.0 + x[0];
@@ -101,6 +112,10 @@ Effect link_com() {
       .regimes = {"standstill", "high load"},
       .signature = "static error that follows the posture",
       .experiments = {kTilt, kPostures},
+      .tolerances = {{.name = "length",
+                      .order = 2,
+                      .deviation = &ToleranceSettings::length,
+                      .direction = along_the_link}},
       .apply =
           [](SimParams& p, int j, Theta x) {
             for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];

@@ -25,6 +25,11 @@ Effect encoder_offset() {
       .signature = "a static error of gravity",
       .experiments = {kTilt, kOutsideSensor, kPostures},
       .identified = {Identified::always},
+      .tolerances = {{.name = "zero",
+                      .order = 8,
+                      .deviation = &ToleranceSettings::zero,
+                      .direction = everywhere({1.0}),
+                      .sliding = 0.1}},
       .apply = adds(&JointParams::encoder_offset),
   });
 }

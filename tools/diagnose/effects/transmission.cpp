@@ -120,6 +120,10 @@ Effect rotor_inertia() {
       .experiments = {kAddPayload, kChirp},
       .settings = {added_to(&JointSettings::armature)},
       .identified = {Identified::always},
+      .tolerances = {{.name = "rotor inertia",
+                      .order = 9,
+                      .deviation = &ToleranceSettings::armature,
+                      .direction = as_stated(&JointSettings::armature)}},
       .apply = adds(&JointParams::armature),
   });
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
@@ -282,6 +283,31 @@ TEST(FoldInto, LeavesSettingsAloneWhereTheyCannotSayIt) {
   EXPECT_EQ(s, before);
   EXPECT_TRUE(find_effect("viscous_friction")->fold_into(s, 0, -0.05));
   EXPECT_NEAR(s.viscous, 0.05, 1e-15);
+}
+
+/// What a nominal model may be wrong by is a direction in the parameters of an effect that has a
+/// simulation, told apart by name and order.
+TEST(Tolerances, AreDirectionsOfTheirEffects) {
+  std::vector<std::string_view> names;
+  int order = 0;
+  for (const auto& [effect, tolerance] : tolerated_quantities()) {
+    EXPECT_EQ(std::count(names.begin(), names.end(), tolerance->name), 0) << tolerance->name;
+    names.push_back(tolerance->name);
+    EXPECT_GT(tolerance->order, std::exchange(order, tolerance->order)) << tolerance->name;
+    EXPECT_TRUE(effect->apply) << tolerance->name;
+    bool anywhere = false;
+    for (const Trial& trial : trials()) {
+      const SimParams params = make_params(trial.model);
+      for (std::size_t j = 0; j < params.joints.size(); ++j) {
+        const Values direction = tolerance->direction(params, j);
+        if (direction.empty()) continue;
+        ASSERT_EQ(direction.size(), effect->parameters.size()) << tolerance->name;
+        EXPECT_GT(worst(direction, Values(direction.size(), 0.0)), 0.0) << tolerance->name;
+        anywhere = true;
+      }
+    }
+    EXPECT_TRUE(anywhere) << tolerance->name;
+  }
 }
 
 /// Friction takes energy: a free pendulum never rises above where it began. (What differs between
