@@ -13,12 +13,12 @@
 #include "host/app/interrupt.h"
 #include "host/learn/atomic_file.h"
 #include "host/learn/episodes/episode.h"
-#include "host/learn/hash.h"
 #include "host/learn/model/identification_store.h"
 #include "host/learn/model/residual_training.h"
 #include "host/learn/seeds.h"
 #include "host/learn/session/progress.h"
 #include "host/motion/motion.h"
+#include "shared/files/hash.h"
 #include "shared/model/ground.h"
 
 namespace sanso::app {

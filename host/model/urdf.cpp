@@ -6,12 +6,12 @@
 #include <sstream>
 
 #include "host/model/urdf_text.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::model {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 
 /// A link's frame as seen from the moved link (or base) that it is rigidly joined to.
 struct Placement {

@@ -20,7 +20,7 @@ struct UrdfRobot {
 /// Reads URDF (revolute, continuous, prismatic and fixed joints, up to kMaxTreeJoints movable
 /// ones). URDF knows no rotor: every armature is zero. With Base::fixed the root link carries no
 /// inertia.
-/// Errors: recording::InputError names the file, the link or joint, the value and what was
+/// Errors: files::InputError names the file, the link or joint, the value and what was
 /// expected.
 UrdfRobot read_urdf(const std::string& path, Base base);
 

@@ -7,12 +7,12 @@
 
 #include <mutex>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::model {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 
 /// Collects what urdfdom complains about instead of printing it.
 class MessageCatcher : public console_bridge::OutputHandler {

@@ -9,7 +9,7 @@
 
 namespace sanso::model {
 
-/// Errors: recording::InputError names `file` and what urdfdom says, or the number of links above
+/// Errors: files::InputError names `file` and what urdfdom says, or the number of links above
 /// kMaxUrdfLinks.
 /// Safe to call from several threads (urdfdom's message handler is one for the process).
 urdf::ModelInterfaceSharedPtr parse_urdf_text(const std::string& text, const std::string& file);

@@ -10,6 +10,8 @@ import sys
 PAGE = "docs/tour.md"
 
 
+# What the controller may include: shared without shared/files, which uses heap and exceptions.
+REALTIME = [f"shared/{room}" for room in ("base", "math", "model", "policy", "servo_bus", "wire")]
 # Top-level folder -> folders it may include. docs/tour.md shows this table; the test compares.
 MAY = {
     "shared/base": [],
@@ -19,14 +21,15 @@ MAY = {
     "shared/servo_bus": ["shared/base"],
     "shared/wire": ["shared/base", "shared/math", "shared/model/state_layout.h",
                     "shared/policy/policy_types.h"],
-    "firmware": ["shared"],
-    "host": ["shared", "tools/recording"],
-    "tools/recording": ["shared/base"],
+    "shared/files": ["shared/base"],
+    "firmware": REALTIME,
+    "host": ["shared"],
+    "tools/recording": ["shared/base", "shared/files"],
     "tools/report": ["shared", "host", "tools/recording"],
-    "tools/plant": ["shared/base", "shared/servo_bus"],
-    "tools/emulator": ["shared/base", "shared/servo_bus", "tools/plant"],
-    "tools/conceal": ["shared/base", "tools/recording", "tools/plant"],
-    "tools/diagnose": ["shared", "host/model", "host/learn/hash.h", "tools/recording"],
+    "tools/plant": ["shared/base", "shared/files", "shared/servo_bus"],
+    "tools/emulator": ["shared/base", "shared/files", "shared/servo_bus", "tools/plant"],
+    "tools/conceal": ["shared/base", "shared/files", "tools/recording", "tools/plant"],
+    "tools/diagnose": ["shared", "host/model", "tools/recording"],
     "tools/bench": ["shared", "firmware", "host", "tools/recording", "tools/report",
                     "tools/diagnose"],
     # The places where everything meets.
@@ -59,8 +62,14 @@ FLOORS = {
         ["explain"], ["verdict"], ["run"],
     ],
 }
-# What single rooms may include beyond their floor.
-MORE = {"tools/diagnose/run": ["host", "tools/report"]}
+# What single rooms may include beyond their floor. Of the controller, what reads its configuration
+# and writes its log is not real-time, and neither is main.
+MORE = {
+    "firmware": ["shared/files"],
+    "firmware/config": ["shared/files"],
+    "firmware/log": ["shared/files"],
+    "tools/diagnose/run": ["host", "tools/report"],
+}
 
 
 def room_path(base, room):
@@ -78,7 +87,7 @@ def rules():
                 table[path] = MAY[base] + below + MORE.get(path, [])
             below = below + [room_path(base, room) for room in floor]
         if ["."] not in floors:
-            table[base] = MAY[base] + below
+            table[base] = MAY[base] + below + MORE.get(base, [])
     return table
 
 
@@ -140,6 +149,9 @@ def self_test():
         ("tools/plant/x.cpp", '#include "shared/model/tree.h"'),
         ("shared/model/x.h", '#  include "shared/wire/codec.h"'),
         ("host/mpc/x.cpp", "#include <mujoco/mujoco.h>"),
+        ("shared/wire/x.cpp", '#include "shared/files/hash.h"'),
+        ("firmware/bus/x.cpp", '#include "shared/files/parallel.h"'),
+        ("host/model/x.cpp", '#include "tools/recording/recording.h"'),
         ("firmware/bus/x.h", '#include "firmware/guard/guard.h"'),
         ("firmware/exchange/x.h", '#include "firmware/config/settings.h"'),
         ("host/learn/x.h", '#include "host/learn/session/trial.h"'),
@@ -150,6 +162,7 @@ def self_test():
         ("tests/loop/x.cpp", '#include "tools/plant/world.h"'),
         ("host/learn/session/x.h", '#include "host/learn/model/identify.h"'),
         ("firmware/main.cpp", '#include "firmware/app/controller.h"'),
+        ("firmware/log/x.cpp", '#include "shared/files/atomic_file.h"'),
         ("tools/diagnose/stats/x.h", '#include "tools/diagnose/settings.h"'),
     ]
     for item in bad:
@@ -167,6 +180,8 @@ def table():
     lines += ["", "Inside the large folders, ground floor first:", "", "```"]
     for base, floors in FLOORS.items():
         lines += [f"{base}:"] + [f"    {', '.join(floor)}" for floor in floors if floor != ["."]]
+    lines += ["", "beyond that:"]
+    lines += [f"    {room}: {', '.join(others)}" for room, others in MORE.items()]
     return "\n".join(lines + ["```"]) + "\n"
 
 

@@ -37,7 +37,7 @@ struct Concealed {
 };
 
 /// Deterministic: the same options give the same bytes. Throws plant::WorldError or
-/// recording::InputError.
+/// files::InputError.
 Concealed conceal(const ConcealOptions& options);
 
 }  // namespace sanso::conceal

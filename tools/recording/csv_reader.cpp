@@ -11,7 +11,7 @@
 #include <limits>
 #include <memory>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -58,8 +58,8 @@ class CsvParser {
  private:
   [[noreturn]] void fail(int line, std::string channel, std::string defect, std::string_view value,
                          std::string expected) const {
-    throw InputError(recording_.file, line, std::move(channel), std::move(defect), shortened(value),
-                     std::move(expected));
+    throw files::InputError(recording_.file, line, std::move(channel), std::move(defect),
+                            shortened(value), std::move(expected));
   }
 
   void header(std::string_view text) {
@@ -176,7 +176,7 @@ Recording parse_csv(std::string_view text, const std::string& name, const CsvLim
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     if (end - begin > limits.max_line_bytes)
-      throw InputError(name, 0, "", "line too long", "", "text lines");
+      throw files::InputError(name, 0, "", "line too long", "", "text lines");
     parser.line(text.substr(begin, end - begin));
     begin = end + 1;
   }
@@ -186,11 +186,13 @@ Recording parse_csv(std::string_view text, const std::string& name, const CsvLim
 Recording read_csv(const std::string& path, const CsvLimits& limits) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
-    throw InputError(path, 0, "", "is a folder", "", "a file ending in .csv, .csv.gz or .mcap");
+    throw files::InputError(path, 0, "", "is a folder", "",
+                            "a file ending in .csv, .csv.gz or .mcap");
   }
   // zlib reads plain text unchanged and unpacks gzip: one path for both
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
-  if (!file) throw InputError(path, 0, "", "cannot open", std::strerror(errno), "a readable file");
+  if (!file)
+    throw files::InputError(path, 0, "", "cannot open", std::strerror(errno), "a readable file");
   gzbuffer(file.get(), 1 << 17);
 
   CsvParser parser(path, limits);
@@ -201,13 +203,13 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
     const int n = gzread(file.get(), block.data(), static_cast<unsigned>(block.size()));
     if (n < 0) {
       int code = 0;
-      throw InputError(path, line, "", "damaged gzip file", gzerror(file.get(), &code),
-                       "an intact file");
+      throw files::InputError(path, line, "", "damaged gzip file", gzerror(file.get(), &code),
+                              "an intact file");
     }
     if (n == 0) break;
     std::string_view rest(block.data(), static_cast<std::size_t>(n));
     if (rest.find('\0') != std::string_view::npos) {
-      throw InputError(path, line, "", "binary data", "", "CSV text (plain or gzip)");
+      throw files::InputError(path, line, "", "binary data", "", "CSV text (plain or gzip)");
     }
     for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos;
          rest.remove_prefix(end + 1), ++line) {
@@ -217,12 +219,12 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
     }
     pending.append(rest);
     if (pending.size() > limits.max_line_bytes)
-      throw InputError(path, line, "", "line too long", "", "text lines");
+      throw files::InputError(path, line, "", "line too long", "", "text lines");
   }
   int code = Z_OK;
   gzerror(file.get(), &code);
   if (code != Z_OK && code != Z_STREAM_END)
-    throw InputError(path, line, "", "truncated gzip file", "", "an intact file");
+    throw files::InputError(path, line, "", "truncated gzip file", "", "an intact file");
   if (!pending.empty()) parser.line(pending);
 
   Recording recording = parser.finish();

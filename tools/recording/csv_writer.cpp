@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -56,7 +56,7 @@ void write_csv(const Recording& recording, const std::string& path) {
   std::error_code error;
   if (good) std::filesystem::rename(temporary, path, error);
   if (!good || error)
-    throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+    throw files::InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
 
   if (!recording.condition.empty() || !recording.overrides.empty() || !recording.payloads.empty()) {
     std::filesystem::path sidecar = path;

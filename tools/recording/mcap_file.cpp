@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/files/input_error.h"
 #include "tools/recording/bytes.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::recording {
 namespace {
@@ -53,11 +53,12 @@ std::string unpack(std::string_view packed, std::string_view compression, std::u
       LZ4F_freeDecompressionContext(context);
     }
   } else {
-    throw InputError(path, 0, "", "unknown compression", std::string(compression),
-                     "none, lz4 or zstd");
+    throw files::InputError(path, 0, "", "unknown compression", std::string(compression),
+                            "none, lz4 or zstd");
   }
   if (!good)
-    throw InputError(path, 0, "", "damaged chunk", std::string(compression), "an intact file");
+    throw files::InputError(path, 0, "", "damaged chunk", std::string(compression),
+                            "an intact file");
   return out;
 }
 
@@ -96,7 +97,7 @@ class McapParser {
 
  private:
   [[noreturn]] void damaged() const {
-    throw InputError(path_, 0, "", "damaged MCAP record", "", "an intact file");
+    throw files::InputError(path_, 0, "", "damaged MCAP record", "", "an intact file");
   }
 
   void schema(ByteReader& in) {
@@ -130,7 +131,8 @@ class McapParser {
     const std::string_view packed = in.take(in.number<std::uint64_t>());
     if (!in.ok()) damaged();
     if (size > kMaxRecord)
-      throw InputError(path_, 0, "", "chunk too large", std::to_string(size), "at most 256 MB");
+      throw files::InputError(path_, 0, "", "chunk too large", std::to_string(size),
+                              "at most 256 MB");
     const std::string records = unpack(packed, compression, size, path_);
     ByteReader inner(records);
     while (!inner.done()) {
@@ -163,23 +165,26 @@ void read_mcap_messages(
   std::ifstream in(path, std::ios::binary);
   char magic[8] = {};
   if (!in || !in.read(magic, 8) || std::string_view(magic, 8) != kMagic) {
-    throw InputError(path, 0, "", "not an MCAP file", "",
-                     "a file that starts with the MCAP magic bytes");
+    throw files::InputError(path, 0, "", "not an MCAP file", "",
+                            "a file that starts with the MCAP magic bytes");
   }
   McapParser parser(path, on_message);
   std::string content;
   for (;;) {
     char head[9];
     if (!in.read(head, 9))
-      throw InputError(path, 0, "", "truncated MCAP file", "", "a file that was closed properly");
+      throw files::InputError(path, 0, "", "truncated MCAP file", "",
+                              "a file that was closed properly");
     ByteReader reader(std::string_view(head, 9));
     const auto opcode = reader.number<std::uint8_t>();
     const auto length = reader.number<std::uint64_t>();
     if (length > kMaxRecord)
-      throw InputError(path, 0, "", "record too large", std::to_string(length), "at most 256 MB");
+      throw files::InputError(path, 0, "", "record too large", std::to_string(length),
+                              "at most 256 MB");
     content.resize(length);
     if (!in.read(content.data(), static_cast<std::streamsize>(length))) {
-      throw InputError(path, 0, "", "truncated MCAP file", "", "a file that was closed properly");
+      throw files::InputError(path, 0, "", "truncated MCAP file", "",
+                              "a file that was closed properly");
     }
     if (!parser.record(opcode, content, false)) return;
   }
@@ -294,7 +299,7 @@ void McapWriter::finish() {
   std::error_code error;
   if (out) std::filesystem::rename(temporary, path_, error);
   if (!out || error)
-    throw InputError(path_, 0, "", "cannot write", "", "a writable folder with free space");
+    throw files::InputError(path_, 0, "", "cannot write", "", "a writable folder with free space");
 }
 
 }  // namespace sanso::recording

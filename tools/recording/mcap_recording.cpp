@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
+#include "shared/files/input_error.h"
 #include "tools/recording/csv_reader.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/mcap_file.h"
 #include "tools/recording/ros_messages.h"
 #include "tools/recording/sidecar.h"
@@ -50,7 +50,7 @@ class RowBuilder {
     for (std::size_t k = 0; k < current_.size(); ++k)
       recording_.channels[k].values.push_back(current_[k]);
     if (recording_.rows() * (current_.size() + 1) > max_values_) {
-      throw InputError(
+      throw files::InputError(
           recording_.file, 0, "", "recording too large",
           std::to_string(recording_.rows()) + " rows",
           "at most " + std::to_string(max_values_) + " values; cut it into shorter recordings");
@@ -126,7 +126,8 @@ Recording read_mcap(const std::string& path, std::size_t max_values) {
     const bool joint_state = channel.schema == kJointStateType, imu = channel.schema == kImuType;
     if (!joint_state && !imu) return;
     if (channel.encoding != "cdr")
-      throw InputError(path, 0, channel.topic, "unknown message encoding", channel.encoding, "cdr");
+      throw files::InputError(path, 0, channel.topic, "unknown message encoding", channel.encoding,
+                              "cdr");
     if (joint_state) {
       const auto m = decode_joint_state(bytes);
       m ? take(rows, channel.topic, *m) : void(++undecoded);
@@ -136,11 +137,11 @@ Recording read_mcap(const std::string& path, std::size_t max_values) {
     }
   });
   if (undecoded > 0)
-    throw InputError(path, 0, "", "damaged message", std::to_string(undecoded) + " messages",
-                     "CDR, little-endian");
+    throw files::InputError(path, 0, "", "damaged message", std::to_string(undecoded) + " messages",
+                            "CDR, little-endian");
   if (recording.rows() == 0)
-    throw InputError(path, 0, "", "no joint states", "",
-                     "a topic of type sensor_msgs/msg/JointState");
+    throw files::InputError(path, 0, "", "no joint states", "",
+                            "a topic of type sensor_msgs/msg/JointState");
   std::error_code error;
   const std::string sidecar = std::filesystem::path(path).replace_extension(".toml").string();
   if (std::filesystem::exists(sidecar, error)) read_sidecar(sidecar, recording);

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::recording {
 namespace {
@@ -106,10 +106,12 @@ void require_increasing_time(const Recording& recording) {
     const int line = recording.header_line + 1 + static_cast<int>(k);
     const double t = recording.t[k];
     if (!std::isfinite(t))
-      throw InputError(recording.file, line, "t", "time missing", "", "seconds in every row");
+      throw files::InputError(recording.file, line, "t", "time missing", "",
+                              "seconds in every row");
     if (k > 0 && t <= recording.t[k - 1]) {
-      throw InputError(recording.file, line, "t", "time does not increase", std::to_string(t),
-                       "more than " + std::to_string(recording.t[k - 1]) + " s, the row before");
+      throw files::InputError(
+          recording.file, line, "t", "time does not increase", std::to_string(t),
+          "more than " + std::to_string(recording.t[k - 1]) + " s, the row before");
     }
   }
 }

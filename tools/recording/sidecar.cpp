@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/joint_settings.h"
 #include "tools/recording/toml_reader.h"
 
@@ -115,7 +115,7 @@ void write_sidecar(const Recording& recording, const std::string& path) {
         << toml_number(p.com[2]) << "]\n";
   }
   if (!out.flush())
-    throw InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+    throw files::InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
 }
 
 }  // namespace sanso::recording

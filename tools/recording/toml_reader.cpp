@@ -10,7 +10,7 @@
 #include <sstream>
 
 #include "shared/base/toml_grammar.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::recording {
 
@@ -39,14 +39,14 @@ std::string shown(const toml::node& node) {
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
   if (const auto defect = first_toml_defect(text))
-    throw InputError(file, defect->line, "", "not valid TOML", std::string(defect->found),
-                     defect->expected);
+    throw files::InputError(file, defect->line, "", "not valid TOML", std::string(defect->found),
+                            defect->expected);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, file));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
   } catch (const toml::parse_error& e) {
-    throw InputError(file, static_cast<int>(e.source().begin.line), "", "not valid TOML", "",
-                     std::string(e.description()));
+    throw files::InputError(file, static_cast<int>(e.source().begin.line), "", "not valid TOML", "",
+                            std::string(e.description()));
   }
 }
 
@@ -55,10 +55,10 @@ TomlTable TomlTable::read(const std::string& path) {
   std::string text(1'000'001, '\0');
   if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.gcount() == 0 && !in.eof())
-    throw InputError(path, 0, "", "cannot open", "", "a readable TOML file");
+    throw files::InputError(path, 0, "", "cannot open", "", "a readable TOML file");
   text.resize(static_cast<std::size_t>(in.gcount()));
   if (text.size() > 1'000'000)
-    throw InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
+    throw files::InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
   return parse(text, path);
 }
 
@@ -79,8 +79,8 @@ std::vector<std::string> TomlTable::keys() const {
 void TomlTable::fail(std::string_view key, std::string defect, std::string value,
                      std::string expected) const {
   const std::string full = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  throw InputError(node_->file, line_of(key), full, std::move(defect), std::move(value),
-                   std::move(expected));
+  throw files::InputError(node_->file, line_of(key), full, std::move(defect), std::move(value),
+                          std::move(expected));
 }
 
 std::optional<double> TomlTable::number(std::string_view key, double low, double high) const {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/run/score.h"
-#include "tools/recording/input_error.h"
 #include "tools/sanso/commands.h"
 
 namespace sanso::cli {
@@ -32,7 +32,7 @@ void add_score(CLI::App& app, int& result) {
       fmt::print("{}",
                  options->json ? diagnose::score_json(scores) : diagnose::score_table(scores));
       result = kDone;
-    } catch (const recording::InputError& e) {
+    } catch (const files::InputError& e) {
       fmt::print(stderr, "sanso score: {}\n", e.what());
       result = kCouldNot;
     }

@@ -3,7 +3,7 @@
 #include "host/learn/episodes/episode.h"
 
 #include "host/learn/episodes/binary_io.h"
-#include "host/learn/hash.h"
+#include "shared/files/hash.h"
 
 namespace sanso::learn {
 namespace {
@@ -106,7 +106,7 @@ std::uint64_t digest(const Episode& episode) {
   put_all(out, episode.cost_terms, put);
   put_all(out, episode.ticks, [&](const wire::Observation& o) { put_observation(out, o); });
   put_all(out, episode.plans, [&](const PlanRecord& p) { put_plan(out, p); });
-  return fnv1a(out.bytes());
+  return files::fnv1a(out.bytes());
 }
 
 void save_episode(const std::filesystem::path& path, const Episode& episode) {

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "host/learn/parallel.h"
+#include "shared/files/parallel.h"
 
 namespace sanso::learn {
 
@@ -13,7 +13,7 @@ namespace {
 std::vector<double> on_threads(const Eigen::MatrixXd& candidates, const LossOfCandidate& loss,
                                int threads) {
   std::vector<double> losses(static_cast<std::size_t>(candidates.cols()));
-  parallel_for(losses.size(), threads, [&](std::size_t c) {
+  files::parallel_for(losses.size(), threads, [&](std::size_t c) {
     losses[c] = loss(candidates.col(static_cast<Eigen::Index>(c)));
   });
   return losses;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "host/learn/episodes/binary_io.h"
-#include "host/learn/hash.h"
+#include "shared/files/hash.h"
 
 namespace sanso::learn {
 namespace {
@@ -123,7 +123,7 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
 std::uint64_t learned_digest(const SessionState& state) {
   BinaryWriter out;
   put_learned(out, state);
-  return fnv1a(out.bytes());
+  return files::fnv1a(out.bytes());
 }
 
 }  // namespace sanso::learn

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/mcap_recording.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     read_mcap(path, 100'000);
-  } catch (const InputError&) {
+  } catch (const files::InputError&) {
   }
   return 0;
 }

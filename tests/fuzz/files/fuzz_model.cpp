@@ -2,8 +2,8 @@
 // unchanged.
 #include <cstdlib>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/recording/input_error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   using namespace sanso;
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     const std::string written = diagnose::model_toml(model);
     if (diagnose::model_toml(diagnose::parse_model(written, urdf, "again.toml")) != written)
       std::abort();
-  } catch (const recording::InputError&) {
+  } catch (const files::InputError&) {
   }
   return 0;
 }

@@ -1,5 +1,5 @@
 // Any bytes are either a sidecar or an InputError.
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/sidecar.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   Recording recording;
   try {
     parse_sidecar({reinterpret_cast<const char*>(data), size}, "fuzz.toml", recording);
-  } catch (const InputError&) {
+  } catch (const files::InputError&) {
   }
   return 0;
 }

@@ -9,9 +9,9 @@
 #include <memory>
 #include <random>
 
+#include "shared/files/input_error.h"
 #include "shared/model/joints.h"
 #include "shared/model/op3_tree.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::model {
 namespace {
@@ -116,7 +116,7 @@ TEST(Urdf, RefusesByName) {
   auto defect = [](const std::string& text) {
     try {
       parse_urdf(text, "bad.urdf", Base::fixed);
-    } catch (const recording::InputError& error) {
+    } catch (const files::InputError& error) {
       EXPECT_EQ(error.file, "bad.urdf");
       return error.defect;
     }
@@ -126,7 +126,7 @@ TEST(Urdf, RefusesByName) {
   EXPECT_EQ(defect("<robot name='r'><link name='a'/></robot>"), "no movable joint");
   EXPECT_EQ(defect(two_links("planar", "0 0 1")), "joint type not supported");
   EXPECT_EQ(defect(two_links("revolute", "0 0 0")), "axis of no length");
-  EXPECT_THROW(read_urdf("/no/such/file.urdf", Base::fixed), recording::InputError);
+  EXPECT_THROW(read_urdf("/no/such/file.urdf", Base::fixed), files::InputError);
 }
 
 }  // namespace

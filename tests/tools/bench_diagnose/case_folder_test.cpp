@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/files/input_error.h"
 #include "tests/support/temp_folder.h"
 #include "tools/bench/diagnose/folder_bench.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::bench {
 namespace {
@@ -112,19 +112,19 @@ TEST(CaseFolder, AnAmbiguousCaseWantsTheWholeSet) {
 
 TEST(CaseFolder, UnreadableCasesNameTheFile) {
   const test::TempFolder folder;
-  EXPECT_THROW(read_cases((folder.path() / "none").string()), recording::InputError);
-  EXPECT_THROW(read_cases(folder.path().string()), recording::InputError);
+  EXPECT_THROW(read_cases((folder.path() / "none").string()), files::InputError);
+  EXPECT_THROW(read_cases(folder.path().string()), files::InputError);
   std::filesystem::create_directories(folder.path() / "case_1");
   const auto answer = folder.path() / "case_1" / "answer.json";
   std::ofstream(answer) << R"({"family": 3})";
   try {
     read_cases(folder.path().string());
     FAIL() << "read";
-  } catch (const recording::InputError& error) {
+  } catch (const files::InputError& error) {
     EXPECT_EQ(error.file, answer.string());
   }
   std::ofstream(answer) << R"({"family":"null","robot":"arm","effects":[]})";
-  EXPECT_THROW(read_cases(folder.path().string()), recording::InputError) << "no recordings";
+  EXPECT_THROW(read_cases(folder.path().string()), files::InputError) << "no recordings";
   std::ofstream(folder.path() / "case_1" / "rec_1.csv") << "t\n";
   EXPECT_EQ(read_cases(folder.path().string()).front().recordings.size(), 1u);
 }

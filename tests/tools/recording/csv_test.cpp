@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/files/input_error.h"
 #include "tools/recording/csv_reader.h"
 #include "tools/recording/csv_writer.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::recording {
 namespace {
@@ -51,7 +51,7 @@ TEST_P(CsvReaderRefuses, NamingFileLineAndColumn) {
   try {
     parse_csv(bad.text, "bad.csv");
     FAIL() << "accepted: " << bad.text;
-  } catch (const InputError& e) {
+  } catch (const files::InputError& e) {
     EXPECT_EQ(e.defect, bad.defect);
     EXPECT_EQ(e.line, bad.line);
     EXPECT_EQ(e.channel, bad.channel);
@@ -83,10 +83,10 @@ TEST(CsvReader, RefusesWhatIsLargerThanItsMemory) {
   CsvLimits limits;
   limits.max_values = 6;
   EXPECT_EQ(parse_csv("t,q:a\n0,1\n1,1\n2,1\n", "a.csv", limits).rows(), 3u);  // exact fit
-  EXPECT_THROW(parse_csv("t,q:a\n0,1\n1,1\n2,1\n3,1\n", "a.csv", limits), InputError);
+  EXPECT_THROW(parse_csv("t,q:a\n0,1\n1,1\n2,1\n3,1\n", "a.csv", limits), files::InputError);
   limits = {};
   limits.max_line_bytes = 100;
-  EXPECT_THROW(parse_csv("t,q:a\n" + std::string(101, '1'), "a.csv", limits), InputError);
+  EXPECT_THROW(parse_csv("t,q:a\n" + std::string(101, '1'), "a.csv", limits), files::InputError);
 }
 
 TEST(CsvReader, TimeMustIncrease) {
@@ -95,7 +95,7 @@ TEST(CsvReader, TimeMustIncrease) {
     try {
       require_increasing_time(parse_csv(text, "a.csv"));
       FAIL();
-    } catch (const InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.line, 4);
       EXPECT_EQ(e.defect, "time does not increase");
     }
@@ -137,11 +137,11 @@ TEST_F(CsvFiles, RefusesTruncatedGzipBinaryAndMissingFiles) {
   write_csv(r, path("whole.csv.gz"));
   std::filesystem::resize_file(path("whole.csv.gz"),
                                std::filesystem::file_size(path("whole.csv.gz")) / 2);
-  EXPECT_THROW(read_csv(path("whole.csv.gz")), InputError);
+  EXPECT_THROW(read_csv(path("whole.csv.gz")), files::InputError);
   std::ofstream(path("zero.csv"), std::ios::binary).write("t,q:a\n0,\0\0\0\n", 13);
-  EXPECT_THROW(read_csv(path("zero.csv")), InputError);
-  EXPECT_THROW(read_csv(path("none.csv")), InputError);
-  EXPECT_THROW(read_csv(folder_.string()), InputError);
+  EXPECT_THROW(read_csv(path("zero.csv")), files::InputError);
+  EXPECT_THROW(read_csv(path("none.csv")), files::InputError);
+  EXPECT_THROW(read_csv(folder_.string()), files::InputError);
 }
 
 TEST_F(CsvFiles, StreamsAFileThatIsTooLargeAndStopsAtTheLimit) {
@@ -155,7 +155,7 @@ TEST_F(CsvFiles, StreamsAFileThatIsTooLargeAndStopsAtTheLimit) {
   try {
     read_csv(path("large.csv"), limits);
     FAIL();
-  } catch (const InputError& e) {
+  } catch (const files::InputError& e) {
     EXPECT_EQ(e.defect, "recording too large");
     EXPECT_EQ(e.line, 502);  // header, 500 rows that fit, then this one
   }

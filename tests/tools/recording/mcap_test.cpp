@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/files/input_error.h"
 #include "tools/recording/bytes.h"
 #include "tools/recording/csv_writer.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/mcap_file.h"
 #include "tools/recording/mcap_recording.h"
 #include "tools/recording/ros_messages.h"
@@ -148,7 +148,7 @@ TEST_F(Mcap, RefusesByName) {
     try {
       read_mcap(path("bad.mcap"));
       FAIL() << c.defect;
-    } catch (const InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.defect, c.defect);
     }
   }

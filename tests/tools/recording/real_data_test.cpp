@@ -1,9 +1,9 @@
 // The real recordings that come with the hand-out must be readable as they are.
 #include <gtest/gtest.h>
 
+#include "shared/files/input_error.h"
 #include "tests/support/shared_data.h"
 #include "tools/recording/csv_reader.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::recording {
 namespace {
@@ -17,7 +17,7 @@ TEST(RealRecordings, AreAllReadable) {
     const std::string path = entry.path().string();
     if (!path.ends_with(".csv") && !path.ends_with(".csv.gz")) continue;
     if (path.find("/maps/") != std::string::npos) {  // tables without time, said so in their README
-      EXPECT_THROW(read_csv(path), InputError) << path;
+      EXPECT_THROW(read_csv(path), files::InputError) << path;
       continue;
     }
     const Recording r = read_csv(path);

@@ -4,9 +4,9 @@
 
 #include <filesystem>
 
+#include "shared/files/input_error.h"
 #include "tools/recording/csv_reader.h"
 #include "tools/recording/csv_writer.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -88,7 +88,7 @@ TEST(Sidecar, RefusesByKeyAndLine) {
     try {
       parse_sidecar(c.text, "a.toml", r);
       FAIL() << c.text;
-    } catch (const InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.defect, c.defect) << c.text;
       EXPECT_EQ(e.line, c.line) << e.what();
       EXPECT_EQ(e.channel, c.channel) << e.what();

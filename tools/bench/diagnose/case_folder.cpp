@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::bench {
 namespace {
@@ -189,7 +189,7 @@ bool right_answer(const CaseAnswer& answer, const json& findings, const CaseJudg
 }
 
 [[noreturn]] void bad_file(const std::string& file, const std::string& why) {
-  throw recording::InputError(file, 0, "", why, "", "a case as docs/howto/conceal.md describes it");
+  throw files::InputError(file, 0, "", why, "", "a case as docs/howto/conceal.md describes it");
 }
 
 }  // namespace
@@ -240,8 +240,8 @@ CaseJudgement judge(const CaseAnswer& answer, const std::string& verdict) {
     out.unnamed = out.status == "PRESENT_UNNAMED" && out.wrong_confirmed == 0;
     out.right = right_answer(answer, findings, out);
   } catch (const json::exception& error) {
-    throw recording::InputError("verdict.json", 0, "", error.what(), "",
-                                "a verdict as `sanso diagnose` writes it");
+    throw files::InputError("verdict.json", 0, "", error.what(), "",
+                            "a verdict as `sanso diagnose` writes it");
   }
   return out;
 }

@@ -40,11 +40,11 @@ struct CaseFiles {
   CaseAnswer answer;
 };
 
-/// Every sub-folder of `folder` that holds an answer.json, by name. Throws recording::InputError
+/// Every sub-folder of `folder` that holds an answer.json, by name. Throws files::InputError
 /// naming the file and the key when one cannot be read, or when there is none.
 std::vector<CaseFiles> read_cases(const std::string& folder);
 
-/// Throws recording::InputError; `file` is only named in its message.
+/// Throws files::InputError; `file` is only named in its message.
 CaseAnswer parse_answer(const std::string& text, const std::string& file);
 
 /// What was said and how much of it is true. Fields that the family does not ask for stay false.
@@ -65,7 +65,7 @@ struct CaseJudgement {
   std::map<std::string, bool> covered;           // whether its 95 % interval holds the truth
 };
 
-/// `verdict`: text of verdict.json. Throws recording::InputError when it is none.
+/// `verdict`: text of verdict.json. Throws files::InputError when it is none.
 CaseJudgement judge(const CaseAnswer& answer, const std::string& verdict);
 
 }  // namespace sanso::bench

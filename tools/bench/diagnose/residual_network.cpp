@@ -189,7 +189,7 @@ ResidualNetworkScore residual_network(const std::string& model_folder,
     const Division part = divide(problem, make_split(sources));
     if (!part.train.empty() && !part.validation.empty() && !part.test.empty())
       score(problem, part, seed, out);
-  } catch (const recording::InputError&) {
+  } catch (const files::InputError&) {
     out.ran = false;
   }
   return out;

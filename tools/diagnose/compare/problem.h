@@ -84,7 +84,7 @@ struct ProblemOptions {
 };
 
 /// Thins fast recordings, smooths the motion, cuts shots, finds noise. `noise` from the gate.
-/// Throws recording::InputError.
+/// Throws files::InputError.
 std::vector<Source> make_sources(const ModelFolder& model,
                                  const std::vector<recording::Recording>& recordings,
                                  const std::vector<NoiseLevel>& noise, const Settings& settings);

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 
@@ -36,7 +36,7 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model) {
   for (const EffectEntry& entry : model.effects) {
     const auto fail = [&](const std::string& key, const char* defect, const std::string& value,
                           const std::string& expected) {
-      throw recording::InputError(file, entry.line, "effect." + key, defect, value, expected);
+      throw files::InputError(file, entry.line, "effect." + key, defect, value, expected);
     };
     const Effect* effect = find_effect(entry.id);
     if (effect == nullptr)

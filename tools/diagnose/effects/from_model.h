@@ -20,7 +20,7 @@ struct EffectInstance {
 void apply(const EffectInstance& instance, SimParams& params);
 
 /// The [[effect]] entries of a model, checked: id, places, parameter names, bounds-free. Parameters
-/// not written keep their null. Throws recording::InputError.
+/// not written keep their null. Throws files::InputError.
 std::vector<EffectInstance> instances_of(const ModelFolder& model);
 
 /// What model.toml will hold for an instance.

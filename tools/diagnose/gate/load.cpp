@@ -54,7 +54,7 @@ std::vector<GateJoint> gate_joints(const ModelFolder& model) {
   return joints;
 }
 
-Defect defect_of(const recording::InputError& error) {
+Defect defect_of(const files::InputError& error) {
   static const std::pair<const char*, const char*> names[] = {
       {"NaN or infinity", defect::kNotANumber},  {"recording too large", defect::kTooLarge},
       {"time missing", defect::kNotANumber},     {"no time column", defect::kMissingChannel},
@@ -77,7 +77,7 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
     if (defects.empty()) {
       try {
         loaded.recordings.push_back(recording::read_recording(file));
-      } catch (const recording::InputError& error) {
+      } catch (const files::InputError& error) {
         defects.push_back(defect_of(error));
       }
     }

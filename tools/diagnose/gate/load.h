@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/gate/gate.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/recording.h"
 
 namespace sanso::diagnose {
@@ -21,7 +21,7 @@ std::vector<GateJoint> gate_joints(const ModelFolder& model);
 
 /// A reader's error as a defect of the gate's names where one fits, else under the reader's own
 /// name.
-Defect defect_of(const recording::InputError& error);
+Defect defect_of(const files::InputError& error);
 
 struct LoadedRecordings {
   // all files, in the order given; incomplete when `gate` refuses

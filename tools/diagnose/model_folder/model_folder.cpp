@@ -7,13 +7,13 @@
 #include <limits>
 #include <sstream>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/toml_reader.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 using recording::TomlTable;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 

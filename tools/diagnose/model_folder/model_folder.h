@@ -50,7 +50,7 @@ struct ModelFolder {
   std::vector<AttachedBody> payloads;  // of the recording, see with_overrides
 };
 
-/// Throws recording::InputError: file, line, key, what was expected.
+/// Throws files::InputError: file, line, key, what was expected.
 ModelFolder read_model_folder(const std::string& folder);
 /// The same for text in memory; `name` stands for model.toml in messages.
 ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name);

@@ -1,11 +1,11 @@
 // What a sidecar says, applied to a model.
+#include "shared/files/input_error.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 using recording::Override;
 
 void set(JointSettings& settings, const Override& o) {

@@ -61,7 +61,7 @@ struct RobotTree {
   int size() const { return static_cast<int>(joints.size()); }
 };
 
-/// Reads URDF text. Throws recording::InputError naming link or joint; `file` is used in messages.
+/// Reads URDF text. Throws files::InputError naming link or joint; `file` is used in messages.
 RobotTree tree_from_urdf(const std::string& urdf, const std::string& file);
 
 Vec3 operator+(const Vec3& a, const Vec3& b);

@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "host/model/urdf_text.h"
+#include "shared/files/input_error.h"
 #include "tools/diagnose/model_folder/robot_tree.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 
 Mat3 rotation(const urdf::Rotation& q) {
   const double w = q.w, x = q.x, y = q.y, z = q.z;

@@ -10,7 +10,7 @@
 #include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/patched_model.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -22,7 +22,7 @@ struct Cut {
   double seconds = 0.0;  // of a shot
 };
 
-/// Throws recording::InputError where no recording holds a shot: nothing was compared, no answer,
+/// Throws files::InputError where no recording holds a shot: nothing was compared, no answer,
 /// least of all "no mismatch".
 Cut cut_shots(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
               const Settings& settings) {
@@ -32,7 +32,7 @@ Cut cut_shots(const std::vector<Source>& sources, const std::vector<NoiseLevel>&
   options.maximum_shots = settings.data.maximum_shots;
   Cut out{make_problem(sources, noise, options, settings), {}, options.shot_seconds};
   if (out.problem.shots.empty()) {
-    throw recording::InputError(sources.front().file, 0, "t", "too short",
+    throw files::InputError(sources.front().file, 0, "t", "too short",
                                 "no piece of motion to simulate",
                                 fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
                                             options.shot_seconds, settings.data.least_shot_rows));
@@ -146,7 +146,7 @@ Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress) {
     const LoadedRecordings loaded = load_recordings(options.recordings, gate_joints(model));
     if (loaded.gate.refused()) return refused(loaded.gate.defects);
     return diagnose_healthy(options, progress, model, loaded);
-  } catch (const recording::InputError& error) {
+  } catch (const files::InputError& error) {
     return refused({defect_of(error)});
   }
 }

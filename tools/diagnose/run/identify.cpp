@@ -220,7 +220,7 @@ int run_identify(const std::string& model_folder, const std::vector<std::string>
     write_model_folder(found.model, out);
     fmt::print("model      {}\n", out);
     return 0;
-  } catch (const recording::InputError& e) {
+  } catch (const files::InputError& e) {
     fmt::print(stderr, "sanso identify: {}\n", e.what());
     return 2;
   }

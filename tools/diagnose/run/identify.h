@@ -32,7 +32,7 @@ struct Identification {
 
 using IdentifyProgress = std::function<void(const std::string&)>;
 
-/// `loaded` must not be refused. Throws recording::InputError.
+/// `loaded` must not be refused. Throws files::InputError.
 Identification identify(const ModelFolder& model, const LoadedRecordings& loaded,
                         const Settings& settings, const IdentifyProgress& progress);
 

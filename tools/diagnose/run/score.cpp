@@ -5,9 +5,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/compare/measured_motion.h"
 #include "tools/diagnose/effects/from_model.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
@@ -90,8 +90,8 @@ struct Prepared {
 };
 Prepared prepare(const ModelFolder& model, const recording::Recording& recording) {
   if (model.floating) {
-    throw recording::InputError(model.folder, 0, "robot.base", "floating base", "floating",
-                                "a fixed base (\"fixed\")");
+    throw files::InputError(model.folder, 0, "robot.base", "floating base", "floating",
+                            "a fixed base (\"fixed\")");
   }
   const ModelFolder here = with_overrides(model, recording);
   Prepared out;

@@ -30,16 +30,16 @@ struct RecordingScore {
 /// Simulates the recording with the model (its effects and the recording's sidecar applied),
 /// restarted from the measured state at every horizon, and compares with every measured channel
 /// that the model predicts: q, dq, tau (torque actuators and dc_servo), i and pwm (dc_servo).
-/// Samples while an actuator is off are left out of tau, i and pwm. Throws recording::InputError.
+/// Samples while an actuator is off are left out of tau, i and pwm. Throws files::InputError.
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording);
 
 /// RMS of the predicted positions' errors (all joints, rad or m) of every window of `seconds` [s]
-/// that is restarted from the measured state, in order of time. Throws recording::InputError.
+/// that is restarted from the measured state, in order of time. Throws files::InputError.
 std::vector<double> window_errors(const ModelFolder& model, const recording::Recording& recording,
                                   double seconds);
 
 /// The command: reads everything first, so that bad input writes nothing. Throws
-/// recording::InputError.
+/// files::InputError.
 std::vector<RecordingScore> score_files(const std::string& model_folder,
                                         const std::vector<std::string>& files);
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using recording::InputError;
+using files::InputError;
 using recording::Recording;
 
 std::vector<double> column(const Recording& recording, const std::string& name) {

@@ -28,7 +28,7 @@ struct Drive {
 
 /// Sorts a recording's columns by the model's joints and checks that they suffice: increasing time,
 /// q: of every joint that is not passive and unmeasured, the command that the joint's actuator
-/// follows. Throws recording::InputError.
+/// follows. Throws files::InputError.
 Drive make_drive(const recording::Recording& recording, const ModelFolder& model);
 
 }  // namespace sanso::diagnose

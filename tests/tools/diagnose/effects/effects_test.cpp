@@ -7,12 +7,13 @@
 #include <set>
 #include <sstream>
 
+#include "shared/files/input_error.h"
 #include "tests/support/small_world.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -213,7 +214,7 @@ TEST(EffectsOfAModel, AreCheckedAndComeBack) {
        {"id = \"gremlins\"\n", "id = \"backlash\"\nwidth = 0.1\n",
         "id = \"backlash\"\nwhere = [\"z\"]\n", "id = \"backlash\"\nwhere = [\"a\"]\nbreadth = 1\n",
         "id = \"supply_sag\"\nwhere = [\"a\"]\n", "id = \"ground_slope\"\n"}) {
-    EXPECT_THROW(instances_of(with(bad)), recording::InputError) << bad;
+    EXPECT_THROW(instances_of(with(bad)), files::InputError) << bad;
   }
 }
 

@@ -79,15 +79,15 @@ TEST_F(Load, AWordAmongTheNumbersIsNamedByRow) {
 }
 
 TEST(DefectOf, KeepsFilePlaceAndTextOfTheReadersError) {
-  const recording::InputError error("r.csv", 12, "q:hip", "NaN or infinity", "inf", "a number");
+  const files::InputError error("r.csv", 12, "q:hip", "NaN or infinity", "inf", "a number");
   const Defect d = defect_of(error);
   EXPECT_EQ(d.file, "r.csv");
   EXPECT_EQ(d.channel, "q:hip");
   EXPECT_EQ(d.row, 10) << "line 1 is the header, line 2 holds row 0";
   EXPECT_EQ(d.defect, defect::kNotANumber);
   EXPECT_EQ(d.message, error.what());
-  EXPECT_EQ(defect_of(recording::InputError("r.csv", 0, "", "strange", "", "")).defect, "strange");
-  EXPECT_EQ(defect_of(recording::InputError("r.csv", 0, "", "strange", "", "")).row, -1);
+  EXPECT_EQ(defect_of(files::InputError("r.csv", 0, "", "strange", "", "")).defect, "strange");
+  EXPECT_EQ(defect_of(files::InputError("r.csv", 0, "", "strange", "", "")).row, -1);
 }
 
 TEST(GateJoints, KnowWhatTheMotorCanDo) {

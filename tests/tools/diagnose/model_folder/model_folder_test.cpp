@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/model_folder/model_folder.h"
-#include "tools/recording/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::diagnose {
@@ -105,7 +105,7 @@ TEST(ModelFolder, RefusesByKeyAndLine) {
     try {
       parse_model(c.text, kUrdf, "model.toml");
       FAIL() << c.text;
-    } catch (const recording::InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.defect, c.defect) << c.text;
       EXPECT_EQ(e.line, c.line) << e.what();
       EXPECT_EQ(e.channel, c.key) << e.what();
@@ -118,7 +118,7 @@ TEST(ModelFolder, RefusesRobotsThatAreNone) {
        {"", "<robot name='x'/>", "<robot name='x'><link name='a'/></robot>", "not xml",
         "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='floating'><parent "
         "link='a'/><child link='b'/></joint></robot>"}) {
-    EXPECT_THROW(parse_model("format = 1\n", urdf, "model.toml"), recording::InputError) << urdf;
+    EXPECT_THROW(parse_model("format = 1\n", urdf, "model.toml"), files::InputError) << urdf;
   }
 }
 
@@ -141,7 +141,7 @@ TEST(ModelFolder, SidecarSettingsWinOverTheModel) {
   EXPECT_EQ(m.joints[0].viscous, 0.0) << "the model itself stays";
   recording::Recording unknown;
   recording::parse_sidecar("[joint.c]\nviscous = 0.5\n", "r.toml", unknown);
-  EXPECT_THROW(with_overrides(m, unknown), recording::InputError);
+  EXPECT_THROW(with_overrides(m, unknown), files::InputError);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include "tools/diagnose/model_folder/joint_units.h"
 #include "tools/diagnose/stats/random.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -178,7 +178,7 @@ TEST(RobotTree, RefusesByNameWhatItCannotSimulate) {
     try {
       tree(c.urdf);
       FAIL() << c.defect;
-    } catch (const recording::InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.defect, c.defect) << e.what();
       EXPECT_EQ(e.channel, c.where) << e.what();
       EXPECT_EQ(e.file, "robot.urdf");
@@ -197,7 +197,7 @@ TEST(RobotTree, TakesTwentyJointsAndNotOneMore) {
     return text;
   };
   EXPECT_EQ(tree(chain(kMaxJoints)).size(), kMaxJoints);
-  EXPECT_THROW(tree(chain(kMaxJoints + 1)), recording::InputError);
+  EXPECT_THROW(tree(chain(kMaxJoints + 1)), files::InputError);
 }
 
 TEST(JointUnits, OfASlidingJointAreLengthsAndForces) {

@@ -9,7 +9,7 @@
 #include "tests/support/temp_folder.h"
 #include "tools/diagnose/model_folder/model_folder.h"
 #include "tools/diagnose/stats/random.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::diagnose {
@@ -112,14 +112,14 @@ TEST(RoundTrip, WhereNothingCanBeWrittenThatIsSaid) {
   const sanso::test::TempFolder temporary;
   const std::string blocked = (temporary.path() / "file").string();
   std::ofstream(blocked) << "in the way";
-  EXPECT_THROW(write_model_folder(pendulum(""), blocked), recording::InputError);
+  EXPECT_THROW(write_model_folder(pendulum(""), blocked), files::InputError);
 }
 
 /// The error that reading this model.toml gives.
-recording::InputError error_of(const std::string& toml) {
+files::InputError error_of(const std::string& toml) {
   try {
     parse_model(toml, kArmUrdf, "model.toml");
-  } catch (const recording::InputError& e) {
+  } catch (const files::InputError& e) {
     return e;
   }
   return {"", 0, "", "none", "", ""};
@@ -130,7 +130,7 @@ TEST(ModelErrors, EveryUnknownKeyIsNamedWithItsLineWhereverItStands) {
     for (int blank = 0; blank < 4; ++blank) {
       const std::string toml = "format = 1\n" + std::string(static_cast<std::size_t>(blank), '\n') +
                                "[" + table + "]\nunheard_of = 1\n";
-      const recording::InputError e = error_of(toml);
+      const files::InputError e = error_of(toml);
       EXPECT_EQ(e.defect, "unknown key") << table;
       EXPECT_EQ(e.line, 3 + blank) << table;
       EXPECT_EQ(e.channel, std::string(table) + ".unheard_of");
@@ -143,7 +143,7 @@ TEST(ModelErrors, EverySettingRefusesWhatIsBelowItsRangeAndWhatIsNoNumber) {
   JointSettings::visit(settings, [&](std::string_view key, double&, std::string_view, double low,
                                      double) {
     const std::string name(key);
-    const recording::InputError below =
+    const files::InputError below =
         error_of("format = 1\n[joint.b]\n" + name + " = " + std::to_string(low - 1.0) + "\n");
     EXPECT_EQ(below.defect, "out of range") << name;
     EXPECT_EQ(below.line, 3) << name;
@@ -154,7 +154,7 @@ TEST(ModelErrors, EverySettingRefusesWhatIsBelowItsRangeAndWhatIsNoNumber) {
 }
 
 TEST(ModelErrors, AnUnknownActuatorIsToldWhichThereAre) {
-  const recording::InputError e = error_of("format = 1\n[joint_default]\nactuator = \"steam\"\n");
+  const files::InputError e = error_of("format = 1\n[joint_default]\nactuator = \"steam\"\n");
   EXPECT_EQ(e.defect, "unknown actuator");
   EXPECT_EQ(e.value, "steam");
   for (const std::string_view name : recording::kActuatorNames)
@@ -164,12 +164,12 @@ TEST(ModelErrors, AnUnknownActuatorIsToldWhichThereAre) {
 TEST(ModelErrors, AFolderThatIsNotThereAndOneWithoutItsFiles) {
   const sanso::test::TempFolder temporary;
   const std::string folder = temporary.path().string();
-  EXPECT_THROW(read_model_folder(folder + "/nowhere"), recording::InputError);
+  EXPECT_THROW(read_model_folder(folder + "/nowhere"), files::InputError);
   std::ofstream(folder + "/model.toml") << "format = 1\n[robot]\nurdf = \"other.urdf\"\n";
   try {
     read_model_folder(folder);
     FAIL();
-  } catch (const recording::InputError& e) {
+  } catch (const files::InputError& e) {
     EXPECT_NE(std::string(e.what()).find("other.urdf"), std::string::npos);
   }
 }
@@ -230,7 +230,7 @@ TEST(Overrides, APayloadSitsWhereItsLinkIsAndOnTheBaseNowhere) {
   EXPECT_EQ(changed.payloads[0].body.mass, 0.4);
   EXPECT_NEAR(changed.payloads[0].body.com[0], 0.1, 1e-15);
   EXPECT_THROW(overridden(arm(""), "[[payload]]\nlink = \"wing\"\nmass = 1\n"),
-               recording::InputError);
+               files::InputError);
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/files/input_error.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/small_world.h"
 #include "tools/diagnose/run/score.h"
 #include "tools/recording/csv_reader.h"
-#include "tools/recording/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -51,13 +51,13 @@ TEST(Score, RefusesWhatCannotBeSimulated) {
   recording::Recording r = recorded(model, 1.0);
   recording::Recording no_command = r;
   std::erase_if(no_command.channels, [](const auto& c) { return c.name == "u:a"; });
-  EXPECT_THROW(score(model, no_command), recording::InputError);
+  EXPECT_THROW(score(model, no_command), files::InputError);
   recording::Recording backwards = r;
   std::swap(backwards.t[10], backwards.t[11]);
-  EXPECT_THROW(score(model, backwards), recording::InputError);
+  EXPECT_THROW(score(model, backwards), files::InputError);
   recording::Recording other = r;
   other.channels[0].name = "q:b";
-  EXPECT_THROW(score(model, other), recording::InputError);
+  EXPECT_THROW(score(model, other), files::InputError);
 }
 
 struct Example {

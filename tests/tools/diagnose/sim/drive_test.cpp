@@ -5,7 +5,7 @@
 
 #include "tests/support/small_world.h"
 #include "tools/diagnose/stats/robust.h"
-#include "tools/recording/input_error.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -42,7 +42,7 @@ TEST(Drive, ATorqueSourceFollowsTorqueOrForce) {
   const ModelFolder torque = pendulum("actuator = \"torque\"\n");
   EXPECT_EQ(make_drive(columns({"q:a", "tau_cmd:a", "u:a"}), torque).joints[0].command[0], 1.0);
   EXPECT_EQ(make_drive(columns({"q:a", "u:a", "force_cmd:a"}), torque).joints[0].command[0], 2.0);
-  EXPECT_THROW(make_drive(columns({"q:a", "u:a"}), torque), recording::InputError);
+  EXPECT_THROW(make_drive(columns({"q:a", "u:a"}), torque), files::InputError);
 }
 
 TEST(Drive, APassiveJointNeedsNoCommand) {
@@ -58,7 +58,7 @@ TEST(Drive, SaysWhichColumnIsMissingInWhichFile) {
     try {
       make_drive(columns(present), model);
       FAIL() << missing;
-    } catch (const recording::InputError& e) {
+    } catch (const files::InputError& e) {
       EXPECT_EQ(e.file, "folder/swing.csv");
       EXPECT_EQ(e.channel, missing);
       EXPECT_FALSE(e.expected.empty());
@@ -70,12 +70,12 @@ TEST(Drive, RefusesTimeThatStandsAndPositionsThatAreNone) {
   const ModelFolder model = pendulum("actuator = \"passive\"\n");
   recording::Recording still = columns({"q:a"});
   still.t[7] = still.t[6];
-  EXPECT_THROW(make_drive(still, model), recording::InputError);
+  EXPECT_THROW(make_drive(still, model), files::InputError);
   recording::Recording empty = columns({"q:a"});
   std::vector<double> two(20, NAN);
   two[3] = two[9] = 0.1;
   empty.set("q:a", two);
-  EXPECT_THROW(make_drive(empty, model), recording::InputError);
+  EXPECT_THROW(make_drive(empty, model), files::InputError);
 }
 
 Prediction sine(double amplitude) {

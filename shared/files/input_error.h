@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace sanso::recording {
+namespace sanso::files {
 
 /// Thrown by every reader of user files. `defect` is a short stable name ("empty file", "not a
 /// number", ...) that verdict.json and tests may rely on; `line` counts from 1, 0 = the file as a
@@ -42,4 +42,4 @@ struct InputError : std::runtime_error {
   }
 };
 
-}  // namespace sanso::recording
+}  // namespace sanso::files
