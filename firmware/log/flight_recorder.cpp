@@ -2,11 +2,13 @@
 // renamed when it is whole. May block and allocate.
 #include "firmware/log/flight_recorder.h"
 
-#include <cerrno>
 #include <cinttypes>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
+#include <memory>
+#include <new>
 
+#include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 
 namespace sanso::firmware {
@@ -76,28 +78,30 @@ std::vector<LogRecord> FlightRecorder::records() const {
   return out;
 }
 
+std::string FlightRecorder::text() const {
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  std::FILE* stream = ::open_memstream(&bytes, &size);
+  if (stream == nullptr) throw std::bad_alloc();
+  write_header(stream);
+  for (const LogRecord& record : records()) write_row(stream, record);
+  const bool whole = std::fclose(stream) == 0;
+  const std::unique_ptr<char, decltype(&std::free)> owned(bytes, std::free);
+  if (!whole) throw std::bad_alloc();
+  return {owned.get(), size};
+}
+
 bool FlightRecorder::write(const std::string& path) {
-  const std::string unfinished = path + ".new";  // a record with its final name is whole
-  std::FILE* file = std::fopen(unfinished.c_str(), "w");
-  if (file == nullptr) return fail(path, errno);
-  write_header(file);
-  for (const LogRecord& record : records()) write_row(file, record);
-  const bool written = std::ferror(file) == 0;
-  const int error = errno;
-  if (std::fclose(file) != 0 || !written || std::rename(unfinished.c_str(), path.c_str()) != 0) {
-    const int reason = written ? errno : error;
-    std::remove(unfinished.c_str());
-    return fail(path, reason);
+  try {
+    files::write_atomically(path, text());
+  } catch (const std::exception& error) {
+    error_ = path + ": the flight record cannot be written: " + error.what() +
+             "; it is lost; look at device.log_directory";
+    return false;
   }
   last_file_ = path;
   error_.clear();
   return true;
-}
-
-bool FlightRecorder::fail(const std::string& path, int error) {
-  error_ = path + ": the flight record cannot be written: " + std::strerror(error) +
-           "; it is lost; look at device.log_directory";
-  return false;
 }
 
 }  // namespace sanso::firmware

@@ -32,7 +32,7 @@ class FlightRecorder {
   bool write(const std::string& path);
 
  private:
-  bool fail(const std::string& path, int error);
+  std::string text() const;
 
   Handover& handover_;
   std::string directory_;

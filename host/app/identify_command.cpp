@@ -11,13 +11,13 @@
 #include <stdexcept>
 
 #include "host/app/interrupt.h"
-#include "host/learn/atomic_file.h"
 #include "host/learn/episodes/episode.h"
 #include "host/learn/model/identification_store.h"
 #include "host/learn/model/residual_training.h"
 #include "host/learn/seeds.h"
 #include "host/learn/session/progress.h"
 #include "host/motion/motion.h"
+#include "shared/files/atomic_file.h"
 #include "shared/files/hash.h"
 #include "shared/model/ground.h"
 
@@ -203,7 +203,7 @@ int identify(const IdentifyOptions& options) {
   const learn::Identification found = search_parameters(options, data, Interrupt::requested);
   const Json answer = answer_of(options, data, found);
   if (!options.out.empty())
-    learn::write_atomically(options.out / "identification.json", answer.dump(1) + "\n");
+    files::write_atomically(options.out / "identification.json", answer.dump(1) + "\n");
   if (!options.quiet) print_answer(answer);
   if (found.generations < options.generations) {
     fmt::print(stderr,

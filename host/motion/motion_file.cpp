@@ -1,7 +1,6 @@
 // Motion files: TOML in and out. Numbers are written with the fewest digits that a robot can tell
 // apart.
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -11,6 +10,7 @@
 #include "host/motion/measures.h"
 #include "host/motion/motion.h"
 #include "host/motion/toml_table.h"
+#include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 
 namespace sanso::motion {
@@ -285,23 +285,11 @@ Motion parse_motion(const std::string& text, const std::string& name_for_message
 }
 
 Motion read_motion(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw MotionError(path.string() + ": cannot be opened");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_motion(text.str(), path.string());
+  return parse_motion(files::read_text(path), path.string());
 }
 
 void write_motion(const std::filesystem::path& path, const Motion& motion) {
-  const std::filesystem::path draft = path.string() + ".new";
-  {
-    std::ofstream file(draft, std::ios::binary);
-    file << to_toml(motion);
-    if (!file.flush()) throw MotionError(draft.string() + ": cannot be written; is the disk full?");
-  }
-  std::error_code error;
-  std::filesystem::rename(draft, path, error);
-  if (error) throw MotionError(path.string() + ": cannot be replaced: " + error.message());
+  files::write_atomically(path, to_toml(motion));
 }
 
 }  // namespace sanso::motion

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "shared/files/atomic_file.h"
 #include "tools/conceal/decoy.h"
 #include "tools/conceal/seal.h"
 #include "tools/conceal/severity.h"
@@ -140,12 +140,6 @@ std::string model_toml(const RobotSpec& robot) {
       j.back_emf, j.armature, j.viscous, j.coulomb, j.command_delay_s, j.sensor_delay_s, j.quantum);
 }
 
-void write_file(const fs::path& path, std::string_view bytes) {
-  std::ofstream out(path, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out) throw plant::WorldError("cannot write " + path.string());
-}
-
 std::string answer_json(const Case& c, const ConcealOptions& options) {
   json effects = json::array();
   for (std::size_t i = 0; i < c.effects.size(); ++i) {
@@ -209,8 +203,8 @@ Concealed conceal(const ConcealOptions& options) {
 
   fs::create_directories(out / "model");
   fs::create_directories(out / "recordings");
-  write_file(out / "model" / "robot.urdf", to_urdf(nominal));
-  write_file(out / "model" / "model.toml", model_toml(nominal));
+  files::write_atomically(out / "model" / "robot.urdf", to_urdf(nominal));
+  files::write_atomically(out / "model" / "model.toml", model_toml(nominal));
   Concealed result;
   result.model = (out / "model").string();
   for (const auto& r : recordings) {
@@ -219,7 +213,7 @@ Concealed conceal(const ConcealOptions& options) {
     result.recordings.push_back(path.string());
   }
   const auto sealed = make_seal(answer_json(c, options));
-  write_file(out / "answer.sealed", {reinterpret_cast<const char*>(sealed.data()), sealed.size()});
+  files::write_atomically(out / "answer.sealed", sealed);
   result.hash = seal_hash(sealed);
   return result;
 }

@@ -3,13 +3,14 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
+#include <new>
+#include <stdexcept>
 
-#include "shared/files/input_error.h"
+#include "shared/files/atomic_file.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -21,6 +22,31 @@ void append_number(std::string& out, double value) {
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
   out.append(buffer, end);
+}
+
+/// The bytes that gzopen(path, "wb6") would write.
+std::string gzipped(const std::string& text) {
+  z_stream stream{};
+  constexpr int kGzip = 16;  // added to the window bits: gzip instead of zlib framing
+  if (deflateInit2(&stream, 6, Z_DEFLATED, MAX_WBITS + kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  std::string out(deflateBound(&stream, text.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  std::size_t left = text.size(), room = out.size();
+  int state = Z_OK;
+  while (state == Z_OK) {  // the library counts in 32 bits
+    stream.avail_in = static_cast<uInt>(std::min<std::size_t>(left, 1u << 30));
+    stream.avail_out = static_cast<uInt>(std::min<std::size_t>(room, 1u << 30));
+    const std::size_t in_before = stream.avail_in, out_before = stream.avail_out;
+    state = deflate(&stream, left > stream.avail_in ? Z_NO_FLUSH : Z_FINISH);
+    left -= in_before - stream.avail_in;
+    room -= out_before - stream.avail_out;
+  }
+  out.resize(out.size() - room);
+  deflateEnd(&stream);
+  if (state != Z_STREAM_END) throw std::logic_error("zlib did not finish a text in memory");
+  return out;
 }
 
 }  // namespace
@@ -42,21 +68,8 @@ std::string to_csv(const Recording& recording) {
 
 void write_csv(const Recording& recording, const std::string& path) {
   const bool packed = path.size() > 3 && path.ends_with(".gz");
-  const std::string temporary = path + ".part";
   const std::string text = to_csv(recording);
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(
-      gzopen(temporary.c_str(), packed ? "wb6" : "wbT"), gzclose);
-  bool good = file != nullptr;
-  for (std::size_t done = 0; good && done < text.size();) {
-    const auto chunk = static_cast<unsigned>(std::min<std::size_t>(text.size() - done, 1u << 24));
-    good = gzwrite(file.get(), text.data() + done, chunk) == static_cast<int>(chunk);
-    done += chunk;
-  }
-  good = good && gzflush(file.get(), Z_FINISH) == Z_OK;
-  std::error_code error;
-  if (good) std::filesystem::rename(temporary, path, error);
-  if (!good || error)
-    throw files::InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+  files::write_atomically(path, packed ? gzipped(text) : text);
 
   if (!recording.condition.empty() || !recording.overrides.empty() || !recording.payloads.empty()) {
     std::filesystem::path sidecar = path;

@@ -10,9 +10,8 @@ namespace sanso::recording {
 
 std::string to_csv(const Recording& recording);
 
-/// Writes to a neighbouring temporary file and renames, so that no half-written recording is ever
-/// seen. Throws InputError. A sidecar is written beside it when the recording has a condition,
-/// overrides or payloads.
+/// Atomic: no half-written recording is ever seen. Throws files::WriteError. A sidecar is written
+/// beside it when the recording has a condition, overrides or payloads.
 void write_csv(const Recording& recording, const std::string& path);
 
 }  // namespace sanso::recording

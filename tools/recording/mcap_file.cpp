@@ -5,11 +5,11 @@
 #include <zstd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 
+#include "shared/files/atomic_file.h"
+#include "shared/files/bytes.h"
 #include "shared/files/input_error.h"
-#include "tools/recording/bytes.h"
 
 namespace sanso::recording {
 namespace {
@@ -71,7 +71,7 @@ class McapParser {
 
   /// False at the end of the data section.
   bool record(std::uint8_t opcode, std::string_view content, bool inside_chunk) {
-    ByteReader in(content);
+    files::ByteReader in(content);
     switch (opcode) {
       case kSchema:
         schema(in);
@@ -100,11 +100,11 @@ class McapParser {
     throw files::InputError(path_, 0, "", "damaged MCAP record", "", "an intact file");
   }
 
-  void schema(ByteReader& in) {
+  void schema(files::ByteReader& in) {
     const auto id = in.number<std::uint16_t>();
     schemas_[id] = std::string(in.string());
   }
-  void channel(ByteReader& in) {
+  void channel(files::ByteReader& in) {
     const auto id = in.number<std::uint16_t>();
     const auto schema = in.number<std::uint16_t>();
     McapChannel c;
@@ -113,7 +113,7 @@ class McapParser {
     c.schema = schemas_[schema];
     channels_[id] = std::move(c);
   }
-  void message(ByteReader& in, std::string_view content) {
+  void message(files::ByteReader& in, std::string_view content) {
     const auto id = in.number<std::uint16_t>();
     in.number<std::uint32_t>();  // sequence
     const auto log_time = in.number<std::uint64_t>();
@@ -122,7 +122,7 @@ class McapParser {
     if (!in.ok() || c == channels_.end()) damaged();
     on_message_(c->second, log_time, content.substr(in.position()));
   }
-  void chunk(ByteReader& in) {
+  void chunk(files::ByteReader& in) {
     in.number<std::uint64_t>();  // first and last time
     in.number<std::uint64_t>();
     const auto size = in.number<std::uint64_t>();
@@ -134,7 +134,7 @@ class McapParser {
       throw files::InputError(path_, 0, "", "chunk too large", std::to_string(size),
                               "at most 256 MB");
     const std::string records = unpack(packed, compression, size, path_);
-    ByteReader inner(records);
+    files::ByteReader inner(records);
     while (!inner.done()) {
       const auto opcode = inner.number<std::uint8_t>();
       const std::string_view content = inner.take(inner.number<std::uint64_t>());
@@ -150,7 +150,7 @@ class McapParser {
 };
 
 std::string record_bytes(std::uint8_t opcode, const std::string& content) {
-  ByteWriter out;
+  files::ByteWriter out;
   out.number(opcode);
   out.number(static_cast<std::uint64_t>(content.size()));
   out.raw(content);
@@ -175,7 +175,7 @@ void read_mcap_messages(
     if (!in.read(head, 9))
       throw files::InputError(path, 0, "", "truncated MCAP file", "",
                               "a file that was closed properly");
-    ByteReader reader(std::string_view(head, 9));
+    files::ByteReader reader(std::string_view(head, 9));
     const auto opcode = reader.number<std::uint8_t>();
     const auto length = reader.number<std::uint64_t>();
     if (length > kMaxRecord)
@@ -191,7 +191,7 @@ void read_mcap_messages(
 }
 
 McapWriter::McapWriter(std::string path) : path_(std::move(path)), file_(kMagic) {
-  ByteWriter header;
+  files::ByteWriter header;
   header.string("ros2");
   header.string("sanso");
   file_ += record_bytes(kHeader, header.bytes());
@@ -200,12 +200,12 @@ McapWriter::McapWriter(std::string path) : path_(std::move(path)), file_(kMagic)
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema,
                                       std::string_view definition) {
   const auto id = static_cast<std::uint16_t>(count_.size() + 1);
-  ByteWriter s;
+  files::ByteWriter s;
   s.number(id);
   s.string(schema);
   s.string("ros2msg");
   s.string(definition);
-  ByteWriter c;
+  files::ByteWriter c;
   c.number(id);
   c.number(id);
   c.string(topic);
@@ -219,7 +219,7 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
 }
 
 void McapWriter::write(std::uint16_t channel, std::uint64_t time_ns, std::string_view cdr) {
-  ByteWriter m;
+  files::ByteWriter m;
   m.number(channel);
   m.number(static_cast<std::uint32_t>(count_[channel]++));
   m.number(time_ns);
@@ -238,7 +238,7 @@ void McapWriter::close_chunk() {
   if (chunk_.empty()) return;
   std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
   packed.resize(ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), 3));
-  ByteWriter c;
+  files::ByteWriter c;
   c.number(chunk_start_);
   c.number(chunk_end_);
   c.number(static_cast<std::uint64_t>(chunk_.size()));
@@ -247,7 +247,7 @@ void McapWriter::close_chunk() {
   c.number(static_cast<std::uint64_t>(packed.size()));
   c.raw(packed);
   const std::string bytes = record_bytes(kChunk, c.bytes());
-  ByteWriter index;
+  files::ByteWriter index;
   index.number(chunk_start_);
   index.number(chunk_end_);
   index.number(static_cast<std::uint64_t>(file_.size()));
@@ -266,11 +266,11 @@ void McapWriter::close_chunk() {
 
 void McapWriter::finish() {
   close_chunk();
-  ByteWriter end;
+  files::ByteWriter end;
   end.number(std::uint32_t{0});
   file_ += record_bytes(kDataEnd, end.bytes());
   const std::uint64_t summary = file_.size();
-  ByteWriter s;
+  files::ByteWriter s;
   s.number(messages_);
   s.number(static_cast<std::uint16_t>(count_.size()));
   s.number(static_cast<std::uint32_t>(count_.size()));
@@ -285,21 +285,13 @@ void McapWriter::finish() {
     s.number(n);
   }
   file_ += declarations_ + record_bytes(kStatistics, s.bytes()) + chunk_indexes_;
-  ByteWriter footer;
+  files::ByteWriter footer;
   footer.number(summary);
   footer.number(std::uint64_t{0});
   footer.number(std::uint32_t{0});
   file_ += record_bytes(kFooter, footer.bytes());
   file_ += kMagic;
-
-  const std::string temporary = path_ + ".part";
-  std::ofstream out(temporary, std::ios::binary);
-  out.write(file_.data(), static_cast<std::streamsize>(file_.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path_, error);
-  if (!out || error)
-    throw files::InputError(path_, 0, "", "cannot write", "", "a writable folder with free space");
+  files::write_atomically(path_, file_);
 }
 
 }  // namespace sanso::recording

@@ -32,7 +32,7 @@ class McapWriter {
   std::uint16_t add_channel(const std::string& topic, const std::string& schema,
                             std::string_view definition);
   void write(std::uint16_t channel, std::uint64_t time_ns, std::string_view cdr);
-  void finish();  // throws InputError when the file cannot be written
+  void finish();  // throws files::WriteError when the file cannot be written
 
  private:
   void close_chunk();

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tools/recording/bytes.h"
+#include "shared/files/bytes.h"
 
 namespace sanso::recording {
 namespace {
@@ -45,7 +45,7 @@ class CdrReader {
   }
 
  private:
-  ByteReader in_;
+  files::ByteReader in_;
   bool good_;
 };
 
@@ -76,7 +76,7 @@ class CdrWriter {
   std::string bytes() const { return std::string("\0\1\0\0", 4) + out_.bytes(); }
 
  private:
-  ByteWriter out_;
+  files::ByteWriter out_;
 };
 
 }  // namespace

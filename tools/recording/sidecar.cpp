@@ -1,11 +1,11 @@
 // The keys of the sidecar in one place for reading and writing; an unknown key is an error.
 #include "tools/recording/sidecar.h"
 
-#include <fstream>
 #include <limits>
 #include <map>
+#include <sstream>
 
-#include "shared/files/input_error.h"
+#include "shared/files/atomic_file.h"
 #include "tools/recording/joint_settings.h"
 #include "tools/recording/toml_reader.h"
 
@@ -86,7 +86,7 @@ void read_sidecar(const std::string& path, Recording& recording) {
 }
 
 void write_sidecar(const Recording& recording, const std::string& path) {
-  std::ofstream out(path);
+  std::ostringstream out;
   out << "# set differently in this recording\n";
   if (!recording.condition.empty())
     out << "[recording]\ncondition = " << toml_quoted(recording.condition) << "\n";
@@ -114,8 +114,7 @@ void write_sidecar(const Recording& recording, const std::string& path) {
         << "\ncom = [" << toml_number(p.com[0]) << ", " << toml_number(p.com[1]) << ", "
         << toml_number(p.com[2]) << "]\n";
   }
-  if (!out.flush())
-    throw files::InputError(path, 0, "", "cannot write", "", "a writable folder with free space");
+  files::write_atomically(path, out.view());
 }
 
 }  // namespace sanso::recording

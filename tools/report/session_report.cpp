@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "host/learn/atomic_file.h"
 #include "host/learn/session/session_state.h"
 #include "host/learn/session/summary.h"
+#include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
 #include "tools/report/session_figures.h"
@@ -118,7 +118,7 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   add_trial(page, folder, state->history.front());
   if (state->history.size() > 1) add_trial(page, folder, state->history.back());
   const fs::path file = folder / "report.html";
-  learn::write_atomically(file, page.finish());
+  files::write_atomically(file, page.finish());
   return file;
 }
 
@@ -143,11 +143,11 @@ std::string compare_costs(const std::vector<fs::path>& folders) {
 void write_session_figures(const fs::path& folder, const fs::path& to) {
   const std::unique_ptr<SessionState> state = state_of(folder);
   fs::create_directories(to);
-  learn::write_atomically(to / "cost.svg", cost_over_trials(*state));
-  learn::write_atomically(to / "layers.svg", layers_over_trials(*state));
-  learn::write_atomically(to / "gains.svg", gains_over_trials(*state));
-  learn::write_atomically(to / "model.svg", model_over_trials(*state));
-  learn::write_atomically(to / "updates.svg", update_times(*state));
+  files::write_atomically(to / "cost.svg", cost_over_trials(*state));
+  files::write_atomically(to / "layers.svg", layers_over_trials(*state));
+  files::write_atomically(to / "gains.svg", gains_over_trials(*state));
+  files::write_atomically(to / "model.svg", model_over_trials(*state));
+  files::write_atomically(to / "updates.svg", update_times(*state));
 }
 
 std::string session_table(const fs::path& folder) {

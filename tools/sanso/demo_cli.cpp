@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "host/app/learn_command.h"
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/emulated_access.h"
@@ -46,7 +46,7 @@ void add_demo(CLI::App& app, int& result) {
   command->callback([options, &result] {
     remove_older_demo(options->out);
     fs::create_directories(options->out);
-    learn::write_atomically(
+    files::write_atomically(
         options->out / kDemoMark,
         std::string_view("made by sanso demo; the next demo replaces this folder\n"));
     result = app::learn(*options, [](const app::LearnOptions& o) {

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tools/emulator/control_client.h"
 
 namespace sanso::cli {
@@ -87,7 +87,7 @@ void EmulatedProcesses::check() {
 
 void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t seed) {
   const fs::path config = folder_ / "emulator.toml";
-  learn::write_atomically(config, fmt::format("world = \"{}\"\nseed = {}\ndirectory = \"{}\"\n",
+  files::write_atomically(config, fmt::format("world = \"{}\"\nseed = {}\ndirectory = \"{}\"\n",
                                               world, seed % 1'000'000, robot_directory_));
   emulator_ = std::make_unique<ChildProcess>(find_program("sanso-emulator"),
                                              std::vector<std::string>{"--config", config.string()},
@@ -102,8 +102,8 @@ void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t s
 
 void EmulatedProcesses::start_firmware() {
   const fs::path key_file = folder_ / "key.hex", config = folder_ / "firmware.toml";
-  learn::write_atomically(key_file, hex(key_) + "\n");
-  learn::write_atomically(
+  files::write_atomically(key_file, hex(key_) + "\n");
+  files::write_atomically(
       config,
       fmt::format(
           "[device]\nbus = \"{0}/bus\"\nimu = \"unix:{0}/imu\"\npose = \"unix:{0}/pose\"\n"

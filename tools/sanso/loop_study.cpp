@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include "host/learn/session/session.h"
 #include "host/motion/motion.h"
 #include "host/mpc/solver.h"
+#include "shared/files/atomic_file.h"
 #include "tools/inprocess/inprocess_access.h"
 #include "tools/report/svg_chart.h"
 
@@ -192,9 +192,7 @@ int bench_loop(const LoopStudyOptions& options) {
     for (const LoopOutcome& r : results) all.push_back(to_json(r));
     fmt::print("{}\n", all.dump(2));
   }
-  if (!options.figure.empty() && !(std::ofstream(options.figure) << figure_of(results)))
-    throw std::runtime_error(fmt::format(
-        "--figure {}: cannot be written; expected a file in a folder that exists", options.figure));
+  if (!options.figure.empty()) files::write_atomically(options.figure, figure_of(results));
   return std::any_of(results.begin(), results.end(),
                      [](const LoopOutcome& r) { return r.late > 0; })
              ? 1

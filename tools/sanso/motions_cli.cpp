@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/learn/atomic_file.h"
 #include "host/motion/make/import.h"
 #include "host/motion/motion.h"
+#include "shared/files/atomic_file.h"
 #include "tools/report/motion_page.h"
 #include "tools/sanso/commands.h"
 
@@ -61,7 +61,7 @@ void import_clip(const ImportOptions& options) {
   const fs::path file = folder / (made.motion.name + ".toml");
   motion::write_motion(file, made.motion);
   const fs::path page = fs::path(file).replace_extension(".html");
-  learn::write_atomically(page, std::string_view(report::motion_page(made.motion)));
+  files::write_atomically(page, report::motion_page(made.motion));
   const auto& check = made.check;
   fmt::print(
       "{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), "

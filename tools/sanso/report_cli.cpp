@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
 
@@ -26,7 +26,7 @@ int run_report(const ReportOptions& options) {
     std::vector<fs::path> all{options.folder};
     all.insert(all.end(), options.compare.begin(), options.compare.end());
     const fs::path file = options.folder / "compare.svg";
-    learn::write_atomically(file, report::compare_costs(all));
+    files::write_atomically(file, report::compare_costs(all));
     fmt::print("figure: {}\n", file.string());
     return kDone;
   }

@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "host/learn/model/model_learner.h"
 #include "host/learn/session/session_state.h"
 #include "host/motion/motion.h"
+#include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 
 namespace sanso::sweep {
@@ -78,8 +78,8 @@ int run_predictions(const PredictionOptions& options) {
                                             m.residual ? &*m.residual : nullptr)},
          {"stretches", stretches}});
   }
-  std::ofstream(options.out / "predictions.json")
-      << Json{{"recorded", recorded}, {"models", models}}.dump() << '\n';
+  files::write_atomically(options.out / "predictions.json",
+                          Json{{"recorded", recorded}, {"models", models}}.dump() + '\n');
   fmt::print("{}\n", (options.out / "predictions.json").string());
   return 0;
 }

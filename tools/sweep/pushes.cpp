@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -17,6 +16,7 @@
 #include "host/learn/seeds.h"
 #include "host/learn/session/session.h"
 #include "host/motion/motion.h"
+#include "shared/files/atomic_file.h"
 #include "shared/policy/policy_bytes.h"
 #include "tools/inprocess/inprocess_access.h"
 
@@ -164,12 +164,11 @@ int run_pushes(Ranks& ranks, const PushOptions& options) {
     return std::pair(a.at("without").get<std::string>(), a.at("push").get<int>()) <
            std::pair(b.at("without").get<std::string>(), b.at("push").get<int>());
   });
-  std::ofstream(options.out / "pushes.json") << Json{{"motion", options.motion},
-                                                     {"world", options.world},
-                                                     {"seed", options.seed},
-                                                     {"pushes", rows}}
-                                                    .dump(1)
-                                             << '\n';
+  const Json all{{"motion", options.motion},
+                 {"world", options.world},
+                 {"seed", options.seed},
+                 {"pushes", rows}};
+  files::write_atomically(options.out / "pushes.json", all.dump(1) + '\n');
   for (const std::string& without : options.without) {
     const auto survived = std::count_if(rows.begin(), rows.end(), [&](const Json& r) {
       return r.at("without") == without && r.at("survived").get<bool>();

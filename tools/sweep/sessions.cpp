@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/app/interrupt.h"
+#include "shared/files/atomic_file.h"
 
 namespace sanso::sweep {
 namespace {
@@ -110,9 +111,8 @@ int run_sessions(Ranks& ranks, const SessionsOptions& options,
   const auto answered = std::count_if(rows.begin(), rows.end(),
                                       [](const Json& row) { return !row.contains("error"); });
   const std::filesystem::path file = options.out / "sweep.json";
-  std::ofstream(file)
-      << Json{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"sessions", rows}}.dump(2)
-      << '\n';
+  const Json all{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"sessions", rows}};
+  files::write_atomically(file, all.dump(2) + '\n');
   fmt::print("{} of {} sessions on {} ranks in {:.1f} s: {}{}\n", answered, jobs.size(),
              ranks.size(), wall_s() - begin, file.string(),
              stopped ? "; stopped, the same command goes on" : "");

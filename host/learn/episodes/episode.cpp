@@ -2,7 +2,7 @@
 // them.
 #include "host/learn/episodes/episode.h"
 
-#include "host/learn/episodes/binary_io.h"
+#include "shared/files/framed.h"
 #include "shared/files/hash.h"
 
 namespace sanso::learn {
@@ -38,29 +38,29 @@ void visit_plan(auto& p, auto&& io) {
 void visit_knot(auto& k, auto&& io) { io(k.u), io(k.x), io(k.K); }
 
 template <class Visit>
-void put_all(BinaryWriter& out, const auto& items, Visit visit) {
+void put_all(files::FramedWriter& out, const auto& items, Visit visit) {
   out.put(static_cast<std::uint32_t>(items.size()));
   for (const auto& item : items) visit(item);
 }
 
 /// The stored count, refused when so many items of at least one byte cannot follow.
-std::uint32_t read_count(BinaryReader& in) {
+std::uint32_t read_count(files::FramedReader& in) {
   const auto n = in.read<std::uint32_t>();
   if (n > in.left()) in.fail();
   return n;
 }
 
-void put_observation(BinaryWriter& out, const wire::Observation& o) {
+void put_observation(files::FramedWriter& out, const wire::Observation& o) {
   visit_fields(o, [&](const auto& v) { out.put(v); });
 }
 
-void put_plan(BinaryWriter& out, const PlanRecord& plan) {
+void put_plan(files::FramedWriter& out, const PlanRecord& plan) {
   const auto put = [&](const auto& v) { out.put(v); };
   visit_plan(plan, put);
   put_all(out, plan.policy.knots, [&](const policy::Knot& k) { visit_knot(k, put); });
 }
 
-PlanRecord get_plan(BinaryReader& in) {
+PlanRecord get_plan(files::FramedReader& in) {
   PlanRecord plan;
   const auto get = [&](auto& v) { in.get(v); };
   visit_plan(plan, get);
@@ -100,7 +100,7 @@ const policy::UpperPolicy* executed_policy(const Episode& episode,
 }
 
 std::uint64_t digest(const Episode& episode) {
-  BinaryWriter out;
+  files::FramedWriter out;
   const auto put = [&](const auto& v) { out.put(v); };
   visit_header(episode, put);
   put_all(out, episode.cost_terms, put);
@@ -110,7 +110,7 @@ std::uint64_t digest(const Episode& episode) {
 }
 
 void save_episode(const std::filesystem::path& path, const Episode& episode) {
-  BinaryWriter out;
+  files::FramedWriter out;
   const auto put = [&](const auto& v) { out.put(v); };
   visit_header(episode, put);
   put_all(out, episode.cost_terms, put);
@@ -124,11 +124,11 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
   });
   put_all(out, episode.truth, [&](const TrueSample& s) { put(s.x), put(s.foot_load_N); });
   put_all(out, episode.reference, put);
-  save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kMagic, kVersion, out.bytes());
 }
 
 Episode load_episode(const std::filesystem::path& path) {
-  BinaryReader in = load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
   const auto get = [&](auto& v) { in.get(v); };
   Episode episode;
   visit_header(episode, get);

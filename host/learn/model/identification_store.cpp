@@ -2,7 +2,7 @@
 // of continued.
 #include "host/learn/model/identification_store.h"
 
-#include "host/learn/episodes/binary_io.h"
+#include "shared/files/framed.h"
 
 namespace sanso::learn {
 namespace {
@@ -10,7 +10,7 @@ namespace {
 constexpr char kMagic[] = "SANSOCEM";
 constexpr std::uint32_t kVersion = 1;
 
-void get_sized(BinaryReader& in, Eigen::VectorXd& v, std::uint32_t size) {
+void get_sized(files::FramedReader& in, Eigen::VectorXd& v, std::uint32_t size) {
   if (in.left() / sizeof(double) < size) in.fail();
   v.resize(size);
   in.get(v);
@@ -20,7 +20,7 @@ void get_sized(BinaryReader& in, Eigen::VectorXd& v, std::uint32_t size) {
 
 void save_search(const std::filesystem::path& path, const CrossEntropyState& state,
                  std::uint64_t fingerprint) {
-  BinaryWriter out;
+  files::FramedWriter out;
   out.put(fingerprint);
   out.put(static_cast<std::int32_t>(state.generation));
   out.put(state.best_loss);
@@ -28,11 +28,11 @@ void save_search(const std::filesystem::path& path, const CrossEntropyState& sta
   out.put(state.mean);
   out.put(state.deviation);
   out.put(state.best);
-  save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kMagic, kVersion, out.bytes());
 }
 
 CrossEntropyState load_search(const std::filesystem::path& path, std::uint64_t fingerprint) {
-  BinaryReader in = load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
   if (in.read<std::uint64_t>() != fingerprint)
     throw std::runtime_error(
         path.string() +

@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "host/learn/episodes/binary_io.h"
 #include "host/learn/seeds.h"
+#include "shared/files/framed.h"
 #include "shared/model/op3_step.h"
 
 namespace sanso::learn {
@@ -23,15 +23,6 @@ void visit_network(auto& n, auto&& io) {
   io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2),
       io(n.b3), io(n.output_mean);
   io(n.output_scale);
-}
-
-// BinaryWriter and BinaryReader know column-major matrices; the network's are row-major, so go
-// entry by entry.
-void put_all(BinaryWriter& out, const auto& m) {
-  for (Eigen::Index i = 0; i < m.size(); ++i) out.put(m.data()[i]);
-}
-void get_all(BinaryReader& in, auto& m) {
-  for (Eigen::Index i = 0; i < m.size(); ++i) in.get(m.data()[i]);
 }
 
 }  // namespace
@@ -188,29 +179,29 @@ TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
 }
 
 void ModelLearner::save(const std::filesystem::path& path) const {
-  BinaryWriter out;
+  files::FramedWriter out;
   out.put(static_cast<std::uint32_t>(z_.size()));
-  put_all(out, z_);
+  out.put(z_);
   out.put(sigma_);
   out.put(static_cast<std::int32_t>(rounds_));
   out.put(static_cast<std::uint8_t>(residual_.has_value()));
-  if (residual_) visit_network(*residual_, [&out](const auto& m) { put_all(out, m); });
-  save_framed(path, kMagic, kVersion, out.bytes());
+  if (residual_) visit_network(*residual_, [&out](const auto& m) { out.put(m); });
+  files::save_framed(path, kMagic, kVersion, out.bytes());
 }
 
 void ModelLearner::load(const std::filesystem::path& path) {
-  BinaryReader in = load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
   if (in.read<std::uint32_t>() != static_cast<std::uint32_t>(map_.size())) {
     throw std::runtime_error(path.string() +
                              ": holds another set of model parameters; delete it and learn again");
   }
-  get_all(in, z_);
+  in.get(z_);
   in.get(sigma_);
   rounds_ = in.read<std::int32_t>();
   residual_.reset();
   if (in.read<std::uint8_t>() != 0) {
     residual_.emplace();
-    visit_network(*residual_, [&in](auto& m) { get_all(in, m); });
+    visit_network(*residual_, [&in](auto& m) { in.get(m); });
   }
   trust_ = {};
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/learn/episodes/binary_io.h"
+#include "shared/files/framed.h"
 #include "shared/files/hash.h"
 
 namespace sanso::learn {
@@ -31,7 +31,7 @@ std::vector<std::uint8_t> primitive_bytes(const policy::PrimitiveSet& set) {
   return bytes;
 }
 
-void put_learned(BinaryWriter& out, const SessionState& state) {
+void put_learned(files::FramedWriter& out, const SessionState& state) {
   const std::vector<std::uint8_t> primitives = primitive_bytes(state.primitives);
   out.put(static_cast<std::uint32_t>(primitives.size()));
   for (std::uint8_t byte : primitives) out.put(byte);
@@ -40,7 +40,7 @@ void put_learned(BinaryWriter& out, const SessionState& state) {
     visit_knot(knot, [&](const auto& v) { out.put(v); });
 }
 
-void get_learned(BinaryReader& in, SessionState& state) {
+void get_learned(files::FramedReader& in, SessionState& state) {
   std::vector<std::uint8_t> primitives(in.read<std::uint32_t>());
   for (std::uint8_t& byte : primitives) in.get(byte);
   if (policy::from_bytes(primitives, state.primitives) != Status::ok) in.fail();
@@ -82,7 +82,7 @@ TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle
 }
 
 void save_state(const std::filesystem::path& path, const SessionState& state) {
-  BinaryWriter out;
+  files::FramedWriter out;
   out.put(state.identity);
   out.put(state.next_trial);
   out.put(state.sigma);
@@ -98,11 +98,11 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
     out.put(static_cast<std::uint32_t>(s.broken_clauses.size()));
     for (const std::string& clause : s.broken_clauses) out.put(clause);
   }
-  save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kMagic, kVersion, out.bytes());
 }
 
 void load_state(const std::filesystem::path& path, SessionState& state) {
-  BinaryReader in = load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
   in.get(state.identity);
   in.get(state.next_trial);
   in.get(state.sigma);
@@ -121,7 +121,7 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
 }
 
 std::uint64_t learned_digest(const SessionState& state) {
-  BinaryWriter out;
+  files::FramedWriter out;
   put_learned(out, state);
   return files::fnv1a(out.bytes());
 }

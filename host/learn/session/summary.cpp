@@ -8,8 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "host/learn/atomic_file.h"
 #include "host/learn/session/session.h"
+#include "shared/files/atomic_file.h"
 
 namespace sanso::learn {
 namespace {
@@ -90,7 +90,7 @@ void write_summary(const std::filesystem::path& path, const std::string& motion,
                      {"late_updates", late},
                      {"learned_digest", fmt::format("{:016x}", learned_digest(state))},
                      {"iterations", iterations}};
-  write_atomically(path, summary.dump(1) + "\n");
+  files::write_atomically(path, summary.dump(1) + "\n");
 }
 
 }  // namespace sanso::learn

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tests/host/learn/model/learner_world.h"
 #include "tests/support/temp_folder.h"
 
@@ -55,7 +55,7 @@ TEST_F(IdentifyEpisodes, FindsSofterServosAndSaysSo) {
   options.population = 32;
   options.generations = 8;
   EXPECT_EQ(identify(options), 0) << "held-out trials are predicted better";
-  const std::vector<std::uint8_t> bytes = learn::read_file(options.out / "identification.json");
+  const std::vector<std::uint8_t> bytes = files::read_file(options.out / "identification.json");
   EXPECT_THAT(std::string(bytes.begin(), bytes.end()), HasSubstr("stiffness_Nm_per_rad"));
   options.out.clear();
   const auto found = search_parameters(options, load_identification_data(options), never);
@@ -84,7 +84,7 @@ TEST_F(IdentifyEpisodes, AnotherSearchIsNotContinued) {
   options.resume = true;
   options.seed = 99;
   EXPECT_THAT(refusal(), HasSubstr("another seed"));
-  learn::write_atomically(options.out / "search.state", std::string_view("no search"));
+  files::write_atomically(options.out / "search.state", std::string_view("no search"));
   EXPECT_THAT(refusal(), HasSubstr("not a file of kind"));
 }
 

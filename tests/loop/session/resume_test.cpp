@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "host/app/interrupt.h"
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tests/loop/support/loop_fixture.h"
 #include "tests/support/temp_folder.h"
 
@@ -88,9 +88,9 @@ TEST_F(Resume, AnotherSessionIsNotContinued) {
 
 TEST_F(Resume, ADamagedStateIsRefused) {
   run_session(folder / "s", 1, false);
-  std::vector<std::uint8_t> bytes = learn::read_file(folder / "s" / "state.bin");
+  std::vector<std::uint8_t> bytes = files::read_file(folder / "s" / "state.bin");
   bytes[bytes.size() / 2] ^= 1;
-  learn::write_atomically(folder / "s" / "state.bin", bytes);
+  files::write_atomically(folder / "s" / "state.bin", bytes);
   EXPECT_THROW(run_session(folder / "s", 2, true), std::runtime_error);
 }
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "shared/files/bytes.h"
 #include "shared/files/input_error.h"
-#include "tools/recording/bytes.h"
 #include "tools/recording/csv_writer.h"
 #include "tools/recording/mcap_file.h"
 #include "tools/recording/mcap_recording.h"
@@ -69,14 +69,14 @@ TEST_F(Mcap, WhatIsWrittenReadsBack) {
 
 /// One joint state at 1.5 s, as a record of the data section.
 std::string records(std::string_view schema = kJointStateType, std::string_view encoding = "cdr") {
-  const auto record = [](std::uint8_t opcode, const ByteWriter& content) {
-    ByteWriter out;
+  const auto record = [](std::uint8_t opcode, const files::ByteWriter& content) {
+    files::ByteWriter out;
     out.number(opcode);
     out.number(static_cast<std::uint64_t>(content.size()));
     out.raw(content.bytes());
     return out.bytes();
   };
-  ByteWriter s, c, m;
+  files::ByteWriter s, c, m;
   s.number(std::uint16_t{1}), s.string(schema), s.string("ros2msg"), s.string("");
   c.number(std::uint16_t{7}), c.number(std::uint16_t{1}), c.string("/joint_states"),
       c.string(encoding), c.number(std::uint32_t{0});
@@ -88,7 +88,7 @@ std::string records(std::string_view schema = kJointStateType, std::string_view 
 
 std::string file_of(const std::string& data_section) {
   const std::string magic("\x89MCAP0\r\n", 8);
-  ByteWriter out;
+  files::ByteWriter out;
   out.raw(magic);
   out.number(std::uint8_t{1}), out.number(std::uint64_t{8}), out.number(std::uint32_t{0}),
       out.number(std::uint32_t{0});
@@ -98,13 +98,13 @@ std::string file_of(const std::string& data_section) {
 }
 
 std::string chunk_of(const std::string& packed, std::uint64_t size, std::string_view compression) {
-  ByteWriter c;
+  files::ByteWriter c;
   c.number(std::uint64_t{5}), c.number(std::uint64_t{5}), c.number(size),
       c.number(std::uint32_t{0});
   c.string(compression);
   c.number(static_cast<std::uint64_t>(packed.size()));
   c.raw(packed);
-  ByteWriter out;
+  files::ByteWriter out;
   out.number(std::uint8_t{6});
   out.number(static_cast<std::uint64_t>(c.size()));
   out.raw(c.bytes());

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "shared/files/atomic_file.h"
 #include "tools/bench/diagnose/baselines.h"
 #include "tools/bench/diagnose/residual_network.h"
 #include "tools/diagnose/compare/parallel.h"
@@ -101,7 +101,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   out.seed = seed;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string verdict = (folder / "verdict.json").string();
-  std::ofstream(verdict) << diagnose::verdict_json(found.verdict);
+  files::write_atomically(verdict, diagnose::verdict_json(found.verdict));
   out.score = options.reveal(folder.string(), verdict);
   out.ran = true;
   const diagnose::FirstLook& look = found.first_look;
@@ -127,7 +127,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
     for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
   }
   // a run that is stopped keeps it
-  std::ofstream((folder / "outcome.json").string()) << json_of(out).dump(2) << "\n";
+  files::write_atomically(folder / "outcome.json", json_of(out).dump(2) + "\n");
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "shared/files/atomic_file.h"
 #include "tools/bench/diagnose/outcome_json.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/score.h"
@@ -59,8 +60,8 @@ CaseOutcome run_case(const CaseFiles& c, const fs::path& folder,
   out.said = judge(c.answer, verdict);
   prove(c, found, out);
   fs::create_directories(folder);
-  std::ofstream(folder / "verdict.json") << verdict;
-  std::ofstream(folder / "outcome.json") << nlohmann::json(out).dump(2) << "\n";
+  files::write_atomically(folder / "verdict.json", verdict);
+  files::write_atomically(folder / "outcome.json", nlohmann::json(out).dump(2) + "\n");
   return out;
 }
 

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <sstream>
 
+#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "tools/recording/toml_reader.h"
 
@@ -100,25 +100,6 @@ void read_joints(const TomlTable& top, ModelFolder& model) {
   }
 }
 
-std::string whole_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, "", "cannot open", "", "a readable file");
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path temporary = path.string() + ".part";
-  std::ofstream out(temporary, std::ios::binary);
-  out << text;
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(temporary, path, error);
-  if (!out || error)
-    throw InputError(path.string(), 0, "", "cannot write", "", "a writable folder with free space");
-}
-
 void append_joint(std::ostringstream& out, const JointSettings& settings,
                   const JointSettings* only_different_from) {
   const auto* base = only_different_from;
@@ -165,7 +146,7 @@ ModelFolder read_model_folder(const std::string& folder) {
   model.folder = folder;
   read_settings(top, model);
   const std::string urdf_path = (path / model.urdf_file).string();
-  model.urdf = whole_file(urdf_path);
+  model.urdf = files::read_text(urdf_path);
   model.tree = tree_from_urdf(model.urdf, urdf_path);
   read_joints(top, model);
   return model;
@@ -205,8 +186,8 @@ std::string model_toml(const ModelFolder& model) {
 void write_model_folder(const ModelFolder& model, const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  write_file(std::filesystem::path(folder) / model.urdf_file, model.urdf);
-  write_file(std::filesystem::path(folder) / "model.toml", model_toml(model));
+  files::write_atomically(std::filesystem::path(folder) / model.urdf_file, model.urdf);
+  files::write_atomically(std::filesystem::path(folder) / "model.toml", model_toml(model));
 }
 
 }  // namespace sanso::diagnose

@@ -5,8 +5,8 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 
+#include "shared/files/atomic_file.h"
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/diagnosis_report.h"
@@ -14,25 +14,13 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Writes beside the target and renames: a reader sees the old file or the new one, whole.
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path part = path.string() + ".part";
-  {
-    std::ofstream file(part, std::ios::binary);
-    file << text;
-    file.flush();
-    if (!file) throw std::runtime_error("cannot write " + part.string());
-  }
-  std::filesystem::rename(part, path);
-}
-
 void write_all(const Diagnosis& d, const std::string& out) {
   std::filesystem::create_directories(out);
   const std::filesystem::path folder(out);
   if (d.patched) write_model_folder(*d.patched, (folder / "model").string());
-  write_file(folder / "report.html", diagnosis_report(d));
+  files::write_atomically(folder / "report.html", diagnosis_report(d));
   // last: it says that the others are there
-  write_file(folder / "verdict.json", verdict_json(d.verdict));
+  files::write_atomically(folder / "verdict.json", verdict_json(d.verdict));
 }
 
 void print_summary(const Verdict& v) {

@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "host/learn/atomic_file.h"
-#include "host/learn/episodes/binary_io.h"
 #include "host/learn/episodes/episode.h"
 #include "host/learn/seeds.h"
+#include "shared/files/atomic_file.h"
+#include "shared/files/framed.h"
 
 namespace sanso::learn {
 namespace {
@@ -73,15 +73,15 @@ TEST_F(EpisodeStore, GivesBackTheSameBits) {
 
 TEST_F(EpisodeStore, EveryTruncationAndEveryFlippedByteIsRefused) {
   save_episode(folder / "t.episode", example());
-  const std::vector<std::uint8_t> good = read_file(folder / "t.episode");
+  const std::vector<std::uint8_t> good = files::read_file(folder / "t.episode");
   for (std::size_t n = 0; n < good.size(); n += 37) {
-    write_atomically(folder / "cut", std::span(good).first(n));
+    files::write_atomically(folder / "cut", std::span(good).first(n));
     EXPECT_THROW(load_episode(folder / "cut"), std::runtime_error) << n;
   }
   for (std::size_t i = 0; i < good.size(); i += 101) {
     std::vector<std::uint8_t> bad = good;
     bad[i] ^= 0x40;
-    write_atomically(folder / "bad", bad);
+    files::write_atomically(folder / "bad", bad);
     EXPECT_THROW(load_episode(folder / "bad"), std::runtime_error) << i;
   }
 }
@@ -104,7 +104,7 @@ TEST_F(EpisodeStore, AFullDiskSaysSoAndLeavesNothingHalf) {
 
 TEST_F(EpisodeStore, AMissingFolderIsNamed) {
   try {
-    write_atomically(folder / "none" / "x", "text");
+    files::write_atomically(folder / "none" / "x", "text");
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("none/x"));

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/learn/atomic_file.h"
+#include "shared/files/atomic_file.h"
 #include "tests/support/temp_folder.h"
 
 namespace sanso::learn {
@@ -34,9 +34,9 @@ TEST_F(SearchFile, OfAnotherSearchIsRefused) {
 }
 
 TEST_F(SearchFile, CutAnywhereIsRefused) {
-  const std::vector<std::uint8_t> whole = read_file(path);
+  const std::vector<std::uint8_t> whole = files::read_file(path);
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    write_atomically(path, std::span(whole).first(size));
+    files::write_atomically(path, std::span(whole).first(size));
     EXPECT_THROW(load_search(path, kFingerprint), std::runtime_error)
         << size << " of " << whole.size() << " bytes";
   }

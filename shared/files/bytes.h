@@ -1,13 +1,15 @@
-// Bounds-checked little-endian reading and writing of byte strings: the ground under CDR and MCAP.
+// Bounds-checked little-endian reading and writing of byte strings on the heap: the ground under
+// CDR, MCAP and framed files. The wire has its own without heap, shared/base/byte_io.h.
 #pragma once
 
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 
-namespace sanso::recording {
+namespace sanso::files {
 
 static_assert(std::endian::native == std::endian::little,
               "files are little-endian and read by copying");
@@ -60,9 +62,12 @@ class ByteWriter {
   void align(std::size_t to) { bytes_.append((to - bytes_.size() % to) % to, '\0'); }
   std::size_t size() const { return bytes_.size(); }
   const std::string& bytes() const { return bytes_; }
+  std::span<const std::uint8_t> span() const {
+    return {reinterpret_cast<const std::uint8_t*>(bytes_.data()), bytes_.size()};
+  }
 
  private:
   std::string bytes_;
 };
 
-}  // namespace sanso::recording
+}  // namespace sanso::files
