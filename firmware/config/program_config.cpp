@@ -1,90 +1,53 @@
-// Checks the grammar, parses, then asks for the settings key by key; an error names file, line
-// and key.
+// The configuration file by key: each setting's range comes from the struct that declares it.
 #include "firmware/config/program_config.h"
 
-#include <fstream>
-#include <set>
-#include <sstream>
 #include <type_traits>
 
-#define TOML_EXCEPTIONS 0
-#include <toml++/toml.h>
-
-#include "shared/base/toml_grammar.h"
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
+#include "shared/files/toml.h"
 
 namespace sanso::firmware {
 namespace {
 
-/// Reads one table key by key and remembers which keys were known.
-class TableReader {
- public:
-  TableReader(const toml::table* table, std::string name, std::string file, std::string& error)
-      : table_(table), name_(std::move(name)), file_(std::move(file)), error_(error) {}
+using files::TomlTable;
 
-  void read(const char* key, std::string& value) {
-    if (const toml::node* node = find(key)) {
-      if (const auto v = node->value_exact<std::string>())
-        value = *v;
-      else
-        fail(*node, key, "a text");
-    }
-  }
-  template <class T>
-  void read(const char* key, T& value, T low, T high) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return;
-    std::optional<T> v;
-    if constexpr (std::is_same_v<T, bool>) {
-      v = node->value_exact<bool>();
-      if (!v) return fail(*node, key, "true or false");
-    } else {
-      if (std::is_same_v<T, double> || node->is_integer()) v = node->value<T>();
-      std::ostringstream range;
-      range << (std::is_same_v<T, int> ? "a whole number" : "a number") << " from " << low << " to "
-            << high;
-      if (!v || !(*v >= low && *v <= high)) return fail(*node, key, range.str());
-    }
-    value = *v;
-  }
-  void reject_unknown() {
-    if (table_ == nullptr) return;
-    for (const auto& [key, node] : *table_)
-      if (!known_.contains(std::string(key.str())))
-        fail(node, std::string(key.str()), "no such setting; docs/settings.md lists them");
-  }
+constexpr const char* kPage = "one of the settings in docs/settings.md";
 
- private:
-  const toml::node* find(const char* key) {
-    known_.insert(key);
-    return table_ != nullptr ? table_->get(key) : nullptr;
+template <class T>
+void read_setting(const TomlTable& table, const char* key, T& value, T low, T high) {
+  if constexpr (std::is_same_v<T, bool>) {
+    TomlTable::into(value, table.boolean(key));
+  } else if constexpr (std::is_same_v<T, int>) {
+    if (const auto given = table.integer(key, low, high)) value = static_cast<int>(*given);
+  } else {
+    TomlTable::into(value, table.number(key, low, high));
   }
-  void fail(const toml::node& node, const std::string& key, const std::string& expected) {
-    if (!error_.empty()) return;
-    std::ostringstream text;
-    text << file_ << ":" << node.source().begin.line << ": " << name_ << "." << key << " = ";
-    if (node.is_value())
-      node.visit([&](const auto& n) { text << n; });
-    else  // the library's own text of a list casts a negative width to unsigned
-      text << (node.is_array() ? "a list" : "a table");
-    text << ": expected " << expected;
-    error_ = text.str();
-  }
-  const toml::table* table_;
-  std::string name_, file_;
-  std::string& error_;
-  std::set<std::string> known_;
-};
+}
 
-void read_devices(TableReader reader, DeviceConfig& device) {
-  reader.read("bus", device.bus);
-  reader.read("imu", device.imu);
-  reader.read("pose", device.pose);
-  reader.read("listen", device.listen);
-  reader.read("port", device.port, 0, 65535);
-  reader.read("key_file", device.key_file);
-  reader.read("log_directory", device.log_directory);
-  reader.read("tick_priority", device.tick_priority, 1, 99);
-  reader.reject_unknown();
+void read_devices(const TomlTable& table, DeviceConfig& device) {
+  TomlTable::into(device.bus, table.string("bus"));
+  TomlTable::into(device.imu, table.string("imu"));
+  TomlTable::into(device.pose, table.string("pose"));
+  TomlTable::into(device.listen, table.string("listen"));
+  read_setting(table, "port", device.port, 0, 65535);
+  TomlTable::into(device.key_file, table.string("key_file"));
+  TomlTable::into(device.log_directory, table.string("log_directory"));
+  read_setting(table, "tick_priority", device.tick_priority, 1, 99);
+  table.finish(kPage);
+}
+
+void read_config(const TomlTable& root, ProgramConfig& config) {
+  if (const auto table = root.table("device")) read_devices(*table, config.device);
+  config.settings.visit([&](const char* section, auto& group) {
+    const auto table = root.table(section);
+    if (!table) return;
+    group.visit([&](const char* key, auto& value, auto low, auto high, const char*) {
+      read_setting(*table, key, value, low, high);
+    });
+    table->finish(kPage);
+  });
+  root.finish("one of the sections in docs/settings.md");
 }
 
 }  // namespace
@@ -92,46 +55,21 @@ void read_devices(TableReader reader, DeviceConfig& device) {
 bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config,
                           std::string& error) {
   error.clear();
-  if (const auto defect = first_toml_defect(text)) {
-    error = name + ":" + describe(*defect);
-    return false;
-  }
-  const toml::parse_result parsed = toml::parse(text, name);
-  if (!parsed) {
-    std::ostringstream message;
-    message << name << ":" << parsed.error().source().begin.line << ": "
-            << parsed.error().description();
-    error = message.str();
-    return false;
-  }
-  const toml::table& root = parsed.table();
-  std::set<std::string> sections{"device"};
-  read_devices({root["device"].as_table(), "device", name, error}, config.device);
-  config.settings.visit([&](const char* section, auto& group) {
-    sections.insert(section);
-    TableReader reader(root[section].as_table(), section, name, error);
-    group.visit([&](const char* key, auto& value, auto low, auto high, const char*) {
-      reader.read(key, value, low, high);
-    });
-    reader.reject_unknown();
-  });
-  for (const auto& [key, node] : root) {
-    if (error.empty() && (!sections.contains(std::string(key.str())) || !node.is_table()))
-      error = name + ":" + std::to_string(node.source().begin.line) + ": [" +
-              std::string(key.str()) + "]: no such section; docs/settings.md lists them";
+  try {
+    read_config(TomlTable::parse(text, name), config);
+  } catch (const files::InputError& refused) {
+    error = refused.what();
   }
   return error.empty();
 }
 
 bool read_program_config(const std::string& path, ProgramConfig& config, std::string& error) {
-  std::ifstream file(path);
-  if (!file) {
-    error = path + ": cannot be read";
+  try {
+    return parse_program_config(files::read_text(path), path, config, error);
+  } catch (const files::InputError& refused) {
+    error = refused.what();
     return false;
   }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_program_config(text.str(), path, config, error);
 }
 
 }  // namespace sanso::firmware

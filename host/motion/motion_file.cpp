@@ -1,16 +1,15 @@
 // Motion files: TOML in and out. Numbers are written with the fewest digits that a robot can tell
 // apart.
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
-
 #include "host/motion/measures.h"
 #include "host/motion/motion.h"
-#include "host/motion/toml_table.h"
 #include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
+#include "shared/files/toml.h"
 #include "shared/model/joints.h"
 
 namespace sanso::motion {
@@ -34,84 +33,159 @@ constexpr WeightGroup kStateWeights[] = {
     {"roll_rate", model::kDOmega, 1},    {"pitch_rate", model::kDOmega + 1, 1},
     {"yaw_rate", model::kDOmega + 2, 1}, {"joint_rates", model::kDJointRate, 12}};
 
-void read_cost(TomlTable table, mpc::CostWeights& weights) {
+using files::TomlTable;
+
+double number(const TomlTable& table, std::string_view key, double low, double high) {
+  return table.need(key, table.number(key, low, high),
+                    "a number from " + files::toml_number(low) + " to " + files::toml_number(high));
+}
+
+std::string text(const TomlTable& table, std::string_view key) {
+  return table.need(key, table.string(key), "a text in quotes");
+}
+
+std::vector<double> numbers(const TomlTable& table, std::string_view key, std::size_t count) {
+  return table.need(key, table.numbers(key, count),
+                    "a list of " + std::to_string(count) + " numbers");
+}
+
+TomlTable section(const TomlTable& table, std::string_view key) {
+  return table.need(key, table.table(key), "a table");
+}
+
+void read_cost(const TomlTable& table, mpc::CostWeights& weights) {
   for (const WeightGroup& group : kStateWeights) {
-    weights.state.segment(group.from, group.count).setConstant(table.number(group.key, 0.0, 1e6));
+    weights.state.segment(group.from, group.count).setConstant(number(table, group.key, 0.0, 1e6));
   }
-  weights.input.setConstant(table.number("input", 0.0, 1e6));
+  weights.input.setConstant(number(table, "input", 0.0, 1e6));
   table.finish();
 }
 
-void read_recipe(TomlTable table, Recipe& recipe) {
+constexpr double kLargest = std::numeric_limits<double>::max();  // any number but inf and nan
+
+void read_figure(const TomlTable& table, const char* key, double& value) {
+  TomlTable::into(value, table.number(key, -kLargest, kLargest));
+}
+void read_figure(const TomlTable& table, const char* key, int& value) {
+  const auto given =
+      table.number(key, std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+  if (given && *given != std::floor(*given))
+    table.fail(key, "not a whole number", files::toml_number(*given), "a whole number");
+  if (given) value = static_cast<int>(*given);
+}
+void read_figure(const TomlTable& table, const char* key, bool& value) {
+  TomlTable::into(value, table.boolean(key));
+}
+void read_figure(const TomlTable& table, const char* key, std::string& value) {
+  TomlTable::into(value, table.string(key));
+}
+
+void read_recipe(const TomlTable& table, Recipe& recipe) {
+  const std::string kind = text(table, "kind");
   try {
-    recipe.kind = motion_kind(table.text("kind"));
+    recipe.kind = motion_kind(kind);
   } catch (const std::invalid_argument& error) {
-    table.fail("kind", error.what());
+    table.fail("kind", "unknown kind", kind, error.what());
   }
-  visit_recipe(recipe, [&](const char* key, auto& value) { table.optional(key, value); });
+  visit_recipe(recipe, [&](const char* key, auto& value) { read_figure(table, key, value); });
   table.finish();
 }
 
-std::vector<Clause> read_success(TomlTable& root) {
-  std::vector<Clause> clauses;
-  for (TomlTable& entry : root.tables("success")) {
-    Clause clause;
-    clause.measure = entry.text("measure");
-    if (!find_measure(clause.measure)) {
-      std::string known;
-      for (const auto& m : known_measures()) known += (known.empty() ? "" : ", ") + m.name;
-      entry.fail("measure", "'" + clause.measure + "' is none of " + known);
-    }
-    clause.at_least = entry.optional_number("at_least");
-    clause.at_most = entry.optional_number("at_most");
-    entry.optional("waived", clause.waived);
-    if (!clause.at_least && !clause.at_most)
-      entry.fail("measure", "neither at_least nor at_most stands beside it");
-    entry.finish();
-    clauses.push_back(clause);
+Clause read_clause(const TomlTable& entry) {
+  Clause clause;
+  clause.measure = text(entry, "measure");
+  if (!find_measure(clause.measure)) {
+    std::string known;
+    for (const auto& m : known_measures()) known += (known.empty() ? "" : ", ") + m.name;
+    entry.fail("measure", "unknown measure", clause.measure, "one of " + known);
   }
+  clause.at_least = entry.number("at_least", -kLargest, kLargest);
+  clause.at_most = entry.number("at_most", -kLargest, kLargest);
+  TomlTable::into(clause.waived, entry.string("waived"));
+  if (!clause.at_least && !clause.at_most)
+    entry.fail("measure", "no bound", clause.measure, "at_least or at_most beside it");
+  entry.finish();
+  return clause;
+}
+
+std::vector<Clause> read_success(const TomlTable& root) {
+  if (!root.has("success"))
+    root.fail("success", "missing key", "", "a list of tables, [[success]]");
+  std::vector<Clause> clauses;
+  for (const TomlTable& entry : root.tables("success")) clauses.push_back(read_clause(entry));
   return clauses;
 }
 
-void read_primitives(TomlTable table, policy::PrimitiveSet& set) {
-  const std::string form = table.text("form");
-  if (form != "discrete" && form != "rhythmic")
-    table.fail("form", "'" + form + "' is neither discrete nor rhythmic");
-  set.form = form == "discrete" ? policy::PrimitiveForm::discrete : policy::PrimitiveForm::rhythmic;
-  set.num_basis = static_cast<int>(table.number("num_basis", 2, policy::kMaxBasis));
-  set.duration_s = table.number("duration_s", 0.1, policy::kMaxPrimitiveDuration_s);
-  set.period_s = table.number("period_s", 0.1, policy::kMaxPrimitiveDuration_s);
-  set.fade_start = table.number("fade_start", 0.0, 1.0);
+void read_orientation(const TomlTable& entry, std::size_t n,
+                      policy::OrientationPrimitive& orientation) {
+  const std::vector<double> start = numbers(entry, "start", 4), goal = numbers(entry, "goal", 4);
+  const std::vector<double> rate = numbers(entry, "start_rate", 3),
+                            weights = numbers(entry, "weights", 3 * n);
+  for (int k = 0; k < 4; ++k) {
+    orientation.start[k] = start[k];
+    orientation.goal[k] = goal[k];
+  }
+  // files hold rounded numbers; the wire wants unit quaternions
+  orientation.start = math::quat_normalized(orientation.start);
+  orientation.goal = math::quat_normalized(orientation.goal);
+  for (int k = 0; k < 3; ++k) orientation.start_rate[k] = rate[k];
+  for (std::size_t b = 0; b < n; ++b) {
+    for (std::size_t k = 0; k < 3; ++k)
+      orientation.weights[b][k] = static_cast<float>(weights[3 * b + k]);
+  }
+  entry.finish();
+}
+
+void read_primitives(const TomlTable& table, policy::PrimitiveSet& set) {
+  const auto form = table.need("form", table.choice("form", {"discrete", "rhythmic"}),
+                               "\"discrete\" or \"rhythmic\"");
+  set.form = form == 0 ? policy::PrimitiveForm::discrete : policy::PrimitiveForm::rhythmic;
+  set.num_basis = static_cast<int>(number(table, "num_basis", 2, policy::kMaxBasis));
+  set.duration_s = number(table, "duration_s", 0.1, policy::kMaxPrimitiveDuration_s);
+  set.period_s = number(table, "period_s", 0.1, policy::kMaxPrimitiveDuration_s);
+  set.fade_start = number(table, "fade_start", 0.0, 1.0);
   const auto n = static_cast<std::size_t>(set.num_basis);
   for (int i = 0; i < policy::kNumScalarPrimitives; ++i) {
-    TomlTable entry = table.table(scalar_name(i));
+    const TomlTable entry = section(table, scalar_name(i));
     policy::ScalarPrimitive& scalar = set.scalar[i];
-    scalar.start = entry.number("start", -1e3, 1e3);
-    scalar.start_rate = entry.number("start_rate", -1e3, 1e3);
-    scalar.goal = entry.number("goal", -1e3, 1e3);
-    scalar.drift = entry.number("drift", -1e3, 1e3);
-    const std::vector<double> weights = entry.numbers("weights", n);
+    scalar.start = number(entry, "start", -1e3, 1e3);
+    scalar.start_rate = number(entry, "start_rate", -1e3, 1e3);
+    scalar.goal = number(entry, "goal", -1e3, 1e3);
+    scalar.drift = number(entry, "drift", -1e3, 1e3);
+    const std::vector<double> weights = numbers(entry, "weights", n);
     for (std::size_t b = 0; b < n; ++b) scalar.weights[b] = static_cast<float>(weights[b]);
     entry.finish();
   }
-  TomlTable entry = table.table("orientation");
-  const std::vector<double> start = entry.numbers("start", 4), goal = entry.numbers("goal", 4);
-  const std::vector<double> rate = entry.numbers("start_rate", 3),
-                            weights = entry.numbers("weights", 3 * n);
-  for (int k = 0; k < 4; ++k) {
-    set.orientation.start[k] = start[k];
-    set.orientation.goal[k] = goal[k];
-  }
-  // files hold rounded numbers; the wire wants unit quaternions
-  set.orientation.start = math::quat_normalized(set.orientation.start);
-  set.orientation.goal = math::quat_normalized(set.orientation.goal);
-  for (int k = 0; k < 3; ++k) set.orientation.start_rate[k] = rate[k];
-  for (std::size_t b = 0; b < n; ++b) {
-    for (std::size_t k = 0; k < 3; ++k)
-      set.orientation.weights[b][k] = static_cast<float>(weights[3 * b + k]);
-  }
-  entry.finish();
+  read_orientation(section(table, "orientation"), n, set.orientation);
   table.finish();
+}
+
+Motion read_document(const TomlTable& root) {
+  if (number(root, "format", 1, 1000) != kFormat)
+    root.fail("format", "another format", "", "format 1: this program reads format 1");
+  Motion motion;
+  motion.name = text(root, "name");
+  motion.title = text(root, "title");
+  const TomlTable source = section(root, "source");
+  motion.source = {text(source, "credit"), text(source, "licence"), text(source, "changes")};
+  source.finish();
+  read_recipe(section(root, "retarget"), motion.recipe);
+  read_cost(section(root, "cost"), motion.weights);
+  const TomlTable stop = section(root, "stop");
+  motion.stop = {number(stop, "cost_limit", 1, 1e6), number(stop, "tilt_limit_rad", 0.05, 1.5),
+                 number(stop, "drop_limit_m", 0.005, 0.25)};
+  stop.finish();
+  const TomlTable window = section(root, "window");
+  motion.window = {number(window, "from_s", 0, 60), number(window, "to_s", 0, 60)};
+  window.finish();
+  motion.success = read_success(root);
+  read_primitives(section(root, "primitives"), motion.primitives);
+  root.finish();
+  if (policy::validate(motion.primitives) != Status::ok) {
+    root.fail("primitives", "a number is outside what the robot can follow", "",
+              "joints within 3.2 rad, base within 20 m");
+  }
+  return motion;
 }
 
 // --- writing ---
@@ -254,38 +328,20 @@ std::string to_toml(const Motion& motion) {
   return toml.text();
 }
 
-Motion parse_motion(const std::string& text, const std::string& name_for_messages) {
-  const toml::table document = parse_toml(text, name_for_messages);
-  TomlTable root(document, name_for_messages, "");
-  Motion motion;
-  if (root.number("format", 1, 1000) != kFormat) root.fail("format", "this program reads format 1");
-  motion.name = root.text("name");
-  motion.title = root.text("title");
-  TomlTable source = root.table("source");
-  motion.source = {source.text("credit"), source.text("licence"), source.text("changes")};
-  source.finish();
-  read_recipe(root.table("retarget"), motion.recipe);
-  read_cost(root.table("cost"), motion.weights);
-  TomlTable stop = root.table("stop");
-  motion.stop = {stop.number("cost_limit", 1, 1e6), stop.number("tilt_limit_rad", 0.05, 1.5),
-                 stop.number("drop_limit_m", 0.005, 0.25)};
-  stop.finish();
-  TomlTable window = root.table("window");
-  motion.window = {window.number("from_s", 0, 60), window.number("to_s", 0, 60)};
-  window.finish();
-  motion.success = read_success(root);
-  read_primitives(root.table("primitives"), motion.primitives);
-  root.finish();
-  if (policy::validate(motion.primitives) != Status::ok) {
-    root.fail(
-        "primitives",
-        "a number is outside what the robot can follow (joints within 3.2 rad, base within 20 m)");
+Motion parse_motion(const std::string& toml, const std::string& name_for_messages) {
+  try {
+    return read_document(TomlTable::parse(toml, name_for_messages));
+  } catch (const files::InputError& error) {
+    throw MotionError(error.what());
   }
-  return motion;
 }
 
 Motion read_motion(const std::filesystem::path& path) {
-  return parse_motion(files::read_text(path), path.string());
+  try {
+    return read_document(TomlTable::read(path.string()));
+  } catch (const files::InputError& error) {
+    throw MotionError(error.what());
+  }
 }
 
 void write_motion(const std::filesystem::path& path, const Motion& motion) {

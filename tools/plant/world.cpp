@@ -4,121 +4,65 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
-#include <set>
+#include <limits>
 #include <sstream>
-#define TOML_HEADER_ONLY 0
-#include <toml++/toml.h>
 
-#include "shared/base/toml_grammar.h"
+#include "shared/files/input_error.h"
+#include "shared/files/toml.h"
 #include "tools/plant/body_data.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::plant {
 namespace {
 
-/// Walks one table of a world file: every key must be taken, with its unit's range, or the file is
-/// refused.
-class TableReader {
+/// One table of a world file: what is given replaces the default, what is not known is refused.
+class Section {
  public:
-  TableReader(const toml::table& table, std::string path, const std::string& origin)
-      : table_(table), path_(std::move(path)), origin_(origin) {}
-
-  void number(const char* key, double& value, double low, double high) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const auto read = node->value<double>();
-    if (!read) refuse(*node, key, "a number");
-    if (!(*read >= low && *read <= high))
-      refuse(*node, key, fmt::format("a number in [{}, {}]", low, high));
-    value = *read;
+  explicit Section(files::TomlTable table) : table_(std::move(table)) {}
+  void number(const char* key, double& value, double low, double high) const {
+    files::TomlTable::into(value, table_.number(key, low, high));
   }
-  void integer(const char* key, std::uint64_t& value) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const auto read = node->value<std::int64_t>();
-    if (!read || *read < 0) refuse(*node, key, "an integer of at least 0");
-    value = static_cast<std::uint64_t>(*read);
+  void integer(const char* key, std::uint64_t& value) const {
+    const auto given = table_.integer(key, 0, std::numeric_limits<long>::max());
+    if (given) value = static_cast<std::uint64_t>(*given);
   }
-  void vector(const char* key, Vec3& value, double limit) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const toml::array* array = node->as_array();
-    if (!array || array->size() != 3) refuse(*node, key, "three numbers");
+  void vector(const char* key, Vec3& value, double limit) const {
+    const auto given = table_.numbers(key, 3);
+    if (!given) return;
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto read = array->get(i)->value<double>();
-      if (!read || !(std::abs(*read) <= limit))
-        refuse(*node, key, fmt::format("three numbers within +-{}", limit));
-      value[i] = *read;
+      if (std::abs((*given)[i]) > limit)
+        table_.fail(key, "out of range", files::toml_number((*given)[i]),
+                    fmt::format("three numbers within +-{}", limit));
+      value[i] = (*given)[i];
     }
   }
-  void text(const char* key, std::string& value) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const auto read = node->value<std::string>();
-    if (!read) refuse(*node, key, "a text");
-    value = *read;
+  void text(const char* key, std::string& value) const {
+    files::TomlTable::into(value, table_.string(key));
   }
+  /// The names of an enum, in its order.
   template <class Enum>
-  void choice(const char* key, Enum& value,
-              std::initializer_list<std::pair<const char*, Enum>> names) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const auto read = node->value<std::string>();
-    std::string expected;
-    for (const auto& [name, meaning] : names) {
-      if (read && *read == name) {
-        value = meaning;
-        return;
-      }
-      expected += fmt::format("{}\"{}\"", expected.empty() ? "" : " or ", name);
-    }
-    refuse(*node, key, expected);
+  void choice(const char* key, Enum& value, const std::vector<std::string_view>& names) const {
+    if (const auto given = table_.choice(key, names)) value = static_cast<Enum>(*given);
   }
   template <class Read>
-  void table(const char* key, Read&& read) {
-    const toml::node* node = take(key);
-    if (!node) return;
-    const toml::table* inner = node->as_table();
-    if (!inner) refuse(*node, key, "a table");
-    TableReader reader(*inner, path_ + key + ".", origin_);
-    read(reader);
-    reader.finish();
+  void table(const char* key, Read&& read) const {
+    const auto inner = table_.table(key);
+    if (!inner) return;
+    const Section section(*inner);
+    read(section);
+    section.finish();
   }
   void finish() const {
-    for (const auto& [key, node] : table_) {
-      const std::string name(key.str());
-      if (!taken_.contains(name)) {
-        throw WorldError(fmt::format(
-            "{}:{}: unknown key '{}{}'; docs/howto/emulator.md lists the keys of a world", origin_,
-            node.source().begin.line, path_, name));
-      }
-    }
+    table_.finish("one of the keys of a world, listed in docs/howto/emulator.md");
   }
 
  private:
-  const toml::node* take(const char* key) {
-    taken_.insert(key);
-    return table_.get(key);
-  }
-  [[noreturn]] void refuse(const toml::node& node, const char* key,
-                           const std::string& expected) const {
-    std::ostringstream value;
-    if (node.is_value())
-      value << toml::node_view<const toml::node>(node);
-    else  // the library's own text of a list casts a negative width to unsigned
-      value << (node.is_array() ? "a list" : "a table");
-    throw WorldError(fmt::format("{}:{}: {}{} = {}, expected {}", origin_, node.source().begin.line,
-                                 path_, key, value.str(), expected));
-  }
-
-  const toml::table& table_;
-  std::string path_;
-  const std::string& origin_;
-  std::set<std::string> taken_;
+  files::TomlTable table_;
 };
 
-void read_servo(TableReader& t, ServoParameters& s) {
+void read_servo(const Section& t, ServoParameters& s) {
   t.number("resistance_ohm", s.resistance_ohm, 0.5, 50);
   t.number("torque_constant_Nm_A", s.torque_constant_Nm_A, 0.1, 10);
   t.number("back_emf_V_s", s.back_emf_V_s, 0.1, 10);
@@ -141,11 +85,8 @@ void read_servo(TableReader& t, ServoParameters& s) {
   t.number("velocity_filter_s", s.velocity_filter_s, 0.0005, 0.1);
 }
 
-void read_ground(TableReader& t, GroundParameters& g) {
-  t.choice("kind", g.kind,
-           {{"plane", GroundKind::plane},
-            {"ramp", GroundKind::ramp},
-            {"jump_ramp", GroundKind::jump_ramp}});
+void read_ground(const Section& t, GroundParameters& g) {
+  t.choice("kind", g.kind, {"plane", "ramp", "jump_ramp"});
   t.number("friction", g.friction, 0.05, 2);
   t.number("slope_rad", g.slope_rad, 0, 0.8);
   t.number("start_x_m", g.start_x_m, 0.1, 5);
@@ -153,21 +94,21 @@ void read_ground(TableReader& t, GroundParameters& g) {
   t.number("lip_height_m", g.lip_height_m, 0, 0.5);
 }
 
-void read_world(TableReader& t, World& world) {
+void read_world(const Section& t, World& world) {
   t.text("name", world.name);
-  t.table("body", [&](TableReader& b) {
+  t.table("body", [&](const Section& b) {
     b.number("torso_extra_mass_kg", world.body.torso_extra_mass_kg, -0.5, 2);
     b.vector("torso_com_offset_m", world.body.torso_com_offset_m, 0.1);
     b.number("leg_mass_scale", world.body.leg_mass_scale, 0.5, 2);
   });
-  t.table("servo", [&](TableReader& s) { read_servo(s, world.servo); });
-  t.table("supply", [&](TableReader& s) {
+  t.table("servo", [&](const Section& s) { read_servo(s, world.servo); });
+  t.table("supply", [&](const Section& s) {
     s.number("voltage_V", world.supply.voltage_V, 9, 16);
     s.number("internal_ohm", world.supply.internal_ohm, 0, 2);
   });
-  t.table("ground", [&](TableReader& g) { read_ground(g, world.ground); });
-  t.choice("feet", world.feet, {{"soles", FeetKind::soles}, {"wheels", FeetKind::wheels}});
-  t.table("imu", [&](TableReader& i) {
+  t.table("ground", [&](const Section& g) { read_ground(g, world.ground); });
+  t.choice("feet", world.feet, {"soles", "wheels"});
+  t.table("imu", [&](const Section& i) {
     i.number("accel_noise_m_s2", world.imu.accel_noise_m_s2, 0, 5);
     i.number("gyro_noise_rad_s", world.imu.gyro_noise_rad_s, 0, 1);
     i.number("orientation_noise_rad", world.imu.orientation_noise_rad, 0, 0.2);
@@ -175,7 +116,7 @@ void read_world(TableReader& t, World& world) {
     i.vector("gyro_bias_rad_s", world.imu.gyro_bias_rad_s, 0.5);
     i.vector("orientation_bias_rad", world.imu.orientation_bias_rad, 0.2);
   });
-  t.table("pose", [&](TableReader& p) {
+  t.table("pose", [&](const Section& p) {
     p.number("period_s", world.pose.period_s, 0.001, 1);
     p.number("delay_s", world.pose.delay_s, 0, 0.2);
     p.number("position_noise_m", world.pose.position_noise_m, 0, 0.1);
@@ -187,20 +128,15 @@ void read_world(TableReader& t, World& world) {
 }  // namespace
 
 World parse_world(const std::string& toml_text, const std::string& origin) {
-  if (const auto defect = first_toml_defect(toml_text))
-    throw WorldError(origin + ":" + describe(*defect));
-  toml::table table;
   try {
-    table = toml::parse(toml_text, origin);
-  } catch (const toml::parse_error& error) {
-    throw WorldError(
-        fmt::format("{}:{}: {}", origin, error.source().begin.line, error.description()));
+    World world;
+    const Section top(files::TomlTable::parse(toml_text, origin));
+    read_world(top, world);
+    top.finish();
+    return world;
+  } catch (const files::InputError& error) {
+    throw WorldError(error.what());
   }
-  World world;
-  TableReader reader(table, "", origin);
-  read_world(reader, world);
-  reader.finish();
-  return world;
 }
 
 World load_world(const std::string& name_or_path) {

@@ -6,15 +6,16 @@
 #include <sstream>
 
 #include "shared/files/atomic_file.h"
+#include "shared/files/toml.h"
 #include "tools/recording/joint_settings.h"
-#include "tools/recording/toml_reader.h"
 
 namespace sanso::recording {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-void read_joint_table(const TomlTable& table, const std::string& name, Recording& recording) {
+void read_joint_table(const files::TomlTable& table, const std::string& name,
+                      Recording& recording) {
   std::vector<std::string_view> known{"actuator"};
   JointSettings settings;
   JointSettings::visit(
@@ -34,7 +35,7 @@ void read_joint_table(const TomlTable& table, const std::string& name, Recording
   }
 }
 
-void read_payload(const TomlTable& table, Recording& recording) {
+void read_payload(const files::TomlTable& table, Recording& recording) {
   table.allow_only({"link", "mass", "com"});
   Payload payload;
   const auto link = table.string("link");
@@ -47,7 +48,7 @@ void read_payload(const TomlTable& table, Recording& recording) {
   recording.payloads.push_back(payload);
 }
 
-void read(const TomlTable& top, Recording& recording) {
+void read(const files::TomlTable& top, Recording& recording) {
   top.allow_only({"recording", "robot", "control", "joint_default", "joint", "payload"});
   if (const auto table = top.table("recording")) {
     table->allow_only({"condition"});
@@ -72,47 +73,47 @@ void read(const TomlTable& top, Recording& recording) {
     for (const std::string& name : joints->keys())
       read_joint_table(*joints->table(name), "joint." + name, recording);
   }
-  for (const TomlTable& table : top.tables("payload")) read_payload(table, recording);
+  for (const files::TomlTable& table : top.tables("payload")) read_payload(table, recording);
 }
 
 }  // namespace
 
 void parse_sidecar(std::string_view text, const std::string& name, Recording& recording) {
-  read(TomlTable::parse(text, name), recording);
+  read(files::TomlTable::parse(text, name), recording);
 }
 
 void read_sidecar(const std::string& path, Recording& recording) {
-  read(TomlTable::read(path), recording);
+  read(files::TomlTable::read(path), recording);
 }
 
 void write_sidecar(const Recording& recording, const std::string& path) {
   std::ostringstream out;
   out << "# set differently in this recording\n";
   if (!recording.condition.empty())
-    out << "[recording]\ncondition = " << toml_quoted(recording.condition) << "\n";
+    out << "[recording]\ncondition = " << files::toml_quoted(recording.condition) << "\n";
   std::map<std::string, std::vector<const Override*>> tables;  // one header a table
   for (const Override& o : recording.overrides) tables[o.table].push_back(&o);
   for (const auto& [table, settings] : tables) {
     const bool joint = table.starts_with("joint.");
-    out << "[" << (joint ? "joint." + toml_key(table.substr(6)) : table) << "]\n";
+    out << "[" << (joint ? "joint." + files::toml_key(table.substr(6)) : table) << "]\n";
     for (const Override* o : settings) {
       out << o->key << " = ";
       if (!o->text.empty()) {
-        out << toml_quoted(o->text);
+        out << files::toml_quoted(o->text);
       } else if (o->numbers.size() == 1) {
-        out << toml_number(o->numbers[0]);
+        out << files::toml_number(o->numbers[0]);
       } else {
         for (std::size_t k = 0; k < o->numbers.size(); ++k)
-          out << (k == 0 ? "[" : ", ") << toml_number(o->numbers[k]);
+          out << (k == 0 ? "[" : ", ") << files::toml_number(o->numbers[k]);
         out << "]";
       }
       out << "\n";
     }
   }
   for (const Payload& p : recording.payloads) {
-    out << "[[payload]]\nlink = " << toml_quoted(p.link) << "\nmass = " << toml_number(p.mass)
-        << "\ncom = [" << toml_number(p.com[0]) << ", " << toml_number(p.com[1]) << ", "
-        << toml_number(p.com[2]) << "]\n";
+    out << "[[payload]]\nlink = " << files::toml_quoted(p.link)
+        << "\nmass = " << files::toml_number(p.mass) << "\ncom = [" << files::toml_number(p.com[0])
+        << ", " << files::toml_number(p.com[1]) << ", " << files::toml_number(p.com[2]) << "]\n";
   }
   files::write_atomically(path, out.view());
 }

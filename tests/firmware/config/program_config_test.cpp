@@ -55,14 +55,20 @@ TEST(ProgramConfig, ReadsDevicesAndSettings) {
 
 TEST(ProgramConfig, MistakesAreNamed) {
   EXPECT_EQ(error_of("[guard]\n\nmax_temperature_C = 99\n"),
-            "robot.toml:3: guard.max_temperature_C = 99: expected a number from 50 to 85");
+            "robot.toml:3: out of range in 'guard.max_temperature_C': found '99.0'; "
+            "expected a number from 50.0 to 85.0");
   EXPECT_EQ(error_of("[bus]\nsilent_ticks = 2.5\n"),
-            "robot.toml:2: bus.silent_ticks = 2.5: expected a whole number from 2 to 100");
+            "robot.toml:2: not an integer in 'bus.silent_ticks': found '2.5'; "
+            "expected a whole number from 2 to 100");
   EXPECT_EQ(error_of("[bus]\nfast_sync_read = 1\n"),
-            "robot.toml:2: bus.fast_sync_read = 1: expected true or false");
+            "robot.toml:2: neither true nor false in 'bus.fast_sync_read': found '1'; "
+            "expected true or false");
   EXPECT_EQ(error_of("[bus]\nspeed = 1\n"),
-            "robot.toml:2: bus.speed = 1: expected no such setting; docs/settings.md lists them");
-  EXPECT_NE(error_of("[motor]\nx = 1\n").find("[motor]: no such section"), std::string::npos);
+            "robot.toml:2: unknown key in 'bus.speed': found '1'; "
+            "expected one of the settings in docs/settings.md");
+  EXPECT_EQ(error_of("[motor]\nx = 1\n"),
+            "robot.toml:1: unknown key in 'motor': found 'a table'; "
+            "expected one of the sections in docs/settings.md");
   EXPECT_NE(error_of("[guard\n").find("robot.toml:1"), std::string::npos);
 }
 

@@ -138,12 +138,12 @@ TEST(MotionFile, MessagesNameLineKeyAndExpectation) {
   const std::string good = file_text(MotionLibrary().folder() / "squat.toml");
   EXPECT_EQ(message_of(good), "no error");
   EXPECT_THAT(message_of(replaced(good, "base_x = 300.0", "base_xx = 300.0")),
-              HasSubstr("cost.base_x: missing"));
+              HasSubstr("missing key in 'cost.base_x'; expected a number from"));
   EXPECT_THAT(message_of(replaced(good, "[cost]", "[cost]\nbase_w = 1.0")),
-              HasSubstr("cost.base_w: unknown key"));
+              HasSubstr("unknown key in 'cost.base_w'"));
   EXPECT_THAT(message_of(replaced(good, "[cost]", "[cost]\nbase_w = 1.0")), HasSubstr("m.toml:"));
   EXPECT_THAT(message_of(replaced(good, "depth_share", "depth")),
-              HasSubstr("'depth' is none of cost, completed"));
+              HasSubstr("found 'depth'; expected one of cost, completed"));
   EXPECT_THAT(message_of(replaced(good, "format = 1", "format = 2")), HasSubstr("reads format 1"));
   EXPECT_THAT(message_of(replaced(good, "cost_limit = 350.0", "cost_limit = -1.0")),
               HasSubstr("expected a number from"));

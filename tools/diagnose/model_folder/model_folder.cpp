@@ -8,13 +8,13 @@
 
 #include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
-#include "tools/recording/toml_reader.h"
+#include "shared/files/toml.h"
 
 namespace sanso::diagnose {
 namespace {
 
 using files::InputError;
-using recording::TomlTable;
+using files::TomlTable;
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 void read_joint(const TomlTable& table, JointSettings& settings) {
@@ -104,7 +104,7 @@ void append_joint(std::ostringstream& out, const JointSettings& settings,
                   const JointSettings* only_different_from) {
   const auto* base = only_different_from;
   if (base == nullptr || base->actuator != settings.actuator) {
-    out << "actuator = " << recording::toml_quoted(recording::to_string(settings.actuator)) << "\n";
+    out << "actuator = " << files::toml_quoted(recording::to_string(settings.actuator)) << "\n";
   }
   std::vector<double> base_values;
   if (base != nullptr) {
@@ -116,7 +116,7 @@ void append_joint(std::ostringstream& out, const JointSettings& settings,
   JointSettings::visit(
       settings, [&](std::string_view key, double value, std::string_view unit, double, double) {
         if (base == nullptr || base_values[k] != value) {
-          out << key << " = " << recording::toml_number(value) << "  # " << unit << "\n";
+          out << key << " = " << files::toml_number(value) << "  # " << unit << "\n";
         }
         ++k;
       });
@@ -153,8 +153,8 @@ ModelFolder read_model_folder(const std::string& folder) {
 }
 
 std::string model_toml(const ModelFolder& model) {
-  using recording::toml_number;
-  using recording::toml_quoted;
+  using files::toml_number;
+  using files::toml_quoted;
   std::ostringstream out;
   out << "format = 1\n\n[robot]\nurdf = " << toml_quoted(model.urdf_file) << "\nbase = \""
       << (model.floating ? "floating" : "fixed") << "\"\ngravity = ["
@@ -164,7 +164,7 @@ std::string model_toml(const ModelFolder& model) {
   append_joint(out, model.joint_default, nullptr);
   for (std::size_t k = 0; k < model.joints.size(); ++k) {
     if (model.joints[k] == model.joint_default) continue;
-    out << "\n[joint." << recording::toml_key(model.tree.joints[k].name) << "]\n";
+    out << "\n[joint." << files::toml_key(model.tree.joints[k].name) << "]\n";
     append_joint(out, model.joints[k], &model.joint_default);
   }
   if (model.floating) {
@@ -177,7 +177,7 @@ std::string model_toml(const ModelFolder& model) {
       out << (k == 0 ? "" : ", ") << toml_quoted(effect.where[k]);
     out << "]\n";
     for (const auto& [name, value] : effect.parameters) {
-      out << recording::toml_key(name) << " = " << toml_number(value) << "\n";
+      out << files::toml_key(name) << " = " << toml_number(value) << "\n";
     }
   }
   return out.str();

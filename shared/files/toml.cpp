@@ -1,4 +1,6 @@
-#include "tools/recording/toml_reader.h"
+// Access by key over the TOML library's tree; what is asked for is remembered, so that finish() can
+// name what nobody knows.
+#include "shared/files/toml.h"
 
 #include <toml++/toml.h>
 #include <algorithm>
@@ -7,20 +9,29 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <set>
 #include <sstream>
 
-#include "shared/base/toml_grammar.h"
 #include "shared/files/input_error.h"
+#include "shared/files/toml_grammar.h"
 
-namespace sanso::recording {
+namespace sanso::files {
 
 struct TomlTable::Node {
   std::shared_ptr<const toml::table> document;  // keeps `table` alive
   const toml::table* table;
   std::string file;
+  std::set<std::string, std::less<>> asked;
+
+  const toml::node* find(std::string_view key) {
+    asked.emplace(key);
+    return table->get(key);
+  }
 };
 
 namespace {
+
+constexpr std::size_t kLongest = 1'000'000;  // bytes
 
 int line_at(const toml::node& node) { return static_cast<int>(node.source().begin.line); }
 
@@ -39,26 +50,26 @@ std::string shown(const toml::node& node) {
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& file) {
   if (const auto defect = first_toml_defect(text))
-    throw files::InputError(file, defect->line, "", "not valid TOML", std::string(defect->found),
-                            defect->expected);
+    throw InputError(file, defect->line, "", "not valid TOML", std::string(defect->found),
+                     defect->expected);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, file));
-    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), file}), "");
+    return TomlTable(std::make_shared<Node>(Node{document, document.get(), file, {}}), "");
   } catch (const toml::parse_error& e) {
-    throw files::InputError(file, static_cast<int>(e.source().begin.line), "", "not valid TOML", "",
-                            std::string(e.description()));
+    throw InputError(file, static_cast<int>(e.source().begin.line), "", "not valid TOML", "",
+                     std::string(e.description()));
   }
 }
 
 TomlTable TomlTable::read(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  std::string text(1'000'001, '\0');
+  std::string text(kLongest + 1, '\0');
   if (in) in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.gcount() == 0 && !in.eof())
-    throw files::InputError(path, 0, "", "cannot open", "", "a readable TOML file");
+    throw InputError(path, 0, "", "cannot open", "", "a readable TOML file");
   text.resize(static_cast<std::size_t>(in.gcount()));
-  if (text.size() > 1'000'000)
-    throw files::InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
+  if (text.size() > kLongest)
+    throw InputError(path, 0, "", "file too large", "", "settings of at most 1 MB");
   return parse(text, path);
 }
 
@@ -76,15 +87,18 @@ std::vector<std::string> TomlTable::keys() const {
   return names;
 }
 
+std::string TomlTable::full(std::string_view key) const {
+  return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+}
+
 void TomlTable::fail(std::string_view key, std::string defect, std::string value,
                      std::string expected) const {
-  const std::string full = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  throw files::InputError(node_->file, line_of(key), full, std::move(defect), std::move(value),
-                          std::move(expected));
+  throw InputError(node_->file, line_of(key), full(key), std::move(defect), std::move(value),
+                   std::move(expected));
 }
 
 std::optional<double> TomlTable::number(std::string_view key, double low, double high) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   const std::optional<double> value = n->is_number() ? n->value<double>() : std::nullopt;
   const std::string range = "a number from " + toml_number(low) + " to " + toml_number(high);
@@ -95,14 +109,46 @@ std::optional<double> TomlTable::number(std::string_view key, double low, double
 }
 
 std::optional<long> TomlTable::integer(std::string_view key) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   if (!n->is_integer()) fail(key, "not an integer", shown(*n), "a whole number");
   return static_cast<long>(*n->value<std::int64_t>());
 }
 
+std::optional<long> TomlTable::integer(std::string_view key, long low, long high) const {
+  const toml::node* n = node_->find(key);
+  if (n == nullptr) return std::nullopt;
+  const std::string range =
+      "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+  if (!n->is_integer()) fail(key, "not an integer", shown(*n), range);
+  const auto value = static_cast<long>(*n->value<std::int64_t>());
+  if (value < low || value > high) fail(key, "out of range", std::to_string(value), range);
+  return value;
+}
+
+std::optional<bool> TomlTable::boolean(std::string_view key) const {
+  const toml::node* n = node_->find(key);
+  if (n == nullptr) return std::nullopt;
+  if (!n->is_boolean()) fail(key, "neither true nor false", shown(*n), "true or false");
+  return n->value<bool>();
+}
+
+std::optional<std::size_t> TomlTable::choice(std::string_view key,
+                                             const std::vector<std::string_view>& names) const {
+  const std::optional<std::string> name = string(key);
+  if (!name) return std::nullopt;
+  const auto found = std::find(names.begin(), names.end(), *name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  std::string known;
+  for (const std::string_view n : names) {
+    if (!known.empty()) known += " or ";
+    known += toml_quoted(n);
+  }
+  fail(key, "unknown name", *name, known);
+}
+
 std::optional<std::string> TomlTable::string(std::string_view key) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   if (!n->is_string()) fail(key, "not a string", shown(*n), "text in quotes");
   return n->value<std::string>();
@@ -110,7 +156,7 @@ std::optional<std::string> TomlTable::string(std::string_view key) const {
 
 std::optional<std::vector<double>> TomlTable::numbers(std::string_view key,
                                                       std::size_t count) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   const std::string expected = "a list of " + std::to_string(count) + " numbers";
   const toml::array* array = n->as_array();
@@ -125,7 +171,7 @@ std::optional<std::vector<double>> TomlTable::numbers(std::string_view key,
 }
 
 std::optional<std::vector<std::string>> TomlTable::strings(std::string_view key) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   const toml::array* array = n->as_array();
   if (array == nullptr) fail(key, "wrong list", shown(*n), "a list of texts in quotes");
@@ -138,16 +184,15 @@ std::optional<std::vector<std::string>> TomlTable::strings(std::string_view key)
 }
 
 std::optional<TomlTable> TomlTable::table(std::string_view key) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return std::nullopt;
   if (!n->is_table()) fail(key, "not a table", shown(*n), "a table [" + std::string(key) + "]");
-  const std::string path = path_.empty() ? std::string(key) : path_ + "." + std::string(key);
-  return TomlTable(std::make_shared<const Node>(Node{node_->document, n->as_table(), node_->file}),
-                   path);
+  return TomlTable(std::make_shared<Node>(Node{node_->document, n->as_table(), node_->file, {}}),
+                   full(key));
 }
 
 std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
-  const toml::node* n = node_->table->get(key);
+  const toml::node* n = node_->find(key);
   if (n == nullptr) return {};
   const toml::array* array = n->as_array();
   if (array == nullptr)
@@ -157,8 +202,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
     if (!element.is_table())
       fail(key, "not a list of tables", shown(*n), "[[" + std::string(key) + "]]");
     tables.push_back(TomlTable(
-        std::make_shared<const Node>(Node{node_->document, element.as_table(), node_->file}),
-        std::string(key)));
+        std::make_shared<Node>(Node{node_->document, element.as_table(), node_->file, {}}),
+        full(key)));
   }
   return tables;
 }
@@ -173,6 +218,12 @@ void TomlTable::allow_only(const std::vector<std::string_view>& known) const {
     std::string list;
     for (std::string_view k : known) list += (list.empty() ? "" : ", ") + std::string(k);
     fail(key.str(), "unknown key", std::string(key.str()), "one of: " + list);
+  }
+}
+
+void TomlTable::finish(const std::string& advice) const {
+  for (const auto& [key, value] : *node_->table) {
+    if (!node_->asked.contains(key.str())) fail(key.str(), "unknown key", shown(value), advice);
   }
 }
 
@@ -211,4 +262,4 @@ std::string toml_number(double value) {
   return s;
 }
 
-}  // namespace sanso::recording
+}  // namespace sanso::files

@@ -1,11 +1,11 @@
 // The accepted part of TOML: what passes, what is refused and on which line.
-#include "shared/base/toml_grammar.h"
+#include "shared/files/toml_grammar.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-namespace sanso {
+namespace sanso::files {
 namespace {
 
 TEST(TomlGrammar, AcceptsWhatSettingsFilesAreWrittenIn) {
@@ -73,4 +73,4 @@ TEST(TomlGrammar, BoundsTheDepth) {
 }
 
 }  // namespace
-}  // namespace sanso
+}  // namespace sanso::files

@@ -1,11 +1,11 @@
 // A recursive-descent check of TOML's grammar, at most 16 levels deep; it builds nothing and
 // stops at the first byte that does not belong.
-#include "shared/base/toml_grammar.h"
+#include "shared/files/toml_grammar.h"
 
 #include <cstddef>
 #include <cstdint>
 
-namespace sanso {
+namespace sanso::files {
 namespace {
 
 constexpr int kMaxDepth = 16;
@@ -254,4 +254,4 @@ std::string describe(const TomlDefect& defect) {
   return std::to_string(defect.line) + ": found " + found + ", expected " + defect.expected;
 }
 
-}  // namespace sanso
+}  // namespace sanso::files

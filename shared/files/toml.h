@@ -8,9 +8,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-namespace sanso::recording {
+namespace sanso::files {
 
 /// A table inside a parsed document. Copies are cheap and keep the document alive.
 class TomlTable {
@@ -25,25 +26,48 @@ class TomlTable {
   bool has(std::string_view key) const;
   std::vector<std::string> keys() const;  // in alphabetical order
 
+  // Each is empty when the key is missing, and an InputError when what stands there is something
+  // else than the name says or lies outside the range.
   std::optional<double> number(std::string_view key, double low, double high) const;
   std::optional<long> integer(std::string_view key) const;
+  std::optional<long> integer(std::string_view key, long low, long high) const;
+  std::optional<bool> boolean(std::string_view key) const;
   std::optional<std::string> string(std::string_view key) const;
+  /// Which of `names` stands there.
+  std::optional<std::size_t> choice(std::string_view key,
+                                    const std::vector<std::string_view>& names) const;
   std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count) const;
   std::optional<std::vector<std::string>> strings(std::string_view key) const;
   std::optional<TomlTable> table(std::string_view key) const;
   std::vector<TomlTable> tables(std::string_view key) const;  // [[key]]
 
+  /// `value`, or an InputError that says what is missing:
+  /// need("mass", t.number("mass", 0, 9), "kg").
+  template <class T>
+  T need(std::string_view key, std::optional<T> value, std::string expected) const {
+    if (!value) fail(key, "missing key", "", std::move(expected));
+    return *std::move(value);
+  }
+  /// Leaves `value` alone when the key is missing.
+  template <class T>
+  static void into(T& value, const std::optional<T>& given) {
+    if (given) value = *given;
+  }
+
   /// Throws when the table holds a key that is not in `known`.
   void allow_only(std::initializer_list<std::string_view> known) const;
   void allow_only(const std::vector<std::string_view>& known) const;
+  /// Throws when the table holds a key that none of the calls above has asked for.
+  void finish(const std::string& advice = "no such key; remove it or mend its name") const;
   [[noreturn]] void fail(std::string_view key, std::string defect, std::string value,
                          std::string expected) const;
 
  private:
   struct Node;
-  explicit TomlTable(std::shared_ptr<const Node> node, std::string path)
+  explicit TomlTable(std::shared_ptr<Node> node, std::string path)
       : node_(std::move(node)), path_(std::move(path)) {}
-  std::shared_ptr<const Node> node_;
+  std::string full(std::string_view key) const;
+  std::shared_ptr<Node> node_;
   std::string path_;
 };
 
@@ -55,4 +79,4 @@ std::string toml_key(std::string_view text);
 /// "inf" for infinity.
 std::string toml_number(double value);
 
-}  // namespace sanso::recording
+}  // namespace sanso::files

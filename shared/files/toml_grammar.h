@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace sanso {
+namespace sanso::files {
 
 struct TomlDefect {
   int line = 0;  // from 1
@@ -27,4 +27,4 @@ std::optional<TomlDefect> first_toml_defect(std::string_view text);
 /// For messages: line and colon, what was found, what was expected.
 std::string describe(const TomlDefect& defect);
 
-}  // namespace sanso
+}  // namespace sanso::files
