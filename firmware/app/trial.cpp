@@ -40,7 +40,7 @@ void Trial::take_upper(const policy::UpperPolicy& policy) {
 
 Refusal Trial::check(const wire::Command& command) const {
   if (!has_primitives_) return Refusal::no_primitives;
-  const bool uses_middle = (command.layers & wire::kLayerMiddle) != 0;
+  const bool uses_middle = policy::LayerSwitches::from_mask(command.layers).middle;
   if (uses_middle && middle_ != nullptr && middle_->trial_id != command.trial_id)
     return Refusal::stale_table;
   return Refusal::none;

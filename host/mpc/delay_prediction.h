@@ -5,6 +5,7 @@
 
 #include "host/model/augmented_model.h"
 #include "host/mpc/lane_kernels.h"
+#include "host/mpc/plan_request.h"
 #include "host/mpc/trial_context.h"
 
 namespace sanso::mpc {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "shared/model/state_layout.h"
+#include "shared/policy/layer_kernels.h"
 
 namespace sanso::mpc {
 namespace {
@@ -20,9 +21,7 @@ Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const Stat
 
 constexpr int kStageParts = kConfigurationGroups + 1;  // pieces of work of a stage
 
-double zeta(double distance, double sharpness) {
-  return 1.0 / (1.0 + std::exp(sharpness * distance));
-}
+double exponential(double v) { return std::exp(v); }
 
 // Lane arrays seen as the batch step's arguments: the same memory, [component][lane].
 model::StateLanes& as_lanes(double (*x)[kEvaluationLanes]) {
@@ -145,11 +144,10 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
   if (c.has_middle) {
     const Tangent dx = model::minus(as_state(x), as_state(c.x_middle));
     const math::Mat3 J = math::right_jacobian_inverse(dx.segment<3>(model::kDTheta));
+    const auto gain = [&](int i, int j) { return c.K_middle[i][j]; };
+    policy::affine_kernel(c.u_fixed, gain, dx, n.u_without_upper);
     for (int i = 0; i < kNu; ++i) {
-      for (int j = 0; j < kNdx; ++j) {
-        n.u_without_upper[i] += c.K_middle[i][j] * dx[j];
-        n.layer_slope[i][j] = c.K_middle[i][j];
-      }
+      for (int j = 0; j < kNdx; ++j) n.layer_slope[i][j] = c.K_middle[i][j];
       for (int j = 0; j < 3; ++j)
         n.layer_slope[i][kTheta + j] = c.K_middle[i][kTheta] * J(0, j) +
                                        c.K_middle[i][kTheta + 1] * J(1, j) +
@@ -158,12 +156,13 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
   }
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
-      const double q = x[model::kXJoint + i];
-      const double below = zeta(q - reflex.lower[i], reflex.sharpness),
-                   above = zeta(reflex.upper[i] - q, reflex.sharpness);
-      n.u_without_upper[i] += reflex.gain * (below - above);
+      const double q = x[model::kXJoint + i], sharpness = reflex.settings.sharpness;
+      n.u_without_upper[i] += policy::reflex_complement_kernel(q, reflex.lower[i], reflex.upper[i],
+                                                               reflex.settings, exponential);
+      const double below = policy::zeta(reflex.lower[i] - q, sharpness, exponential),
+                   above = policy::zeta(q - reflex.upper[i], sharpness, exponential);
       n.layer_slope[i][model::kDJoint + i] -=
-          reflex.gain * reflex.sharpness * (below * (1 - below) + above * (1 - above));
+          reflex.settings.gain * sharpness * (below * (1 - below) + above * (1 - above));
     }
   }
   for (int i = 0; i < kNu; ++i) n.u_total[i] = n.u_without_upper[i] + nominal.u[stage][i];

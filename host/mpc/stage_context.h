@@ -5,6 +5,7 @@
 
 #include "host/mpc/problem.h"
 #include "host/mpc/residual_weights.h"
+#include "shared/policy/layer_kernels.h"
 
 namespace sanso::mpc {
 
@@ -19,7 +20,7 @@ struct alignas(64) StageContext {
 
 struct ReflexContext {
   bool on;
-  double gain, sharpness;         // rad, 1/rad
+  policy::ReflexSettings settings;
   double lower[kNu], upper[kNu];  // joint limits, rad
 };
 

@@ -1,11 +1,10 @@
-// What a plan is made for: the trial that runs, and the state it starts from.
+// What plans are made for: the trial that runs.
 #pragma once
 
 #include <cstdint>
 #include <span>
 
 #include "host/mpc/cost.h"
-#include "shared/base/time.h"
 #include "shared/policy/layer_sum.h"
 
 namespace sanso::mpc {
@@ -25,19 +24,6 @@ struct TrialContext {
   // target in place of the primitives when the lower layer is off, rad
   model::Input u_rest = model::Input::Zero();
   CostWeights weights;
-};
-
-/// What one plan starts from.
-struct PlanRequest {
-  std::int32_t observed_tick = 0;  // trial tick at which x_observed was true
-  model::State x_observed = model::neutral_state();
-  // trial tick of the policy's first knot, >= observed_tick
-  std::int32_t plan_tick = 0;
-  // what the controller runs until plan_tick; null: nothing
-  const policy::UpperPolicy* in_use = nullptr;
-  std::uint32_t sequence = 0;   // goes into the policy
-  double sigma = -1.0;          // noise amplitude; negative: the setting's
-  Nanoseconds time_budget = 0;  // from the call of plan(); 0: none
 };
 
 }  // namespace sanso::mpc

@@ -70,8 +70,7 @@ void UpperLayer::Impl::fill_context(std::int32_t plan_tick) {
   std::copy_n(trial.weights.state.data(), kNdx, c.state_weight);
   std::copy_n(trial.weights.input.data(), kNu, c.input_weight);
   c.reflex.on = trial.on.reflex;
-  c.reflex.gain = trial.reflex.gain;
-  c.reflex.sharpness = trial.reflex.sharpness;
+  c.reflex.settings = trial.reflex;
   for (int i = 0; i < kNu; ++i) {
     c.reflex.lower[i] = model::kJoints[static_cast<std::size_t>(i)].lower_rad;
     c.reflex.upper[i] = model::kJoints[static_cast<std::size_t>(i)].upper_rad;

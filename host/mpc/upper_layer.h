@@ -4,34 +4,15 @@
 // solver's threads).
 #pragma once
 
-#include <cstdint>
 #include <memory>
 
 #include "host/model/augmented_model.h"
 #include "host/mpc/mpc_settings.h"
+#include "host/mpc/plan_request.h"
 #include "host/mpc/plan_result.h"
 #include "host/mpc/trial_context.h"
-#include "shared/base/status.h"
 
 namespace sanso::mpc {
-
-struct PlanResult {
-  // ok, or out_of_range when the state or the roll-out is not finite
-  Status status = Status::not_ready;
-  // kMaxUpperKnots knots (u, x, K), first at plan_tick, dt_s apart
-  policy::UpperPolicy policy;
-  // deterministic cost of the start: u_up = 0, or the shifted last plan
-  double cost_before = 0;
-  double cost_after = 0;     // of the returned policy, same roll-out, same weights
-  double expected_cost = 0;  // with the price of the noise
-  double gain_norm = 0;      // largest Frobenius norm of the knots' K before the limit
-  // iterations whose step was accepted or that proved convergence
-  int iterations = 0;
-  StopReason stop = StopReason::iteration_limit;
-  PlanTiming timing;
-  // predicted state at plan_tick, where the plan starts
-  model::State x_plan = model::neutral_state();
-};
 
 class UpperLayer {
  public:

@@ -1,56 +1,19 @@
 // The low-level sum of the layers: u = u_up + K_up (x ⊖ x_up) + u_mid + K_mid (x ⊖ x_mid) + u_low,
 // with first-order hold between knots. One implementation: the controller executes it every 10 ms,
 // the host predicts with it, and without its upper terms it is what the noise term F needs. No
-// heap; kernels are templates over the scalar.
+// heap.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
 #include "shared/model/joints.h"
+#include "shared/policy/layer_kernels.h"
 #include "shared/policy/policy_types.h"
 
 namespace sanso::policy {
 
-// --- kernels -------------------------------------------------------------------------------------
-
-/// u + K dx, column by column so that the order of additions is the same for every scalar (double
-/// or a SIMD pack).
-/// Shapes  u, out (nu); K (nu x ndx) row by row through K(i, j); dx (ndx).     Unit  rad
-template <class U, class K, class Dx, class Out>
-inline void affine_kernel(const U& u, const K& gain, const Dx& dx, Out& out) {
-  for (int i = 0; i < model::kNu; ++i) out[i] = u[i];
-  for (int j = 0; j < model::kNdx; ++j)
-    for (int i = 0; i < model::kNu; ++i) out[i] = out[i] + gain(i, j) * dx[j];
-}
-
-/// Settings of the stretch reflex (paper: gain 0.1, sigmoid gain a = 10).
-struct ReflexSettings {
-  double gain = 0.1;        // K_r [rad]
-  double sharpness = 10.0;  // a [1/rad]
-};
-
-/// zeta_a(d) = 1 / (1 + exp(-a d)): 0 beyond a limit (d < 0), 1/2 at it, 1 well inside. d: distance
-/// to the limit [rad].
-/// `exp_of` is the scalar's exponential, so that SIMD packs can bring their own.
-template <class Scalar, class Exp>
-inline Scalar zeta(const Scalar& distance, double sharpness, Exp exp_of) {
-  return Scalar(1.0) / (Scalar(1.0) + exp_of(Scalar(-sharpness) * distance));
-}
-
-/// K_r (zeta(q_max - q) - zeta(q - q_min)): change of the target angle [rad] that keeps a joint
-/// away from its limits.
-/// Sign, checked against the physics: a servo pulls q towards its target, so at q_max the target
-/// has to fall. There zeta(q_max - q) = 1/2 and zeta(q - q_min) is nearly 1: the sum is -K_r/2,
-/// away from the limit. At q_min: +K_r/2.
-/// In the middle of the range both are nearly 1 and cancel.
-template <class Scalar, class Exp>
-inline Scalar reflex_kernel(const Scalar& q, double q_min, double q_max, const ReflexSettings& s,
-                            Exp exp_of) {
-  const Scalar to_upper = zeta(Scalar(q_max) - q, s.sharpness, exp_of);
-  const Scalar to_lower = zeta(q - Scalar(q_min), s.sharpness, exp_of);
-  return Scalar(s.gain) * (to_upper - to_lower);
-}
+// --- the reflex ----------------------------------------------------------------------------------
 
 /// The reflex of all joints at joint angles q. Unit rad.
 inline model::Input reflex(const model::State& x, const ReflexSettings& s = {}) {
@@ -127,14 +90,6 @@ struct LayerOutputs {
   model::Input lower = model::Input::Zero();  // primitives and reflex
   double weight = 0;                          // of the upper layer, 0..1
   model::Input sum() const { return upper + middle + lower; }
-};
-
-/// Which layers take part: values of wire::LayerMask.
-struct LayerSwitches {
-  bool lower = true, middle = true, upper = true, reflex = true;
-  static constexpr LayerSwitches from_mask(unsigned mask) {
-    return {(mask & 1u) != 0, (mask & 2u) != 0, (mask & 4u) != 0, (mask & 8u) != 0};
-  }
 };
 
 /// The sum at trial tick `tick` (fractional for predictions between ticks), state x, primitive

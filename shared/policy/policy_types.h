@@ -39,4 +39,20 @@ struct MiddleTable {
   FixedVector<Knot, kMaxMiddleKnots> knots;
 };
 
+/// Which layers add to the sum during a trial, for ablations. The wire carries mask().
+struct LayerSwitches {
+  static constexpr std::uint8_t kLower = 1, kMiddle = 2, kUpper = 4, kReflex = 8, kAll = 15;
+
+  bool lower = true, middle = true, upper = true, reflex = true;
+
+  static constexpr LayerSwitches from_mask(unsigned mask) {
+    return {(mask & kLower) != 0, (mask & kMiddle) != 0, (mask & kUpper) != 0,
+            (mask & kReflex) != 0};
+  }
+  constexpr std::uint8_t mask() const {
+    return static_cast<std::uint8_t>((lower ? kLower : 0) | (middle ? kMiddle : 0) |
+                                     (upper ? kUpper : 0) | (reflex ? kReflex : 0));
+  }
+};
+
 }  // namespace sanso::policy

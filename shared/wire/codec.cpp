@@ -53,7 +53,7 @@ void layout(Archive& ar, typename Archive::template Ref<Command> m) {
   enumerator(ar, m.kind, 0, 5);
   ar(m.trial_id);
   ar(m.layers);
-  require(ar, m.layers <= kLayerAll);
+  require(ar, m.layers <= policy::LayerSwitches::kAll);
   ar(m.duration_ticks);
   require(ar, m.duration_ticks >= 0);
 }

@@ -8,6 +8,7 @@
 #include "shared/base/fixed_vector.h"
 #include "shared/base/time.h"
 #include "shared/model/state_layout.h"
+#include "shared/policy/policy_types.h"
 
 namespace sanso::wire {
 
@@ -48,21 +49,12 @@ enum class CommandKind : std::uint8_t {
   clear_fault = 5,  // fault -> self_test
 };
 
-/// Which layers add to the sum during a trial (ablations; bit set = layer on).
-enum LayerMask : std::uint8_t {
-  kLayerLower = 1,
-  kLayerMiddle = 2,
-  kLayerUpper = 4,
-  kLayerReflex = 8,
-  kLayerAll = 15
-};
-
 struct Command {
   // acknowledged by number; repeated until acknowledged, executed once
   std::uint32_t sequence = 0;
   CommandKind kind = CommandKind::none;
   std::uint32_t trial_id = 0;
-  std::uint8_t layers = kLayerAll;
+  std::uint8_t layers = policy::LayerSwitches::kAll;  // LayerSwitches::mask()
   // start_trial: the controller ends the trial by itself after this many ticks
   std::int32_t duration_ticks = 0;
 };

@@ -100,9 +100,10 @@ bool TickRig::start_trial() {
   }
   handover_->middle.publish();
   if (!reach(wire::SupervisorState::idle)) return false;
-  handover_->commands.push({1, wire::CommandKind::arm, kTrial, wire::kLayerAll, 0});
+  handover_->commands.push({1, wire::CommandKind::arm, kTrial, policy::LayerSwitches::kAll, 0});
   if (!reach(wire::SupervisorState::hold)) return false;
-  handover_->commands.push({2, wire::CommandKind::start_trial, kTrial, wire::kLayerAll, 1'000'000});
+  handover_->commands.push(
+      {2, wire::CommandKind::start_trial, kTrial, policy::LayerSwitches::kAll, 1'000'000});
   return reach(wire::SupervisorState::run);
 }
 

@@ -98,7 +98,7 @@ void Trial::begin() {
   context.trial_id = setup_.trial_id;
   context.reference = setup_.reference;
   context.middle = setup_.layers.middle ? setup_.middle : nullptr;
-  context.on = policy::LayerSwitches::from_mask(setup_.layers.mask());
+  context.on = setup_.layers;
   // the pose that the controller keeps without primitives
   context.u_rest = model::joints(setup_.reference.front());
   context.weights = setup_.weights;
@@ -229,14 +229,6 @@ Episode Trial::run() {
 }
 
 }  // namespace
-
-std::uint8_t Layers::mask() const {
-  std::uint8_t bits = wire::kLayerReflex;
-  if (lower) bits |= wire::kLayerLower;
-  if (middle) bits |= wire::kLayerMiddle;
-  if (upper) bits |= wire::kLayerUpper;
-  return bits;
-}
 
 void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings) {
   upload_primitives(robot, *setup.primitives);

@@ -14,11 +14,9 @@
 namespace sanso::learn {
 
 /// Which parts take part: the ablations of `sanso learn --without`.
-struct Layers {
-  bool lower = true, middle = true, upper = true;
+struct Layers : policy::LayerSwitches {
   bool residual = true;    // the learned residual network
   bool stochastic = true;  // the noise term of the planner
-  std::uint8_t mask() const;
 };
 
 struct TrialSettings {

@@ -5,6 +5,7 @@
 #include "host/mpc/lane_kernels.h"
 #include "host/mpc/lanes/math_lanes.h"
 #include "host/mpc/lanes/residual_lanes.h"
+#include "shared/policy/layer_kernels.h"
 
 namespace sanso::mpc::SANSO_ISA {
 
@@ -39,11 +40,9 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
     Quad dx[kNdx];
     minus_shared(x, s.x_nominal, dx);
     const Quad steps = load_quad(s.steps);
-    for (int i = 0; i < kNu; ++i) {
-      Quad sum = u[i] + s.gains->k[i] * steps;
-      for (int j = 0; j < kNdx; ++j) sum += s.gains->K[i][j] * dx[j];
-      u[i] = sum;
-    }
+    const auto gain = [&](int i, int j) { return Quad(s.gains->K[i][j]); };
+    for (int i = 0; i < kNu; ++i) u[i] = u[i] + s.gains->k[i] * steps;
+    policy::affine_kernel(u, gain, dx, u);
   }
   for (int i = 0; i < kNu; ++i) {
     u[i] = kernel::min_of(kernel::max_of(u[i], Quad(-s.input_limit_rad)), Quad(s.input_limit_rad));
@@ -60,10 +59,6 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
   store(noise_cost, load_quad(noise_cost) + 0.5 * s.sigma * s.sigma * price);
 }
 
-inline Quad zeta(Quad distance, double sharpness) {
-  return 1.0 / (1.0 + exp_of(sharpness * distance));
-}
-
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,
                          const LaneArray* u_upper, LaneArray* u) {
   Quad sum[kNu];
@@ -71,14 +66,14 @@ inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, con
   if (c.has_middle) {
     Quad dx[kNdx];
     minus_shared(x, c.x_middle, dx);
-    for (int i = 0; i < kNu; ++i)
-      for (int j = 0; j < kNdx; ++j) sum[i] += c.K_middle[i][j] * dx[j];
+    const auto gain = [&](int i, int j) { return Quad(c.K_middle[i][j]); };
+    policy::affine_kernel(sum, gain, dx, sum);
   }
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
       const Quad q = load_row(x[model::kXJoint + i]);
-      sum[i] += reflex.gain * (zeta(q - reflex.lower[i], reflex.sharpness) -
-                               zeta(reflex.upper[i] - q, reflex.sharpness));
+      sum[i] += policy::reflex_complement_kernel(q, reflex.lower[i], reflex.upper[i],
+                                                 reflex.settings, [](Quad v) { return exp_of(v); });
     }
   }
   for (int i = 0; i < kNu; ++i) store(u[i], sum[i]);

@@ -28,7 +28,8 @@ TEST(EmulatedController, StandsUpRunsATrialStopsAndLowers) {
     EXPECT_NEAR(c.truth()[model::kXJoint + 3], c.seen().x[model::kXJoint + 3], 0.02);
     EXPECT_LT(tilt_of(c.truth()), 0.25);
 
-    EXPECT_EQ(c.command(CommandKind::start_trial, 1, 150, wire::kLayerLower | wire::kLayerReflex)
+    EXPECT_EQ(c.command(CommandKind::start_trial, 1, 150,
+                        policy::LayerSwitches::kLower | policy::LayerSwitches::kReflex)
                   .accepted,
               1);
     EXPECT_EQ(c.seen().trial_tick, 0);
@@ -58,7 +59,7 @@ TEST(EmulatedController, CommandsThatDoNotFitAreRefusedWithTheirNumber) {
 TEST(EmulatedController, ASilentHostEndsTheTrialInHoldOnItsFeet) {
   EmulatedController c("lab");
   ASSERT_TRUE(c.stand());
-  c.command(CommandKind::start_trial, 1, 1000, wire::kLayerLower);
+  c.command(CommandKind::start_trial, 1, 1000, policy::LayerSwitches::kLower);
   c.ticks(100);
   c.host_alive = false;
   c.ticks(24);

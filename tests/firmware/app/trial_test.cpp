@@ -29,7 +29,7 @@ class TrialTest : public ::testing::Test {
     handover_->primitives.publish();
     trial_.take_uploads(*handover_, false);
   }
-  void start(std::uint8_t layers = wire::kLayerAll & ~wire::kLayerReflex) {
+  void start(std::uint8_t layers = policy::LayerSwitches{.reflex = false}.mask()) {
     trial_.start({1, wire::CommandKind::start_trial, 1, layers, 100});
   }
   void send(const policy::UpperPolicy& p) {
@@ -101,16 +101,16 @@ TEST_F(TrialTest, ATableOfAnotherTrialIsRefused) {
   table.knots.try_push({});
   handover_->middle.publish();
   trial_.take_uploads(*handover_, false);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerAll, 0}),
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, policy::LayerSwitches::kAll, 0}),
             Refusal::stale_table);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 9, wire::kLayerAll, 0}),
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 9, policy::LayerSwitches::kAll, 0}),
             Refusal::none);
-  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, wire::kLayerLower, 0}),
+  EXPECT_EQ(trial_.check({1, wire::CommandKind::start_trial, 1, policy::LayerSwitches::kLower, 0}),
             Refusal::none);
 }
 
 TEST_F(TrialTest, EndsAfterItsDuration) {
-  trial_.start({1, wire::CommandKind::start_trial, 1, wire::kLayerAll, 3});
+  trial_.start({1, wire::CommandKind::start_trial, 1, policy::LayerSwitches::kAll, 3});
   for (int k = 0; k < 3; ++k) {
     trial_.advance();
     EXPECT_EQ(trial_.over(), k == 2) << "tick " << k;

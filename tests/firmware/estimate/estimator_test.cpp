@@ -19,7 +19,7 @@ struct Errors {
 /// from the trial's origin.
 Errors run_trial(EmulatedController& c) {
   EXPECT_TRUE(c.stand());
-  c.command(wire::CommandKind::start_trial, 1, 200, wire::kLayerLower);
+  c.command(wire::CommandKind::start_trial, 1, 200, policy::LayerSwitches::kLower);
   const model::State origin = c.truth();
   const Nanoseconds now = c.robot.now();
   c.robot.push({4.0, 2.0, 0.0}, {0, 0, 0}, now + 300 * kMillisecond, now + 400 * kMillisecond);
@@ -70,7 +70,7 @@ TEST(Estimator, StartsEveryTrialAtTheOriginWithHeadingZero) {
   away.y_m = -2.0;
   away.yaw_rad = 1.0;
   ASSERT_TRUE(c.stand(testing::standing_pose(), 3.0, away));
-  c.command(wire::CommandKind::start_trial, 1, 100, wire::kLayerLower);
+  c.command(wire::CommandKind::start_trial, 1, 100, policy::LayerSwitches::kLower);
   EXPECT_EQ(c.seen().trial_tick, 0);
   EXPECT_NEAR(c.seen().x[0], 0.0, 1e-9);
   EXPECT_NEAR(c.seen().x[1], 0.0, 1e-9);

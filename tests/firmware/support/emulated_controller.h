@@ -124,7 +124,8 @@ class EmulatedController {
   }
   /// Sends a command and ticks once; its acknowledgement.
   wire::CommandAck command(wire::CommandKind kind, std::uint32_t trial = 1,
-                           std::int32_t duration = 0, std::uint8_t layers = wire::kLayerAll) {
+                           std::int32_t duration = 0,
+                           std::uint8_t layers = policy::LayerSwitches::kAll) {
     handover->commands.push({++sequence_, kind, trial, layers, duration});
     tick();
     return last_ack;

@@ -46,7 +46,7 @@ class EveryMessage : public ::testing::Test {
 };
 template <>
 Command EveryMessage<Command>::sample() {
-  return {7, CommandKind::start_trial, 3, kLayerAll, 590};
+  return {7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590};
 }
 template <>
 CommandAck EveryMessage<CommandAck>::sample() {
@@ -118,7 +118,8 @@ TYPED_TEST(EveryMessage, OneByteTooFewOfBuffer_ReportsFull) {
 TEST(WireCodec, CommandHasTheseBytes) {
   const std::vector<std::uint8_t> expected = {1, 5, 7, 0,  0,    0,    2, 3,
                                               0, 0, 0, 15, 0x4E, 0x02, 0, 0};
-  EXPECT_EQ(bytes_of(Command{7, CommandKind::start_trial, 3, kLayerAll, 590}), expected);
+  EXPECT_EQ(bytes_of(Command{7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590}),
+            expected);
 }
 
 TEST(WireCodec, ObservationKeepsEveryField) {

@@ -63,7 +63,7 @@ inline std::unique_ptr<ProblemContext> make_context(const std::vector<model::Sta
   }
   std::copy_n(weights.state.data(), kNdx, c->state_weight);
   std::copy_n(weights.input.data(), kNu, c->input_weight);
-  c->reflex = {true, 0.1, 10.0, {}, {}};
+  c->reflex = {true, {0.1, 10.0}, {}, {}};
   for (int i = 0; i < kNu; ++i) {
     c->reflex.lower[i] = model::kJoints[static_cast<std::size_t>(i)].lower_rad;
     c->reflex.upper[i] = model::kJoints[static_cast<std::size_t>(i)].upper_rad;

@@ -38,8 +38,8 @@ class Model {
     if (r.on)
       for (int i = 0; i < kNu; ++i) {
         const double q = x[model::kXJoint + i];
-        u[i] += r.gain / (1 + std::exp(r.sharpness * (q - r.lower[i])));
-        u[i] -= r.gain / (1 + std::exp(r.sharpness * (r.upper[i] - q)));
+        u[i] += r.settings.gain / (1 + std::exp(r.settings.sharpness * (q - r.lower[i])));
+        u[i] -= r.settings.gain / (1 + std::exp(r.settings.sharpness * (r.upper[i] - q)));
       }
     return u;
   }
