@@ -34,9 +34,6 @@ inline constexpr std::array<JointInfo, kNumJoints> kJoints{{
     {"l_ank_roll", 18, -0.45 * kPi, 0.45 * kPi},
 }};
 
-/// Index of the mirrored joint on the other leg; q_right = -q_left for every pair.
-constexpr int mirrored_joint(int j) { return j < 6 ? j + 6 : j - 6; }
-
 /// Position gain register of the XM430: 70 % of its default 800 (paper, "Hardware details").
 inline constexpr int kPositionPGainRaw = 560;
 

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 
 namespace sanso::testing {
 

@@ -200,9 +200,6 @@ BaseMotion Plant::base() const {
 double Plant::link_angle(int servo) const { return impl_->data->qpos[impl_->qpos[servo]]; }
 double Plant::link_rate(int servo) const { return impl_->data->qvel[impl_->dof[servo]]; }
 const GearTrain& Plant::gear(int servo) const { return impl_->gears[servo]; }
-const GearTrainParameters& Plant::gear_parameters(int servo) const {
-  return impl_->parameters[servo];
-}
 double Plant::supply_V() const { return impl_->supply; }
 
 std::array<FootLoad, 2> Plant::feet() const {

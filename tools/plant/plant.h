@@ -57,7 +57,6 @@ class Plant {
   double link_rate(int servo) const;
   const GearTrain& gear(int servo) const;
   /// What the parameters are for this servo, after the spread.
-  const GearTrainParameters& gear_parameters(int servo) const;
   double supply_V() const;
   std::array<FootLoad, 2> feet() const;  // right, left
   int other_contacts() const;            // contacts of anything but feet

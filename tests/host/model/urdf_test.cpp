@@ -1,6 +1,6 @@
 // The two descriptions of the robot, the URDF on the host and the table on the controller, must be
 // one robot.
-#include "host/model/urdf.h"
+#include "tests/oracle/urdf.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 
 #include "shared/files/input_error.h"
 #include "shared/model/joints.h"
-#include "shared/model/op3_tree.h"
+#include "tests/oracle/op3_tree.h"
 
 namespace sanso::model {
 namespace {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 #include "tests/support/mjcf_of_tree.h"
 #include "tests/support/mujoco_model.h"
 

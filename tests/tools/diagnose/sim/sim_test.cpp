@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 #include "tests/support/small_world.h"
 #include "tools/diagnose/sim/actuator.h"
 #include "tools/diagnose/sim/tree_dynamics.h"

@@ -1,4 +1,4 @@
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-#include "host/model/urdf.h"
+#include "tests/oracle/urdf.h"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "shared/model/step_model.h"
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 
 namespace sanso::model {
 

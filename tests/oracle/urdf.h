@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "shared/model/tree.h"
+#include "tests/oracle/tree.h"
 
 namespace sanso::model {
 

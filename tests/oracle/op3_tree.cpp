@@ -1,4 +1,4 @@
-#include "shared/model/op3_tree.h"
+#include "tests/oracle/op3_tree.h"
 
 namespace sanso::model {
 namespace {
