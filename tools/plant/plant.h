@@ -56,7 +56,6 @@ class Plant {
   double link_angle(int servo) const;
   double link_rate(int servo) const;
   const GearTrain& gear(int servo) const;
-  /// What the parameters are for this servo, after the spread.
   double supply_V() const;
   std::array<FootLoad, 2> feet() const;  // right, left
   int other_contacts() const;            // contacts of anything but feet

@@ -1,5 +1,7 @@
 // The emulated world's random numbers: xoshiro256++ seeded by splitmix64, Gaussian by Box-Muller.
-// Written here so that a seed gives the same world on every machine and standard library.
+// Its own, beside shared/math/splitmix.h, on purpose: the emulated world shares no arithmetic with
+// what is tested against it. Written here so that a seed gives the same world on every machine and
+// standard library.
 #pragma once
 
 #include <array>

@@ -4,12 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/learn/session/session.h"
 #include "shared/files/atomic_file.h"
+#include "shared/math/order_statistics.h"
 
 namespace sanso::learn {
 namespace {
@@ -63,11 +62,7 @@ Json without_json(const Layers& on) {
 
 double percentile(std::vector<float> values, double p) {
   if (values.empty()) return 0.0;
-  const auto rank = static_cast<std::size_t>(std::ceil(p * static_cast<double>(values.size())));
-  const std::size_t index = std::clamp<std::size_t>(rank, 1, values.size()) - 1;
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index),
-                   values.end());
-  return values[index];
+  return math::quantile_nearest(std::span(values), p);
 }
 
 void write_summary(const std::filesystem::path& path, const std::string& motion,

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "shared/math/order_statistics.h"
 
 namespace sanso::motion {
 namespace {
@@ -72,9 +75,7 @@ double sample_at(const std::vector<double>& signal, double index) {
 
 std::vector<double> running_median(const std::vector<double>& signal, int half) {
   return over_window(signal, half, [](std::vector<double> window) {
-    const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
-    std::nth_element(window.begin(), middle, window.end());
-    return *middle;
+    return math::value_of_rank(std::span(window), window.size() / 2);
   });
 }
 
@@ -85,9 +86,7 @@ std::vector<double> running_minimum(const std::vector<double>& signal, int half)
 }
 
 double percentile(std::vector<double> values, double fraction) {
-  const auto at = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
+  return math::quantile_below(std::span(values), fraction);
 }
 
 }  // namespace sanso::motion

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "shared/math/splitmix.h"
+
 namespace sanso::diagnose {
 
 /// Deterministic generator (SplitMix64: Steele, Lea, Flood 2014). Independent streams come from
@@ -14,9 +16,9 @@ namespace sanso::diagnose {
 class Random {
  public:
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
-      : state_(mix(seed) ^ mix(stream * kGolden + 1)) {}
+      : state_(math::splitmix(seed) ^ math::splitmix(stream * math::kSplitmixStep + 1)) {}
 
-  std::uint64_t bits() { return mix(state_ += kGolden); }
+  std::uint64_t bits() { return math::splitmix(state_ += math::kSplitmixStep); }
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   /// Uniform integer in [0, n); n > 0.
@@ -31,12 +33,6 @@ class Random {
   double sign() { return (bits() >> 63) != 0 ? 1.0 : -1.0; }
 
  private:
-  static constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15ULL;
-  static constexpr std::uint64_t mix(std::uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
   std::uint64_t state_;
 };
 

@@ -1,9 +1,10 @@
 // Each figure takes its finite values first and decides what none of them means.
 #include "tools/diagnose/stats/robust.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "shared/math/order_statistics.h"
 
 namespace sanso::diagnose {
 
@@ -19,13 +20,7 @@ std::vector<double> finite_values(std::span<const double> x) {
 double quantile(std::span<const double> x, double p) {
   std::vector<double> v = finite_values(x);
   if (v.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const double rank = std::clamp(p, 0.0, 1.0) * static_cast<double>(v.size() - 1);
-  const auto low = static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(v.begin(), v.begin() + low, v.end());
-  const double at_low = v[static_cast<std::size_t>(low)];
-  const double weight = rank - static_cast<double>(low);
-  if (weight == 0.0) return at_low;
-  return at_low + weight * (*std::min_element(v.begin() + low + 1, v.end()) - at_low);
+  return math::quantile_linear(v, p);
 }
 
 double median(std::span<const double> x) { return quantile(x, 0.5); }
