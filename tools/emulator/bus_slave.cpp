@@ -58,7 +58,6 @@ void BusSlave::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) {
   const Nanoseconds start = incoming_.empty() ? now : std::max(now, incoming_.back().end);
   std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
   if (!outgoing_.empty() && outgoing_.back().time > start) {
-    ++collisions_;
     for (auto& byte : outgoing_) {
       if (byte.time > start) byte.value ^= static_cast<std::uint8_t>(random_.bits() | 1);
     }

@@ -33,7 +33,6 @@ class BusSlave {
   Nanoseconds next_byte() const { return outgoing_.empty() ? INT64_MAX : outgoing_.front().time; }
 
   std::uint64_t instructions() const { return instructions_; }  // understood, since construction
-  std::uint64_t collisions() const { return collisions_; }
 
  private:
   struct Incoming {
@@ -78,7 +77,6 @@ class BusSlave {
   std::deque<TimedByte> outgoing_;
   Nanoseconds last_arrival_ = 0;
   std::uint64_t instructions_ = 0;
-  std::uint64_t collisions_ = 0;
 };
 
 }  // namespace sanso::emulator

@@ -46,7 +46,6 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   void push_at(const Push& push) { push_ = push; }
 
   emulator::EmulatedRobot& robot() { return robot_; }
-  firmware::Firmware& controller_program() { return *firmware_; }
   const firmware::Controller& controller() const { return firmware_->controller(); }
   SimulatedSerialPort& bus() { return bus_; }
 

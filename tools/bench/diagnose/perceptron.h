@@ -1,6 +1,8 @@
 // A small regression network: two hidden layers of tanh, Adam, stopped early by rows that it is not
 // trained on. In this folder for one reason: the residual network that the diagnosis is compared
-// with has to be a real one.
+// with has to be a real one. The planner's network (host/model/residual_network.h) cannot stand in:
+// its 46 features and 36 outputs are those of the OP3, fixed when it is compiled, and what is
+// learned here is one torque of any joint, switched by a gate.
 #pragma once
 
 #include <Eigen/Core>

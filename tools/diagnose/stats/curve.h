@@ -30,9 +30,4 @@ struct ShapeCurve {
 ShapeCurve shape_curve(std::span<const double> x, std::span<const double> y, int bins,
                        double dependence);
 
-/// Penalised cubic B-spline (P-spline, Eilers and Marx 1996): smooth curve through (x, y),
-/// smoothing chosen by generalised cross-validation; evaluated at `at`.
-std::vector<double> smooth_curve(std::span<const double> x, std::span<const double> y,
-                                 std::span<const double> at, int segments = 16);
-
 }  // namespace sanso::diagnose

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "tools/diagnose/stats/robust.h"
 
@@ -72,53 +71,6 @@ Autoregression fit_autoregression(std::span<const double> x, int order) {
   a.resize(static_cast<std::size_t>(order), 0.0);
   model.innovation_sigma = std::sqrt(std::max(variance, 0.0));
   return model;
-}
-
-double ljung_box(std::span<const double> x, int lags) {
-  const auto n = static_cast<double>(x.size());
-  const std::vector<double> rho = autocorrelation(x, lags);
-  double sum = 0.0;
-  for (int k = 1; k <= lags && k < n; ++k) {
-    const double r = rho[static_cast<std::size_t>(k)];
-    sum += r * r / (n - k);
-  }
-  return n * (n + 2.0) * sum;
-}
-
-std::vector<std::size_t> change_points(std::span<const double> x, double penalty,
-                                       std::size_t minimum_length) {
-  const std::size_t n = x.size();
-  if (n < 2 * minimum_length) return {};
-  std::vector<double> sum(n + 1, 0.0), square(n + 1, 0.0);
-  for (std::size_t i = 0; i < n; ++i) {
-    sum[i + 1] = sum[i] + x[i];
-    square[i + 1] = square[i] + x[i] * x[i];
-  }
-  const auto cost = [&](std::size_t from, std::size_t to) {
-    const double s = sum[to] - sum[from];
-    return square[to] - square[from] - s * s / static_cast<double>(to - from);
-  };
-  // best[t]: minimal cost of x[0, t); candidates: starts that can still be the last segment's
-  // (pruned)
-  std::vector<double> best(n + 1, std::numeric_limits<double>::infinity());
-  std::vector<std::size_t> last(n + 1, 0), candidates{0};
-  best[0] = -penalty;
-  for (std::size_t t = minimum_length; t <= n; ++t) {
-    for (std::size_t s : candidates) {
-      if (t - s < minimum_length) continue;
-      const double value = best[s] + cost(s, t) + penalty;
-      if (value < best[t]) best[t] = value, last[t] = s;
-    }
-    std::erase_if(candidates, [&](std::size_t s) {
-      return t - s >= minimum_length && best[s] + cost(s, t) > best[t];
-    });
-    const std::size_t next = t - minimum_length + 1;
-    if (next >= minimum_length && std::isfinite(best[next])) candidates.push_back(next);
-  }
-  std::vector<std::size_t> changes;
-  for (std::size_t t = last[n]; t > 0; t = last[t]) changes.push_back(t);
-  std::reverse(changes.begin(), changes.end());
-  return changes;
 }
 
 }  // namespace sanso::diagnose

@@ -1,7 +1,6 @@
-// Properties of a time series: autocorrelation, autoregressive colour, change points.
+// Properties of a time series: autocorrelation, autoregressive colour.
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -22,15 +21,5 @@ struct Autoregression {
   double innovation_sigma = 0.0;     // standard deviation of e
 };
 Autoregression fit_autoregression(std::span<const double> x, int order);
-
-/// Ljung-Box statistic over lags 1 .. lags; chi-square with `lags` degrees of freedom for white x.
-double ljung_box(std::span<const double> x, int lags);
-
-/// Change points of the mean: the exact minimum of squared error + penalty per change (PELT,
-/// Killick et al. 2012).
-/// Returns the first index of every segment after the first. `penalty` in units of x^2; 3 sigma^2
-/// log n is the usual choice.
-std::vector<std::size_t> change_points(std::span<const double> x, double penalty,
-                                       std::size_t minimum_length = 4);
 
 }  // namespace sanso::diagnose

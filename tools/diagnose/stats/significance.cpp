@@ -69,29 +69,6 @@ std::vector<double> step_down_max_t(std::span<const double> statistic, int draws
   return p;
 }
 
-MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws,
-                                   Random random) {
-  MeanWithError result;
-  const std::size_t n = x.size();
-  result.mean = mean(x);
-  result.interval95 = {result.mean, result.mean};
-  if (n < 2) return result;
-  block = std::clamp<std::size_t>(block, 1, n);
-  std::vector<double> means(static_cast<std::size_t>(draws));
-  for (double& m : means) {
-    double sum = 0.0;
-    std::size_t taken = 0;
-    while (taken < n) {
-      const auto start = static_cast<std::size_t>(random.below(static_cast<int>(n)));
-      for (std::size_t i = 0; i < block && taken < n; ++i, ++taken) sum += x[(start + i) % n];
-    }
-    m = sum / static_cast<double>(n);
-  }
-  result.standard_error = standard_deviation(means);
-  result.interval95 = {quantile(means, 0.025), quantile(means, 0.975)};
-  return result;
-}
-
 double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random) {
   const auto n = static_cast<double>(x.size());
   const double total = n * mean(x);

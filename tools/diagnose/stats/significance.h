@@ -31,16 +31,6 @@ struct Interval {
   double high = 0.0;
 };
 
-/// Mean of `x` with its standard error, where neighbouring entries may depend: circular block
-/// bootstrap.
-struct MeanWithError {
-  double mean = 0.0;
-  double standard_error = 0.0;
-  Interval interval95;
-};
-MeanWithError block_bootstrap_mean(std::span<const double> x, std::size_t block, int draws,
-                                   Random random);
-
 /// Lower confidence bound (one-sided, `level`) of the sum of `x`, whose neighbours may depend:
 /// moving-block bootstrap (Kuensch 1989), blocks of n^(1/3) entries or three autocorrelation times
 /// (a third of all at most), percentiles widened by sqrt(n / (n - block)) since fewer blocks spread

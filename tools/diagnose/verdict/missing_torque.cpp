@@ -118,14 +118,4 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
   return out;
 }
 
-double dissipated_share(const std::vector<TorqueSample>& samples, int joint) {
-  double work = 0.0, turnover = 0.0;
-  for (const TorqueSample& s : samples) {
-    if (s.joint != joint) continue;
-    work -= s.missing * s.dq;
-    turnover += std::abs(s.missing * s.dq);
-  }
-  return turnover > 0.0 ? work / turnover : 0.0;
-}
-
 }  // namespace sanso::diagnose

@@ -29,9 +29,4 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
                                          const Library& library, const Model& model,
                                          const Settings& settings);
 
-/// Energy that the missing torque takes out of a joint over the recording, relative to the motor's
-/// own turnover: positive:
-/// dissipation, near zero with large |missing|: conservative (residual R8).
-double dissipated_share(const std::vector<TorqueSample>& samples, int joint);
-
 }  // namespace sanso::diagnose

@@ -51,24 +51,6 @@ TEST(Autocorrelation, TimeOfAr1IsTheClosedForm) {
   EXPECT_NEAR(autocorrelation_time(coloured(50000, 0.8, 5)), (1 + 0.8) / (1 - 0.8), 1.2);
 }
 
-TEST(LjungBox, CalibratedOnWhiteNoise) {
-  int rejected = 0;
-  for (int i = 0; i < 400; ++i)
-    rejected += chi_square_tail(ljung_box(white(300, 100 + i), 10), 10) < 0.05;
-  EXPECT_GT(rejected, 5);
-  EXPECT_LT(rejected, 40);
-}
-
-TEST(ChangePoints, FindsThePlantedOnesAndNoneInNoise) {
-  auto x = white(600, 6);
-  EXPECT_TRUE(change_points(x, 3 * std::log(600.0) + 6).empty());
-  for (std::size_t i = 200; i < 350; ++i) x[i] += 4.0;
-  const auto found = change_points(x, 3 * std::log(600.0));
-  ASSERT_EQ(found.size(), 2U);
-  EXPECT_NEAR(static_cast<double>(found[0]), 200, 3);
-  EXPECT_NEAR(static_cast<double>(found[1]), 350, 3);
-}
-
 TEST(StepDownMaxT, KeepsTheFamilyWiseErrorAndFindsTheStrongOne) {
   constexpr int kTests = 40, kWorlds = 300;
   int false_alarms = 0, found = 0;
@@ -98,13 +80,6 @@ TEST(FalseDiscoveryRate, MatchesTheTextbookExample) {
   EXPECT_NEAR(q[3], 0.5, 1e-12);
 }
 
-TEST(BlockBootstrap, ErrorOfCorrelatedSeriesIsLargerThanIid) {
-  const auto x = coloured(4000, 0.9, 8);
-  const auto iid = block_bootstrap_mean(x, 1, 300, Random(1));
-  const auto block = block_bootstrap_mean(x, 100, 300, Random(1));
-  EXPECT_GT(block.standard_error, 2.5 * iid.standard_error);  // theory: sqrt(19) = 4.4
-}
-
 /// Gains of zero mean: the bound may lie above zero about as often as its level says, also where
 /// neighbours depend.
 TEST(MovingBlockBootstrap, LowerBoundOfCorrelatedGainsIsHonest) {
@@ -113,8 +88,8 @@ TEST(MovingBlockBootstrap, LowerBoundOfCorrelatedGainsIsHonest) {
   for (int i = 0; i < kSeries; ++i) {
     const auto x = coloured(120, 0.7, 100 + static_cast<std::uint64_t>(i));
     above += moving_block_lower_bound(x, 0.023, 299, Random(5)) > 0.0;
-    const auto blind = block_bootstrap_mean(x, 1, 299, Random(5));
-    above_independent += blind.interval95.low > 0.0;
+    // two standard errors of a mean of independent gains
+    above_independent += mean(x) > 2.0 * standard_deviation(x) / std::sqrt(120.0);
   }
   EXPECT_LT(above, 0.07 * kSeries);
   EXPECT_GT(above_independent, 0.12 * kSeries)
@@ -137,15 +112,13 @@ TEST(WilsonInterval, ContainsTheProportionAndStaysInside) {
   EXPECT_NEAR(i.high, 0.161, 0.002);
 }
 
-TEST(SmoothCurve, FollowsASineInNoise) {
+TEST(ShapeCurve, ExplainsASineInNoise) {
   Random random(kSeed, 9);
-  std::vector<double> x, y, at{-2, -1, 0, 1, 2};
+  std::vector<double> x, y;
   for (int i = 0; i < 2000; ++i) {
     x.push_back(-3 + 6 * random.uniform());
     y.push_back(std::sin(x.back()) + 0.2 * random.normal());
   }
-  const auto smooth = smooth_curve(x, y, at);
-  for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(smooth[i], std::sin(at[i]), 0.06);
   EXPECT_GT(shape_curve(x, y, 20, 1.0).explained, 0.85);
 }
 
