@@ -1,5 +1,5 @@
 // One visit function for writing and reading; the frame around the bytes is that of
-// episodes/binary_io.h.
+// shared/files/framed.h.
 #include "host/learn/session/session_state.h"
 
 #include <algorithm>
