@@ -38,20 +38,31 @@ class SerialPort {
   /// most (a deadline in the past: takes what is there). Returns 0 at the deadline. io_error as for
   /// write().
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
-  /// Tries to get a lost device back. May block for a while: called only while no torque command is
-  /// running.
+  /// Asks whether a lost device is back: ok, or why not. Does not block and does not allocate:
+  /// opening is the helper thread's work (reconnect.h).
   virtual Status reopen() = 0;
 };
 
-/// Input reports of a HID sensor, one at a time, each beginning with its report ID. Used by the IMU
-/// thread only.
+/// Which device it is; 0:0 when nobody knows.
+struct HidIdentity {
+  std::uint16_t vendor = 0, product = 0;
+};
+
+/// Input reports of a HID sensor, one at a time, each beginning with its report ID when the device
+/// numbers its reports. Used by the IMU thread only.
 class HidSource {
  public:
   virtual ~HidSource() = default;
-  /// The report descriptor. Its memory belongs to the source and stays valid.
+  /// The report descriptor; empty while the device is not there. Its memory belongs to the source
+  /// and stays valid until the device is lost.
   virtual Bytes descriptor() = 0;
-  /// Sends a feature report (report ID first).
+  virtual HidIdentity identity() { return {}; }
+  /// Sends a feature report: report ID first, 0 for a device that does not number its reports.
   virtual Status set_feature(Bytes report) = 0;
+  /// Reads a feature report: the ID goes in as the first byte, ID and data come out. Bytes read.
+  virtual Result<std::size_t> get_feature(Buffer) { return Status::unsupported; }
+  /// The reader cannot use this device: look again later, it may have been replaced.
+  virtual void reject() {}
   /// The next report; waits until `deadline` at most. 0: none came. io_error: unplugged.
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
 };

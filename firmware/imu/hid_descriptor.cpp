@@ -1,9 +1,10 @@
-// One pass over the descriptor's items; long items and usages without motion data are passed
-// over, their bits counted.
+// Keeps what is motion or switches the sensor on; computes the scale from unit and exponent once.
 #include "firmware/imu/hid_descriptor.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "firmware/imu/hid_items.h"
 
 namespace sanso::firmware {
 namespace {
@@ -36,204 +37,126 @@ int exponent_of(std::uint32_t nibble) {
   return n < 8 ? n : n - 16;
 }
 
-struct Globals {
-  std::uint32_t usage_page = 0;
-  std::int32_t logical_minimum = 0;
-  std::uint32_t unit = 0, unit_exponent = 0;
-  std::uint32_t report_size = 0, report_count = 0;
-  std::uint8_t report_id = 0;
+/// A device whose motion data lie at fixed places that its descriptor does not name: three gyro
+/// numbers, then three accelerations, i16 each, little-endian.
+struct VendorLayout {
+  std::uint16_t vendor, product;
+  std::uint8_t report_id;
+  std::uint8_t gyro_byte, accel_byte;  // in the report, ID byte included
+  double gyro_counts_per_deg_s, accel_counts_per_g;
 };
 
-struct ReportBits {
-  std::uint8_t id = 0;
-  bool feature = false;
-  std::uint32_t bits = 8;  // the ID byte
+// Uncalibrated, as the chips' ranges of 2000 deg/s and 4 g give it. Places: Linux hid-playstation.
+constexpr std::array kVendorLayouts{
+    VendorLayout{0x054C, 0x0CE6, 0x01, 16, 22, 16.384, 8192.0},  // DualSense
+    VendorLayout{0x054C, 0x09CC, 0x01, 13, 19, 16.384, 8192.0},  // DualShock 4, second version
+    VendorLayout{0x054C, 0x05C4, 0x01, 13, 19, 16.384, 8192.0},  // DualShock 4
 };
 
-class DescriptorParser {
+bool add_vendor_fields(board::HidIdentity id, HidLayout& layout) {
+  const auto known = std::find_if(
+      kVendorLayouts.begin(), kVendorLayouts.end(),
+      [&](const VendorLayout& v) { return v.vendor == id.vendor && v.product == id.product; });
+  if (known == kVendorLayouts.end()) return false;
+  layout.fields.clear();
+  layout.features.clear();
+  for (std::uint8_t axis = 0; axis < 3; ++axis) {
+    HidField field;
+    field.component = axis;
+    field.report_id = known->report_id;
+    field.bits = 16;
+    field.quantity = HidQuantity::angular_velocity;
+    field.first_bit = static_cast<std::uint16_t>(8 * known->gyro_byte + 16 * axis);
+    field.scale = kPi / 180.0 / known->gyro_counts_per_deg_s;
+    (void)layout.fields.try_push(field);
+    field.quantity = HidQuantity::acceleration;
+    field.first_bit = static_cast<std::uint16_t>(8 * known->accel_byte + 16 * axis);
+    field.scale = kStandardGravity / known->accel_counts_per_g;
+    (void)layout.fields.try_push(field);
+  }
+  return true;
+}
+
+std::uint16_t sensor_usage(std::uint32_t full) {
+  return (full >> 16) == kSensorPage ? static_cast<std::uint16_t>(full) : std::uint16_t{0};
+}
+
+/// Picks the motion data and the switches out of all items.
+class SensorSink final : public HidItemSink {
  public:
-  DescriptorParser(std::span<const std::uint8_t> bytes, HidLayout& layout)
-      : bytes_(bytes), layout_(layout) {}
-
-  Status run() {
-    while (at_ < bytes_.size()) {
-      if (const Status status = item(); status != Status::ok) return status;
-    }
-    for (HidFeature& feature : layout_.features)
-      feature.bytes = static_cast<std::uint16_t>(bits_of(feature.report_id, true) / 8);
-    return depth_ == 0 ? Status::ok : Status::malformed;
+  explicit SensorSink(HidLayout& layout) : layout_(layout) {}
+  Status take(const HidItem& item) override {
+    if (item.constant) return Status::ok;
+    return item.feature ? take_feature(item) : take_input(item);
   }
 
  private:
-  Status item() {
-    const std::uint8_t prefix = bytes_[at_++];
-    if (prefix == 0xFE) return skip_long_item();
-    const std::size_t size = (prefix & 3) == 3 ? 4 : (prefix & 3);
-    if (bytes_.size() - at_ < size) return Status::malformed;
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < size; ++i)
-      value |= static_cast<std::uint32_t>(bytes_[at_ + i]) << (8 * i);
-    at_ += size;
-    switch (prefix & 0xFC) {
-      // global items
-      case 0x04:
-        globals_.usage_page = value;
-        break;
-      case 0x14:
-        globals_.logical_minimum = sign_extended(value, size);
-        break;
-      case 0x54:
-        globals_.unit_exponent = value;
-        break;
-      case 0x64:
-        globals_.unit = value;
-        break;
-      case 0x74:
-        globals_.report_size = value;
-        break;
-      case 0x84:
-        globals_.report_id = static_cast<std::uint8_t>(value);
-        break;
-      case 0x94:
-        globals_.report_count = value;
-        break;
-      // local items
-      case 0x08:
-        if (!usages_.try_push(size == 4 ? value : (globals_.usage_page << 16) | value))
-          return Status::full;
-        break;
-      // main items
-      case 0xA0:
-        ++depth_;
-        // a logical collection holds the selectors of the property named just before it
-        if (value == 2 && !usages_.empty()) property_ = usages_.back();
-        usages_.clear();
-        break;
-      case 0xC0:
-        if (depth_-- == 0) return Status::malformed;
-        property_ = 0;
-        usages_.clear();
-        break;
-      case 0x80:
-        return main_field(value, false);
-      case 0xB0:
-        return main_field(value, true);
-      default:
-        break;  // items that say nothing about where the data lie
-    }
-    return Status::ok;
-  }
-
-  Status skip_long_item() {
-    if (bytes_.size() - at_ < 2 || bytes_.size() - at_ - 2 < bytes_[at_]) return Status::malformed;
-    at_ += 2u + bytes_[at_];
-    return Status::ok;
-  }
-
-  static std::int32_t sign_extended(std::uint32_t value, std::size_t size) {
-    if (size == 1) return static_cast<std::int8_t>(value);
-    if (size == 2) return static_cast<std::int16_t>(value);
-    return static_cast<std::int32_t>(value);
-  }
-
-  std::uint32_t& bits_of(std::uint8_t id, bool feature) {
-    for (ReportBits& r : reports_)
-      if (r.id == id && r.feature == feature) return r.bits;
-    if (!reports_.try_push({id, feature, id == 0 ? 0u : 8u})) {
-      overflow_ = true;
-      return spare_.bits;
-    }
-    return reports_.back().bits;
-  }
-
-  Status main_field(std::uint32_t flags, bool feature) {
-    if (globals_.report_size > 32 || globals_.report_count > 64) return Status::malformed;
-    std::uint32_t& bits = bits_of(globals_.report_id, feature);
-    if (overflow_ || bits > 4096) return Status::full;
-    const bool constant = (flags & 1) != 0;
-    Status status = Status::ok;
-    if (!constant) status = feature ? feature_field(bits) : input_field(bits);
-    bits += globals_.report_size * globals_.report_count;
-    usages_.clear();
-    return status;
-  }
-
-  static std::uint16_t usage_of(std::uint32_t full) {
-    return (full >> 16) == kSensorPage ? static_cast<std::uint16_t>(full) : std::uint16_t{0};
-  }
-
-  Status input_field(std::uint32_t first_bit) {
-    for (std::uint32_t e = 0; e < globals_.report_count && e < usages_.size(); ++e) {
-      const std::uint16_t usage = usage_of(usages_[e]);
+  Status take_input(const HidItem& item) {
+    for (std::uint32_t e = 0; e < item.count; ++e) {
+      const std::uint16_t usage = sensor_usage(item.usage(e));
       HidField field;
-      field.first_bit = static_cast<std::uint16_t>(first_bit + e * globals_.report_size);
+      field.first_bit = static_cast<std::uint16_t>(item.first_bit + e * item.bits);
       if (usage >= kAccelerationX && usage < kAccelerationX + 3) {
         field.quantity = HidQuantity::acceleration;
         field.component = static_cast<std::uint8_t>(usage - kAccelerationX);
       } else if (usage >= kAngularVelocityX && usage < kAngularVelocityX + 3) {
         field.quantity = HidQuantity::angular_velocity;
         field.component = static_cast<std::uint8_t>(usage - kAngularVelocityX);
-      } else if (usage == kQuaternion && globals_.report_count == 4) {
+      } else if (usage == kQuaternion && item.count == 4) {
         field.quantity = HidQuantity::quaternion;
         field.count = 4;
       } else {
         continue;
       }
-      field.report_id = globals_.report_id;
-      field.bits = static_cast<std::uint8_t>(globals_.report_size);
-      field.is_signed = globals_.logical_minimum < 0;
-      field.scale = unit_scale(field.quantity, globals_.unit) *
-                    std::pow(10.0, exponent_of(globals_.unit_exponent));
+      field.report_id = item.report_id;
+      field.bits = static_cast<std::uint8_t>(item.bits);
+      field.is_signed = item.logical_minimum < 0;
+      field.scale =
+          unit_scale(field.quantity, item.unit) * std::pow(10.0, exponent_of(item.unit_exponent));
       if (field.bits == 0 || !layout_.fields.try_push(field)) return Status::full;
     }
     return Status::ok;
   }
 
-  std::uint8_t selector_raw(std::uint16_t wanted) const {
-    for (std::size_t i = 0; i < usages_.size(); ++i)
-      if (usage_of(usages_[i]) == wanted)
-        return static_cast<std::uint8_t>(globals_.logical_minimum + static_cast<int>(i));
+  static std::uint8_t selector_raw(const HidItem& item, std::uint16_t wanted) {
+    for (std::uint32_t i = 0; i < 256 && item.usage(i) != 0; ++i)
+      if (sensor_usage(item.usage(i)) == wanted)
+        return static_cast<std::uint8_t>(item.logical_minimum + static_cast<int>(i));
     return 1;
   }
 
-  Status feature_field(std::uint32_t first_bit) {
-    HidFeature* feature = nullptr;
+  HidFeature* feature_of(std::uint8_t id) {
     for (HidFeature& f : layout_.features)
-      if (f.report_id == globals_.report_id) feature = &f;
-    if (feature == nullptr) {
-      if (!layout_.features.try_push({})) return Status::full;
-      feature = &layout_.features.back();
-      feature->report_id = globals_.report_id;
-    }
-    const std::uint16_t usage =
-        usage_of(property_ != 0 ? property_ : (usages_.empty() ? 0 : usages_[0]));
-    const auto bit = static_cast<std::uint16_t>(first_bit);
-    const auto size = static_cast<std::uint8_t>(globals_.report_size);
+      if (f.report_id == id) return &f;
+    if (!layout_.features.try_push({})) return nullptr;
+    layout_.features.back().report_id = id;
+    return &layout_.features.back();
+  }
+
+  Status take_feature(const HidItem& item) {
+    const std::uint16_t usage = sensor_usage(item.property != 0 ? item.property : item.usage(0));
+    if (usage != kReportingState && usage != kPowerState && usage != kReportInterval)
+      return Status::ok;
+    HidFeature* feature = feature_of(item.report_id);
+    if (feature == nullptr) return Status::full;
+    const auto bit = static_cast<std::uint16_t>(item.first_bit);
+    const auto size = static_cast<std::uint8_t>(item.bits);
     if (usage == kReportingState) {
       feature->reporting_state_bit = bit;
       feature->reporting_state_bits = size;
-      feature->all_events_raw = selector_raw(kAllEvents);
+      feature->all_events_raw = selector_raw(item, kAllEvents);
     } else if (usage == kPowerState) {
       feature->power_state_bit = bit;
       feature->power_state_bits = size;
-      feature->full_power_raw = selector_raw(kPowerD0);
-    } else if (usage == kReportInterval) {
+      feature->full_power_raw = selector_raw(item, kPowerD0);
+    } else {
       feature->interval_bit = bit;
       feature->interval_bits = size;
     }
     return Status::ok;
   }
 
-  std::span<const std::uint8_t> bytes_;
   HidLayout& layout_;
-  std::size_t at_ = 0;
-  int depth_ = 0;
-  Globals globals_;
-  FixedVector<std::uint32_t, 64> usages_;
-  std::uint32_t property_ = 0;
-  FixedVector<ReportBits, 32> reports_;
-  ReportBits spare_;
-  bool overflow_ = false;
 };
 
 void put_bits(std::span<std::uint8_t> report, std::uint32_t first_bit, unsigned bits,
@@ -241,8 +164,10 @@ void put_bits(std::span<std::uint8_t> report, std::uint32_t first_bit, unsigned 
   for (unsigned b = 0; b < bits; ++b) {
     const std::uint32_t at = first_bit + b;
     if (at / 8 >= report.size()) return;
-    if ((value >> b) & 1u)
-      report[at / 8] = static_cast<std::uint8_t>(report[at / 8] | (1u << (at % 8)));
+    const auto mask = static_cast<std::uint8_t>(1u << (at % 8));
+    std::uint8_t& byte = report[at / 8];
+    const bool one = b < 32 && ((value >> b) & 1u) != 0;
+    byte = static_cast<std::uint8_t>(one ? byte | mask : byte & ~mask);
   }
 }
 
@@ -255,30 +180,32 @@ bool HidLayout::has(HidQuantity quantity) const {
   return components == 7u;
 }
 
-Status parse_hid_descriptor(std::span<const std::uint8_t> descriptor, HidLayout& layout) {
+Status parse_hid_descriptor(std::span<const std::uint8_t> descriptor, HidLayout& layout,
+                            board::HidIdentity identity) {
   layout.fields.clear();
   layout.features.clear();
-  if (const Status status = DescriptorParser(descriptor, layout).run(); status != Status::ok)
+  SensorSink sink(layout);
+  HidReportSizes sizes;
+  if (const Status status = read_hid_items(descriptor, sink, sizes); status != Status::ok)
     return status;
-  const bool complete = layout.has(HidQuantity::acceleration) &&
-                        layout.has(HidQuantity::angular_velocity) &&
-                        layout.has(HidQuantity::quaternion);
-  return complete ? Status::ok : Status::unsupported;
+  for (HidFeature& feature : layout.features)
+    for (const HidReportSize& size : sizes)
+      if (size.feature && size.id == feature.report_id)
+        feature.bytes = static_cast<std::uint16_t>((size.bits + 7) / 8);
+  const bool complete =
+      layout.has(HidQuantity::acceleration) && layout.has(HidQuantity::angular_velocity);
+  return complete || add_vendor_fields(identity, layout) ? Status::ok : Status::unsupported;
 }
 
 std::size_t make_feature_report(const HidFeature& feature, unsigned interval_ms,
-                                std::span<std::uint8_t> out) {
-  if (feature.bytes > out.size()) return 0;
-  const auto report = out.first(feature.bytes);
-  std::fill(report.begin(), report.end(), std::uint8_t{0});
-  if (feature.report_id != 0 && !report.empty()) report[0] = feature.report_id;
-  if (feature.reporting_state_bits != 0)
-    put_bits(report, feature.reporting_state_bit, feature.reporting_state_bits,
-             feature.all_events_raw);
-  if (feature.power_state_bits != 0)
-    put_bits(report, feature.power_state_bit, feature.power_state_bits, feature.full_power_raw);
-  if (feature.interval_bits != 0)
-    put_bits(report, feature.interval_bit, feature.interval_bits, interval_ms);
+                                std::span<std::uint8_t> report) {
+  if (feature.bytes == 0 || feature.bytes > report.size()) return 0;
+  report = report.first(feature.bytes);
+  report[0] = feature.report_id;
+  put_bits(report, feature.reporting_state_bit, feature.reporting_state_bits,
+           feature.all_events_raw);
+  put_bits(report, feature.power_state_bit, feature.power_state_bits, feature.full_power_raw);
+  put_bits(report, feature.interval_bit, feature.interval_bits, interval_ms);
   return feature.bytes;
 }
 

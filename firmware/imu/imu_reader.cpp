@@ -1,48 +1,56 @@
-// Reads until the deadline, converts counts into m/s^2, rad/s and a quaternion of the base, and
-// publishes when all three have come.
+// Switches a sensor on by reading, changing and writing its feature reports; collects fields until
+// the sample is complete.
 #include "firmware/imu/imu_reader.h"
 
 #include <cmath>
 
 namespace sanso::firmware {
 namespace {
-constexpr unsigned kAllQuantities = 7u;
 constexpr int kMaxReportsAtOnce = 64;
+constexpr unsigned bit_of(HidQuantity quantity) { return 1u << static_cast<unsigned>(quantity); }
 }  // namespace
 
-ImuReader::ImuReader(const ImuSettings& settings, board::HidSource& source, board::Clock& clock,
-                     Mailbox<ImuSample>& out)
-    : settings_(settings), source_(source), clock_(clock), out_(out) {
-  quat_base_sensor_ =
-      math::quat_normalized({settings.quat_base_sensor_w, settings.quat_base_sensor_x,
-                             settings.quat_base_sensor_y, settings.quat_base_sensor_z});
-}
-
 void ImuReader::start() {
-  status_ = parse_hid_descriptor(source_.descriptor(), layout_);
-  if (status_ != Status::ok) return;
-  const auto interval_ms = static_cast<unsigned>(std::lround(settings_.period_s * 1e3));
-  for (const HidFeature& feature : layout_.features) {
-    std::array<std::uint8_t, 64> report;
-    const std::size_t bytes = make_feature_report(feature, interval_ms, report);
-    if (bytes == 0 || source_.set_feature(std::span(report).first(bytes)) != Status::ok)
-      status_ = Status::io_error;
+  const board::Bytes descriptor = source_.descriptor();
+  if (descriptor.empty()) {
+    status_ = Status::not_ready;
+    return;
   }
+  status_ = parse_hid_descriptor(descriptor, layout_, source_.identity());
+  if (status_ != Status::ok) return source_.reject();  // a keyboard, say
+  wanted_ = bit_of(HidQuantity::acceleration) | bit_of(HidQuantity::angular_velocity);
+  if (layout_.has(HidQuantity::quaternion)) wanted_ |= bit_of(HidQuantity::quaternion);
+  have_ = 0;
+  for (const HidFeature& feature : layout_.features)
+    if (switch_on(feature) != Status::ok) ++refused_features_;
 }
 
-void ImuReader::poll(Nanoseconds deadline) {
+/// Only our fields change: the rest of the report goes back as the device has it.
+Status ImuReader::switch_on(const HidFeature& feature) {
+  const auto interval_ms = static_cast<unsigned>(std::lround(settings_.period_s * 1e3));
+  std::array<std::uint8_t, 64> report{};
+  report[0] = feature.report_id;
+  if (feature.bytes <= report.size() &&
+      !source_.get_feature(std::span(report).first(feature.bytes)).ok())
+    report.fill(0);
+  const std::size_t bytes = make_feature_report(feature, interval_ms, report);
+  return bytes == 0 ? Status::full : source_.set_feature(std::span(report).first(bytes));
+}
+
+Status ImuReader::poll(Nanoseconds deadline) {
   if (status_ != Status::ok) start();
-  if (status_ != Status::ok) return;
+  if (status_ != Status::ok) return status_;
   std::array<std::uint8_t, 256> report;
   for (int i = 0; i < kMaxReportsAtOnce; ++i) {
     const Result<std::size_t> n = source_.read(report, i == 0 ? deadline : 0);
     if (!n.ok()) {
       status_ = n.status();  // unplugged: start again with the next poll
-      return;
+      return status_;
     }
-    if (*n == 0) return;
+    if (*n == 0) break;
     take(std::span(report).first(*n));
   }
+  return Status::ok;
 }
 
 void ImuReader::take(std::span<const std::uint8_t> report) {
@@ -68,31 +76,17 @@ void ImuReader::take(std::span<const std::uint8_t> report) {
         break;
       }
     }
-    if (whole) have_ |= 1u << static_cast<unsigned>(field.quantity);
+    if (whole) have_ |= bit_of(field.quantity);
   }
   if (!known || !whole) {
     ++bad_reports_;
     return;
   }
-  if (have_ == kAllQuantities) complete();
-}
-
-void ImuReader::complete() {
+  if ((have_ & wanted_) != wanted_) return;
   have_ = 0;
-  const math::Mat3 R_base_sensor = math::rotation_matrix(quat_base_sensor_);
-  const math::Vec3 gyro = R_base_sensor * gyro_, accel = R_base_sensor * accel_;
-  const math::Quat quat =
-      math::quat_multiply(quat_world_sensor_, math::quat_conjugate(quat_base_sensor_));
-  const bool changed =
-      gyro != sample_.gyro || accel != sample_.accel || quat != sample_.quat_world_base;
-  sample_.time = clock_.now();
-  ++sample_.sequence;
-  if (changed) ++sample_.changes;
-  sample_.gyro = gyro;
-  sample_.accel = accel;
-  sample_.quat_world_base = quat;
-  out_.back() = sample_;
-  out_.publish();
+  const bool oriented = (wanted_ & bit_of(HidQuantity::quaternion)) != 0;
+  assembler_.publish(clock_.now(), gyro_, accel_,
+                     oriented ? std::optional(quat_world_sensor_) : std::nullopt);
 }
 
 }  // namespace sanso::firmware

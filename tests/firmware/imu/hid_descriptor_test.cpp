@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "firmware/imu/hid_description.h"
 #include "tools/emulator/emulated_robot.h"
 
 namespace sanso::firmware {
@@ -99,6 +100,80 @@ TEST(HidDescriptor, CutOrDamagedDescriptorsAreRefusedOrAtLeastHarmless) {
       for (int e = 0; e < f.count; ++e) (void)read_hid_field(f, e, report, v);
     for (const HidFeature& f : layout.features) (void)make_feature_report(f, 5, report);
   }
+}
+
+/// One report (no ID) with three accelerations and three rates, named by usage ranges; the unit
+/// exponent of the first is pushed away for the second, and a feature report with a byte of the
+/// maker's own before the reporting state.
+const std::vector<std::uint8_t> kRanges = {
+    0x05, 0x20, 0x09, 0x01, 0xA1, 0x01,              // sensors, application
+    0x16, 0x01, 0x80, 0x26, 0xFF, 0x7F,              // logical -32767 .. 32767
+    0x75, 0x10, 0x95, 0x03,                          // 3 x 16 bit
+    0x55, 0x0D,                                      // exponent -3
+    0x1A, 0x53, 0x04, 0x2A, 0x55, 0x04, 0x81, 0x02,  // acceleration x .. z
+    0xA4, 0x55, 0x0E,                                // push; exponent -2
+    0x1A, 0x57, 0x04, 0x2A, 0x59, 0x04, 0x81, 0x02,  // angular velocity x .. z
+    0xB4,                                            // pop: exponent -3 again
+    0x0A, 0x53, 0x14, 0x95, 0x01, 0x81, 0x02,        // a modifier: no motion data
+    0x15, 0x00, 0x25, 0x05, 0x75, 0x08, 0x95, 0x01,  // 1 x 8 bit
+    0x06, 0x00, 0xFF, 0x09, 0x01, 0xB1, 0x02,        // the maker's own feature byte
+    0x05, 0x20, 0x0A, 0x16, 0x03, 0xA1, 0x02,        // reporting state
+    0x1A, 0x40, 0x08, 0x2A, 0x45, 0x08, 0xB1, 0x00,  // its selectors as a range
+    0xC0, 0xC0};
+
+TEST(HidDescriptor, UsageRangesPushAndPopAndReportsWithoutNumbers) {
+  HidLayout layout;
+  ASSERT_EQ(parse_hid_descriptor(kRanges, layout), Status::ok);
+  ASSERT_EQ(layout.fields.size(), 6u);
+  // 1000 counts of 1e-3 g on z; -250 counts of 1e-2 deg/s about y
+  const std::vector<std::uint8_t> report = {0, 0, 0, 0, 0xE8, 0x03, 0, 0, 0x06, 0xFF, 0, 0};
+  EXPECT_NEAR(value_of(layout, HidQuantity::acceleration, 2, 0, report), 9.80665, 1e-9);
+  EXPECT_NEAR(value_of(layout, HidQuantity::angular_velocity, 1, 0, report),
+              -2.5 * 0.0174532925199433, 1e-9);
+}
+
+TEST(HidDescriptor, AFeatureReportKeepsWhatIsNotOurs) {
+  HidLayout layout;
+  ASSERT_EQ(parse_hid_descriptor(kRanges, layout), Status::ok);
+  ASSERT_EQ(layout.features.size(), 1u);
+  std::array<std::uint8_t, 8> report = {0, 0xA5, 0xFF};  // as read: 0, the maker's byte, state
+  ASSERT_EQ(make_feature_report(layout.features[0], 5, report), 3u);
+  EXPECT_EQ(report[0], 0x00) << "reports without numbers travel with a leading 0";
+  EXPECT_EQ(report[1], 0xA5);
+  EXPECT_EQ(report[2], 0x01) << "all events is the second selector";
+}
+
+TEST(HidDescriptor, APopWithoutAPushIsMalformed) {
+  HidLayout layout;
+  EXPECT_EQ(parse_hid_descriptor(std::vector<std::uint8_t>{0x05, 0x20, 0xB4}, layout),
+            Status::malformed);
+}
+
+// the boot keyboard of USB HID 1.11, appendix E.6
+const std::vector<std::uint8_t> kKeyboard = {
+    0x05, 0x01, 0x09, 0x06, 0xA1, 0x01, 0x05, 0x07, 0x19, 0xE0, 0x29, 0xE7, 0x15, 0x00, 0x25,
+    0x01, 0x75, 0x01, 0x95, 0x08, 0x81, 0x02, 0x95, 0x01, 0x75, 0x08, 0x81, 0x01, 0x95, 0x06,
+    0x75, 0x08, 0x15, 0x00, 0x25, 0x65, 0x05, 0x07, 0x19, 0x00, 0x29, 0x65, 0x81, 0x00, 0xC0};
+
+TEST(HidDescriptor, AKeyboardIsNamedFieldByField) {
+  HidLayout layout;
+  EXPECT_EQ(parse_hid_descriptor(kKeyboard, layout), Status::unsupported);
+  const std::string why = why_no_imu(kKeyboard);
+  for (const char* part : {"but a keyboard", "missing acceleration x y z angular velocity x y z",
+                           "usage 0007:00E0 to usage 0007:00E7 (8 x 1 bit)",
+                           "usage 0007:0000 to usage 0007:0065 (6 x 8 bit)"})
+    EXPECT_NE(why.find(part), std::string::npos) << part << " not in:\n" << why;
+  EXPECT_EQ(why_no_imu(example()), "");
+}
+
+TEST(HidDescriptor, AMakersOwnLayoutIsFoundByItsNumbers) {
+  HidLayout layout;
+  ASSERT_EQ(parse_hid_descriptor(kKeyboard, layout, {0x054C, 0x0CE6}), Status::ok);
+  std::array<std::uint8_t, 64> report{};
+  report[0] = 1;
+  report[26] = 0x00;  // acceleration z, i16 from byte 26: 8192 counts are 1 g
+  report[27] = 0x20;
+  EXPECT_NEAR(value_of(layout, HidQuantity::acceleration, 2, 0, report), 9.80665, 1e-9);
 }
 
 }  // namespace
