@@ -21,6 +21,10 @@ LinuxHidraw::~LinuxHidraw() {
 
 Status LinuxHidraw::open(std::string& message) {
   if (file_ >= 0) ::close(file_);
+  descriptor_size_ = 0;
+  identity_ = {};
+  file_ = -1;
+  if (wanted_ && !find(message)) return Status::io_error;
   file_ = ::open(path_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0) {
     message = path_ + ": " + std::strerror(errno);
@@ -43,7 +47,24 @@ Status LinuxHidraw::open(std::string& message) {
   descriptor_size_ =
       std::min<std::size_t>(static_cast<std::size_t>(size), descriptor_bytes_.size());
   std::copy_n(report.value, descriptor_size_, descriptor_bytes_.begin());
+  hidraw_devinfo info{};
+  if (ioctl(file_, HIDIOCGRAWINFO, &info) == 0)
+    identity_ = {static_cast<std::uint16_t>(info.vendor), static_cast<std::uint16_t>(info.product)};
   return Status::ok;
+}
+
+bool LinuxHidraw::find(std::string& message) {
+  for (const HidName& name : hid_names()) {
+    const bool same = name.identity.vendor == wanted_->identity.vendor &&
+                      name.identity.product == wanted_->identity.product &&
+                      (wanted_->serial.empty() || name.serial == wanted_->serial);
+    if (!same) continue;
+    path_ = "/dev/" + name.node;
+    return true;
+  }
+  message = "HID device " + HidName{{}, wanted_->identity, wanted_->serial, {}}.selector() +
+            ": not plugged in, or claimed by hid-sensor-hub (then use hidapi-libusb:)";
+  return false;
 }
 
 Status LinuxHidraw::set_feature(Bytes report) {
@@ -52,6 +73,13 @@ Status LinuxHidraw::set_feature(Bytes report) {
   std::copy(report.begin(), report.end(), copy.begin());
   return ioctl(file_, HIDIOCSFEATURE(report.size()), copy.data()) >= 0 ? Status::ok
                                                                        : Status::io_error;
+}
+
+Result<std::size_t> LinuxHidraw::get_feature(Buffer report) {
+  if (file_ < 0 || report.empty() || report.size() > 256) return Status::io_error;
+  const int n = ioctl(file_, HIDIOCGFEATURE(report.size()), report.data());
+  if (n < 0) return Status::io_error;
+  return static_cast<std::size_t>(n);
 }
 
 Result<std::size_t> LinuxHidraw::read(Buffer buffer, Nanoseconds deadline) {

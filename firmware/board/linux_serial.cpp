@@ -26,6 +26,7 @@ void LinuxSerial::close() {
 
 Status LinuxSerial::open(std::string& message) {
   close();
+  warning_.clear();
   descriptor_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor_ < 0) {
     message = path_ + ": " + std::strerror(errno);
@@ -46,6 +47,7 @@ Status LinuxSerial::open(std::string& message) {
     return Status::io_error;
   }
   ask_low_latency();
+  message = warning_;
   return Status::ok;
 }
 
@@ -125,11 +127,6 @@ Result<std::size_t> LinuxSerial::read(Buffer buffer, Nanoseconds deadline) {
       return Status::io_error;
     }
   }
-}
-
-Status LinuxSerial::reopen() {
-  std::string message;
-  return open(message);
 }
 
 }  // namespace sanso::board

@@ -4,25 +4,24 @@
 
 #include <string>
 
-#include "firmware/board/board.h"
+#include "firmware/board/reconnect.h"
 
 namespace sanso::board {
 
-class LinuxSerial : public SerialPort {
+class LinuxSerial : public OpenableSerial {
  public:
   LinuxSerial(std::string path, int baud) : path_(std::move(path)), baud_(baud) {}
   ~LinuxSerial() override;
   LinuxSerial(const LinuxSerial&) = delete;
   LinuxSerial& operator=(const LinuxSerial&) = delete;
 
-  /// Opens the device. io_error: `message` says what failed and what to do about it.
-  Status open(std::string& message);
-  /// What the driver did not grant (empty: nothing to complain about).
-  const std::string& warning() const { return warning_; }
+  /// Opens the device. io_error: `message` says what failed and what to do about it; ok: it says
+  /// what the driver did not grant, if anything.
+  Status open(std::string& message) override;
 
   Status write(Bytes data) override;
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override;
-  Status reopen() override;
+  Status reopen() override { return descriptor_ >= 0 ? Status::ok : Status::not_ready; }
 
  private:
   void close();

@@ -9,7 +9,7 @@
 #include <array>
 #include <string>
 
-#include "firmware/board/board.h"
+#include "firmware/board/reconnect.h"
 
 namespace sanso::board {
 
@@ -52,11 +52,11 @@ class PacketConnection {
 };
 
 /// A HID sensor behind a packet connection.
-class SocketHid : public HidSource {
+class SocketHid : public OpenableHid {
  public:
   explicit SocketHid(std::string path) : connection_(std::move(path)) {}
   /// Connects and reads the report descriptor (waits up to a second for it).
-  Status open(std::string& message);
+  Status open(std::string& message) override;
   Bytes descriptor() override { return {descriptor_bytes_.data(), descriptor_size_}; }
   Status set_feature(Bytes report) override { return connection_.send(report); }
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override {
@@ -70,10 +70,10 @@ class SocketHid : public HidSource {
 };
 
 /// A pose source behind a packet connection.
-class SocketPose : public PoseSource {
+class SocketPose : public OpenablePose {
  public:
   explicit SocketPose(std::string path) : connection_(std::move(path)) {}
-  Status open(std::string& message) { return connection_.connect(message); }
+  Status open(std::string& message) override { return connection_.connect(message); }
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override {
     return connection_.receive(buffer, deadline);
   }

@@ -8,12 +8,13 @@
 
 namespace sanso::firmware {
 
-void PoseReader::poll(Nanoseconds deadline) {
-  if (source_ == nullptr) return;
+Status PoseReader::poll(Nanoseconds deadline) {
+  if (source_ == nullptr) return Status::ok;
   std::array<std::uint8_t, 64> bytes;
   for (int i = 0; i < kMaxReportsAtOnce; ++i) {
     const Result<std::size_t> n = source_->read(bytes, i == 0 ? deadline : 0);
-    if (!n.ok() || *n == 0) return;
+    if (!n.ok()) return n.status();
+    if (*n == 0) break;
     const Result<PoseReport> report = decode_pose_report(std::span(bytes).first(*n));
     if (!report.ok()) {
       ++bad_reports_;
@@ -31,6 +32,7 @@ void PoseReader::poll(Nanoseconds deadline) {
     sample.v_base_in_track = {v[0], v[1], v[2]};
     out_.publish();
   }
+  return Status::ok;
 }
 
 }  // namespace sanso::firmware

@@ -12,8 +12,8 @@ class PoseReader {
   PoseReader(board::PoseSource* source, board::Clock& clock, Mailbox<PoseSample>& out)
       : source_(source), clock_(clock), out_(out) {}
   /// Takes every report there is; waits for the first until `deadline`. Nothing happens without a
-  /// source.
-  void poll(Nanoseconds deadline);
+  /// source. Anything but ok: the source is gone and the call came back at once.
+  Status poll(Nanoseconds deadline);
   std::uint32_t bad_reports() const { return bad_reports_; }
   bool present() const { return source_ != nullptr; }
 
