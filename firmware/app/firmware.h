@@ -4,11 +4,14 @@
 // only tick() is.
 #pragma once
 
+#include <memory>
+
 #include "firmware/app/controller.h"
 #include "firmware/board/board.h"
 #include "firmware/config/settings.h"
 #include "firmware/exchange/handover.h"
 #include "firmware/imu/imu_reader.h"
+#include "firmware/imu/mip_reader.h"
 #include "firmware/imu/pose_reader.h"
 #include "firmware/link/link.h"
 #include "shared/wire/secure_channel.h"
@@ -21,12 +24,16 @@ struct Board {
   board::PoseSource* pose;  // may be null
   board::Datagram& link;
   board::Clock& clock;
+  board::SerialPort* mip = nullptr;  // a 3DM-GX5, which then stands for the IMU
 };
 
 class Firmware {
  public:
   Firmware(const Settings& settings, const wire::Key& key, const Board& board)
       : imu_(settings.imu, board.imu, board.clock, handover_.imu),
+        mip_(board.mip != nullptr
+                 ? std::make_unique<MipReader>(settings.imu, *board.mip, board.clock, handover_.imu)
+                 : nullptr),
         pose_(board.pose, board.clock, handover_.pose),
         link_(key, board.link, board.clock, handover_),
         controller_(settings, board.bus, board.clock, handover_) {}
@@ -35,8 +42,10 @@ class Firmware {
   void tick(Nanoseconds now) { controller_.tick(now); }
   /// Takes the IMU's reports; waits for the first until `deadline`. In process: poll_imu(0) before
   /// every tick.
-  void poll_imu(Nanoseconds deadline) { imu_.poll(deadline); }
-  void poll_pose(Nanoseconds deadline) { pose_.poll(deadline); }
+  Status poll_imu(Nanoseconds deadline) {
+    return mip_ ? mip_->poll(deadline) : imu_.poll(deadline);
+  }
+  Status poll_pose(Nanoseconds deadline) { return pose_.poll(deadline); }
   /// Takes the host's datagrams and sends what the tick has published. In process: before and after
   /// every tick.
   void poll_link(Nanoseconds deadline) { link_.poll(deadline); }
@@ -48,6 +57,7 @@ class Firmware {
  private:
   Handover handover_;
   ImuReader imu_;
+  std::unique_ptr<MipReader> mip_;
   PoseReader pose_;
   Link link_;
   Controller controller_;
