@@ -30,6 +30,7 @@ Controller::Controller(const Settings& settings, board::SerialPort& port, board:
       setup_(settings.bus),
       estimator_(settings.estimator),
       guard_(settings.guard, settings.bus, settings.imu),
+      board_imu_(settings.imu, handover.imu),
       trial_({settings.reflex.gain_rad, settings.reflex.sharpness}),
       posture_(settings.supervisor) {}
 
@@ -156,6 +157,10 @@ void Controller::read_sensors(Nanoseconds now) {
     const bool legs_only = state == SupervisorState::run || state == SupervisorState::hold ||
                            state == SupervisorState::soft_stop;
     bus_.read_feedback(legs_only ? model::kNumJoints : kNumServos, servos_);
+  }
+  if (settings_.imu.from_board && !servos_.port_gone) {
+    if (const Result<BoardReading> board = bus_.read_board(); board.ok())
+      board_imu_.take(now, *board);
   }
   handover_.imu.update();
   handover_.pose.update();

@@ -14,6 +14,7 @@
 #include "firmware/estimate/estimator.h"
 #include "firmware/exchange/handover.h"
 #include "firmware/guard/guard.h"
+#include "firmware/imu/board_imu.h"
 
 namespace sanso::firmware {
 
@@ -74,6 +75,7 @@ class Controller {
   BusSetup setup_;
   Estimator estimator_;
   Guard guard_;
+  BoardImu board_imu_;
   Supervisor supervisor_;
   Trial trial_;
   Posture posture_;

@@ -3,7 +3,9 @@
 #include "firmware/bus/bus_master.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "shared/servo_bus/opencr.h"
 #include "shared/servo_bus/units.h"
 
 namespace sanso::firmware {
@@ -20,7 +22,11 @@ constexpr std::uint16_t kTorqueAddress = 64, kTorqueBytes = 7;
 
 BusMaster::BusMaster(const BusSettings& settings, board::SerialPort& port, board::Clock& clock)
     : settings_(settings), port_(port), clock_(clock) {
-  for (std::size_t s = 0; s < order_.size(); ++s) order_[s] = static_cast<std::uint8_t>(s);
+  for (std::size_t s = 0; s < order_.size(); ++s) {
+    order_[s] = static_cast<std::uint8_t>(s);
+    offset_raw_[s] = static_cast<std::int32_t>(
+        std::lround(settings.offset_rad[kServoIds[s] - 1u] / bus::kRadPerCount));
+  }
 }
 
 // --- requests and replies ------------------------------------------------------------------------
@@ -89,9 +95,9 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   // a status without data happens; its error byte still counts
   if (data.size() < bus::xm430::kFeedbackBytes) return;
   const bus::xm430::Feedback raw = bus::xm430::decode_feedback(data);
-  reading.position_raw = raw.position_raw;
+  reading.position_raw = joint_raw(slot, raw.position_raw);
   reading.current_raw = raw.current_raw;
-  reading.position_rad = bus::position_rad(raw.position_raw);
+  reading.position_rad = bus::position_rad(reading.position_raw);
   reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
   reading.known = true;
   reading.age_ticks = 0;
@@ -175,7 +181,7 @@ void BusMaster::order_silent_last(int slots, const ServoReadings& readings) {
 Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
   std::array<std::uint8_t, 4 * kNumServos> data;
   for (std::size_t s = 0; s < goals_raw.size(); ++s)
-    bus::put_le(data.data() + 4 * s, 4, goals_raw[s]);
+    bus::put_le(data.data() + 4 * s, 4, servo_raw(static_cast<int>(s), goals_raw[s]));
   (void)bus::encode_sync_write(request_, bus::xm430::kGoalPosition.address, 4,
                                std::span(kServoIds).first(goals_raw.size()),
                                std::span(data).first(4 * goals_raw.size()));
@@ -257,6 +263,29 @@ Status BusMaster::write_register(std::uint8_t id, std::uint16_t address, std::ui
   (void)bus::encode_write(request_, id, address, std::span(data).first(size));
   if (const Status status = transact(id); status != Status::ok) return status;
   return packet_.status_error() == bus::StatusError::none ? Status::ok : Status::rejected;
+}
+
+Result<BoardReading> BusMaster::read_board() {
+  namespace opencr = bus::opencr;
+  constexpr std::uint16_t kFirst = opencr::kButtons, kBytes = opencr::kRollPitchYaw - kFirst;
+  (void)bus::encode_read(request_, opencr::kId, kFirst, kBytes);
+  if (const Status status = transact(opencr::kId); status != Status::ok) return status;
+  if (packet_.status_error() != bus::StatusError::none || packet_.parameters.size() != kBytes)
+    return Status::rejected;
+  const auto data = packet_.parameters.view();
+  BoardReading reading;
+  reading.buttons = data[0];
+  reading.voltage_V = 0.1 * data[opencr::kVoltage - kFirst];
+  for (std::size_t a = 0; a < 3; ++a) {
+    reading.gyro_raw[a] = bus::get_i16(data.subspan(opencr::kGyro - kFirst + 2 * a));
+    reading.accel_raw[a] = bus::get_i16(data.subspan(opencr::kAccelerometer - kFirst + 2 * a));
+  }
+  return reading;
+}
+
+Status BusMaster::reboot(std::uint8_t id) {
+  (void)bus::encode_reboot(request_, id);
+  return transact(id);
 }
 
 }  // namespace sanso::firmware

@@ -45,6 +45,21 @@ class BusMaster {
   Status write_register(std::uint8_t id, std::uint16_t address, std::uint8_t size,
                         std::int64_t value);
 
+  /// Buttons, voltage and the IMU of the OpenCR board, in one request.
+  Result<BoardReading> read_board();
+  /// Starts the servo anew: the only way out of a shutdown but switching the supply. It is silent
+  /// for about a second afterwards.
+  Status reboot(std::uint8_t id);
+
+  /// Counts of a servo's register to counts of the joint, and back: the servos' horns are put on
+  /// crookedly (settings: offset_rad). Readings and goals of this class are the joint's.
+  std::int32_t joint_raw(int slot, std::int32_t servo_raw) const {
+    return servo_raw - offset_raw_[static_cast<std::size_t>(slot)];
+  }
+  std::int32_t servo_raw(int slot, std::int32_t joint_raw) const {
+    return joint_raw + offset_raw_[static_cast<std::size_t>(slot)];
+  }
+
   /// Fast sync read from now on (all servos are known to understand it).
   void use_fast_read(bool on) { fast_ = on; }
   bool fast_read() const { return fast_; }
@@ -81,6 +96,7 @@ class BusMaster {
   int slow_turn_ = 0;
   std::array<std::uint8_t, kNumServos> order_{};  // slots in the order of asking
   std::array<bool, kNumServos> got_{};
+  std::array<std::int32_t, kNumServos> offset_raw_{};
   BusCounters counters_;
 };
 

@@ -35,6 +35,13 @@ struct ServoReadings {
   bool port_gone = false;
 };
 
+/// What the OpenCR board shows beside the servos.
+struct BoardReading {
+  std::uint8_t buttons = 0;  // bits of servo_bus::opencr::kButton*
+  double voltage_V = 0;
+  std::array<std::int16_t, 3> gyro_raw{}, accel_raw{};  // the board's own axes
+};
+
 struct BusCounters {
   std::uint32_t lost = 0;     // replies missing at the deadline
   std::uint32_t corrupt = 0;  // replies that arrived damaged

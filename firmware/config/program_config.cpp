@@ -1,8 +1,10 @@
 // The configuration file by key: each setting's range comes from the struct that declares it.
 #include "firmware/config/program_config.h"
 
+#include <filesystem>
 #include <type_traits>
 
+#include "firmware/config/offsets_file.h"
 #include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
@@ -32,6 +34,7 @@ void read_devices(const TomlTable& table, DeviceConfig& device) {
   TomlTable::into(device.listen, table.string("listen"));
   read_setting(table, "port", device.port, 0, 65535);
   TomlTable::into(device.key_file, table.string("key_file"));
+  TomlTable::into(device.offsets, table.string("offsets"));
   TomlTable::into(device.log_directory, table.string("log_directory"));
   read_setting(table, "tick_priority", device.tick_priority, 1, 99);
   table.finish(kPage);
@@ -39,6 +42,7 @@ void read_devices(const TomlTable& table, DeviceConfig& device) {
 
 void read_config(const TomlTable& root, ProgramConfig& config) {
   if (const auto table = root.table("device")) read_devices(*table, config.device);
+  config.settings.imu.from_board = config.device.imu == "opencr";
   config.settings.visit([&](const char* section, auto& group) {
     const auto table = root.table(section);
     if (!table) return;
@@ -65,11 +69,14 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
 
 bool read_program_config(const std::string& path, ProgramConfig& config, std::string& error) {
   try {
-    return parse_program_config(files::read_text(path), path, config, error);
+    if (!parse_program_config(files::read_text(path), path, config, error)) return false;
   } catch (const files::InputError& refused) {
     error = refused.what();
     return false;
   }
+  if (config.device.offsets.empty()) return true;
+  const auto offsets = std::filesystem::path(path).parent_path() / config.device.offsets;
+  return read_offsets_file(offsets.string(), config.settings.bus.offset_rad, error);
 }
 
 }  // namespace sanso::firmware

@@ -11,11 +11,12 @@ namespace sanso::firmware {
 
 struct DeviceConfig {
   std::string bus = "/dev/ttyUSB0";  // serial device of the servo bus
-  std::string imu = "/dev/hidraw0";  // /dev/hidrawN, or unix:PATH for an emulated sensor
+  std::string imu = "/dev/hidraw0";  // docs/howto/robot.md lists the forms
   std::string pose;                  // unix:PATH of a pose bridge; empty: none
   std::string listen = "0.0.0.0";    // address for hosts
   int port = 7531;                   // UDP port for hosts
   std::string key_file;              // 64 hexadecimal digits, the pre-shared key
+  std::string offsets;               // offset.yaml of the robot; empty: none
   std::string log_directory;         // flight records; empty: none are written
   int tick_priority = 80;            // SCHED_FIFO
 };
@@ -25,8 +26,8 @@ struct ProgramConfig {
   Settings settings;
 };
 
-/// Reads `path`. On failure returns false and `error` says file, line, key, value and what was
-/// expected.
+/// Reads `path` and the offsets file that it names (relative to it). On failure returns false and
+/// `error` says file, line, key, value and what was expected.
 bool read_program_config(const std::string& path, ProgramConfig& config, std::string& error);
 /// The same from text; `name` stands for the file in messages.
 bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config,

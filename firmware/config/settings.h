@@ -2,7 +2,12 @@
 // TOML reader and docs/settings.md walk the same visit(). Angles in rad, times in s, in every file.
 #pragma once
 
+#include <array>
+
 namespace sanso::firmware {
+
+/// By how much a servo's zero lies away from its joint's, rad, index = servo id - 1.
+using JointOffsets = std::array<double, 20>;
 
 struct BusSettings {
   double reply_timeout_s = 0.0045;
@@ -14,6 +19,7 @@ struct BusSettings {
   bool require_opencr = true;
   double power_up_wait_s = 1.0;
   int silent_ticks = 10;
+  JointOffsets offset_rad{};  // from a file of its own (offsets_file.h)
   template <class Field>
   void visit(Field&& field) {
     field("reply_timeout_s", reply_timeout_s, 0.001, 0.008,
@@ -44,6 +50,8 @@ struct ImuSettings {
   double quat_base_sensor_x = 0.0;
   double quat_base_sensor_y = 0.0;
   double quat_base_sensor_z = 0.0;
+  bool gyro_bias_at_rest = false;
+  bool from_board = false;  // device.imu = "opencr": the board on the servo bus is the sensor
   template <class Field>
   void visit(Field&& field) {
     field("period_s", period_s, 0.001, 0.01, "report interval asked of the sensor");
@@ -55,6 +63,8 @@ struct ImuSettings {
     field("quat_base_sensor_x", quat_base_sensor_x, -1.0, 1.0, "same, x");
     field("quat_base_sensor_y", quat_base_sensor_y, -1.0, 1.0, "same, y");
     field("quat_base_sensor_z", quat_base_sensor_z, -1.0, 1.0, "same, z");
+    field("gyro_bias_at_rest", gyro_bias_at_rest, false, true,
+          "take off what the gyro shows at rest (always for sensors without orientation)");
   }
 };
 

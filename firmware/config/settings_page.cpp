@@ -20,7 +20,7 @@ std::string settings_page() {
           "program with file, line and value.\n\n"
           "The section `[device]` names devices and addresses: `bus`, `imu`, `pose`, `listen`, "
           "`port`, `key_file`, "
-          "`log_directory`,\n`tick_priority` (`firmware/config/program_config.h`).\n";
+          "`offsets`, `log_directory`,\n`tick_priority` (`firmware/config/program_config.h`).\n";
   Settings settings;
   settings.visit([&](const char* section, auto& group) {
     page << "\n## [" << section << "]\n\n| name | default | range | meaning |\n|---|---|---|---|\n";

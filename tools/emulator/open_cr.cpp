@@ -19,7 +19,9 @@ void OpenCr::set_voltage(double volt) {
   bytes_[reg::kVoltage] = static_cast<std::uint8_t>(std::clamp(std::lround(volt * 10), 0l, 255l));
 }
 
-void OpenCr::set_imu(const plant::Vec3& specific_force, const plant::Vec3& rate) {
+void OpenCr::set_imu(const plant::Vec3& force_base, const plant::Vec3& rate_base) {
+  const plant::Vec3 specific_force{-force_base[0], -force_base[1], force_base[2]};
+  const plant::Vec3 rate{-rate_base[0], -rate_base[1], rate_base[2]};
   const auto put = [&](std::uint16_t address, double counts) {
     servo_bus::put_le(&bytes_[address], 2, std::clamp(std::lround(counts), -32768l, 32767l));
   };

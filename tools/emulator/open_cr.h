@@ -15,8 +15,8 @@ class OpenCr final : public BusDevice {
   bool servo_power() const { return bytes_[servo_bus::opencr::kServoPower] != 0; }
   void press(std::uint8_t buttons);
   void set_voltage(double volt);
-  /// Specific force [m/s^2] and rate [rad/s] in base axes; the board's tilt comes from the
-  /// accelerometer alone.
+  /// Specific force [m/s^2] and rate [rad/s] in base axes; the board lies turned by half a turn
+  /// about z, so that its x and y count the other way. Its tilt comes from the accelerometer alone.
   void set_imu(const plant::Vec3& specific_force, const plant::Vec3& rate);
 
   std::uint8_t id() const override { return servo_bus::opencr::kId; }

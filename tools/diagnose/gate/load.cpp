@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "host/learn/hash.h"
+#include "shared/files/hash.h"
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
@@ -21,7 +21,7 @@ std::string hash_of(const recording::Recording& r) {
   };
   add(r.t);
   for (const recording::Channel& c : r.channels) add(c.values);
-  return fmt::format("{:016x}", learn::fnv1a(bytes));
+  return fmt::format("{:016x}", files::fnv1a(bytes));
 }
 
 }  // namespace
