@@ -18,6 +18,8 @@ class BusDevice {
   virtual std::uint8_t id() const = 0;
   virtual std::uint16_t model() const = 0;
   virtual std::uint8_t firmware() const = 0;
+  /// Understands the fast reads.
+  virtual bool knows_fast_read() const { return true; }
   /// False: neither hears nor speaks (no power, rebooting, cable off).
   virtual bool listening() const = 0;
   /// From the last byte of an instruction to the first of the reply.

@@ -265,7 +265,7 @@ void BusSlave::answer_merged(std::span<const BulkRange> ranges, Nanoseconds now)
   std::size_t sent = 0;
   for (const BulkRange& range : ranges) {
     BusDevice* device = find(range.id);
-    if (!device || !device->listening()) break;
+    if (!device || !device->listening() || !device->knows_fast_read()) break;
     std::vector<std::uint8_t> data(range.length);
     const StatusError error = device->read(range.address, data);
     writer.append(frame, device->id(), error_byte(*device, error), data);

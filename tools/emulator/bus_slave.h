@@ -21,6 +21,8 @@ class BusSlave {
   BusSlave(std::vector<BusDevice*> devices, const FaultPlan& faults, std::int64_t baud,
            std::uint64_t seed);
 
+  /// The master's speed from now on.
+  void set_baud(std::int64_t baud) { byte_time_ = servo_bus::wire_time_ns(1, baud); }
   /// The master puts bytes on the line at `now`.
   void receive(std::span<const std::uint8_t> bytes, Nanoseconds now);
   /// When the next instruction bytes have arrived completely; INT64_MAX when none are under way.

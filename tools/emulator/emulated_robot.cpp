@@ -12,6 +12,7 @@
 #include "tools/emulator/servo.h"
 #include "tools/plant/mjcf.h"
 #include "tools/plant/plant.h"
+#include "tools/plant/world_error.h"
 
 namespace sanso::emulator {
 
@@ -112,8 +113,8 @@ struct EmulatedRobot::Impl {
     for (int i = 0; i < kNumServos; ++i) {
       Servo& servo = *servos[i];
       servo.set_power(board.servo_power(), now);
-      const ServoSense sense{body.link_angle(i), body.link_rate(i), body.gear(i).current_A,
-                             body.supply_V()};
+      const ServoSense sense{body.link_angle(i) + horn_error[i], body.link_rate(i),
+                             body.gear(i).current_A, body.supply_V()};
       const ServoDrive drive = servo.update(now, period, sense);
       if (drive.powered) {
         body.set_duty(i, drive.duty);
@@ -162,6 +163,7 @@ struct EmulatedRobot::Impl {
   plant::World world;
   plant::Plant body;
   std::vector<std::unique_ptr<Servo>> servos;
+  std::array<double, kNumServos> horn_error{};
   OpenCr board;
   HidImu imu;
   PoseSource pose;
@@ -234,6 +236,29 @@ void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& t
   impl_->push_torque = torque_in_world;
   impl_->push_start = start;
   impl_->push_stop = stop;
+}
+
+void EmulatedRobot::set_up(const ServoSetup& setup) {
+  namespace xm = servo_bus::xm430;
+  if (setup.id < 1 || setup.id > kNumServos)
+    throw plant::WorldError("servo " + std::to_string(setup.id) + ": expected an id from 1 to 20");
+  Servo& servo = *impl_->servos[static_cast<std::size_t>(setup.id - 1)];
+  if (setup.baud != 0) {
+    const auto rate = std::find(xm::kBaudRates.begin(), xm::kBaudRates.end(), setup.baud);
+    if (rate == xm::kBaudRates.end())
+      throw plant::WorldError("servo " + std::to_string(setup.id) + ": no servo talks at " +
+                              std::to_string(setup.baud) + " baud");
+    servo.set_factory_register(xm::kBaudRate, rate - xm::kBaudRates.begin());
+  }
+  servo.set_factory_register(xm::kReturnDelayTime, setup.return_delay_raw);
+  servo.set_firmware(static_cast<std::uint8_t>(setup.firmware));
+  if (setup.shut_down) servo.shut_down_once();
+  impl_->horn_error[static_cast<std::size_t>(setup.id - 1)] = setup.horn_error_rad;
+}
+
+void EmulatedRobot::set_line_baud(std::int64_t baud) {
+  impl_->bus->set_baud(baud);
+  for (const auto& servo : impl_->servos) servo->set_line_baud(baud);
 }
 
 void EmulatedRobot::press(std::uint8_t buttons) { impl_->board.press(buttons); }

@@ -48,6 +48,16 @@ struct Truth {
   std::array<double, 37> leg_state() const;
 };
 
+/// Where one servo differs from those of a set-up OP3: as the factory delivers it, or worn.
+struct ServoSetup {
+  int id = 0;
+  std::int64_t baud = 0;     // 0: the line's
+  int return_delay_raw = 1;  // the factory's is 250
+  int firmware = 45;
+  bool shut_down = false;     // by overload, until it is rebooted
+  double horn_error_rad = 0;  // the servo reads the link angle plus this
+};
+
 /// How a person puts the robot on the ground: joint angles by servo id, feet flat and touching.
 struct Placement {
   std::array<double, kNumServos> q{};  // rad, index = servo id - 1
@@ -107,6 +117,11 @@ class EmulatedRobot {
 
   /// Presses (or releases) OpenCR's buttons: bits of servo_bus::opencr::kButton*.
   void press(std::uint8_t buttons);
+
+  /// Before the supply is switched on. Throws plant::WorldError for an id or speed that none has.
+  void set_up(const ServoSetup& setup);
+  /// The speed at which the master talks from now on.
+  void set_line_baud(std::int64_t baud);
 
   FaultPlan& faults();
   Truth truth() const;

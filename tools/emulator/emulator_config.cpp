@@ -45,6 +45,21 @@ std::int64_t read_baud(const TomlTable& table, std::int64_t otherwise) {
   return baud;
 }
 
+ServoSetup read_servo(const TomlTable& table) {
+  ServoSetup servo;
+  const auto whole = [&](const char* key, int& value, int low, int high) {
+    if (const auto given = table.integer(key, low, high)) value = static_cast<int>(*given);
+  };
+  servo.id = static_cast<int>(table.need("id", table.integer("id", 1, kNumServos), "an id"));
+  servo.baud = read_baud(table, servo.baud);
+  whole("return_delay", servo.return_delay_raw, 0, 254);
+  whole("firmware", servo.firmware, 1, 255);
+  TomlTable::into(servo.shut_down, table.boolean("shut_down"));
+  TomlTable::into(servo.horn_error_rad, table.number("horn_error_rad", -0.3, 0.3));
+  table.finish("id, baud, return_delay, firmware, shut_down or horn_error_rad");
+  return servo;
+}
+
 EmulatorConfig read_config(const TomlTable& table) {
   EmulatorConfig config;
   TomlTable::into(config.world, table.string("world"));
@@ -52,8 +67,10 @@ EmulatorConfig read_config(const TomlTable& table) {
     config.seed = static_cast<std::uint64_t>(*seed);
   TomlTable::into(config.directory, table.string("directory"));
   config.baud = read_baud(table, config.baud);
+  TomlTable::into(config.hid_imu, table.boolean("hid_imu"));
+  for (const TomlTable& servo : table.tables("servo")) config.servos.push_back(read_servo(servo));
   for (const TomlTable& fault : table.tables("fault")) config.faults.push_back(read_fault(fault));
-  table.finish("world, seed, directory, baud or [[fault]]");
+  table.finish("world, seed, directory, baud, hid_imu, [[servo]] or [[fault]]");
   return config;
 }
 

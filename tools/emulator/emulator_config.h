@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/emulator/emulated_robot.h"
 #include "tools/emulator/fault_plan.h"
 
 namespace sanso::emulator {
@@ -14,7 +15,9 @@ struct EmulatorConfig {
   std::uint64_t seed = 1;
   std::string directory = "/tmp/sanso-robot";  // bus, imu, pose and control appear here
   std::int64_t baud = 2'000'000;
-  std::vector<Fault> faults;  // times count from the start of the process
+  bool hid_imu = true;             // false: no HID sensor, OpenCR's own is all there is
+  std::vector<ServoSetup> servos;  // those that differ
+  std::vector<Fault> faults;       // times count from the start of the process
 };
 
 /// Reads FILE; unknown keys, unknown fault names and values outside their range are refused with

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "shared/servo_bus/xm430.h"
 #include "tools/emulator/control.h"
+#include "tools/emulator/line_speed.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::emulator {
@@ -40,10 +42,11 @@ std::string prepared(const std::string& directory) {
 EmulatorProcess::EmulatorProcess(const EmulatorConfig& config)
     : robot_(plant::load_world(config.world), config.seed, config.baud),
       bus_(prepared(config.directory) + "/bus"),
-      imu_(config.directory + "/imu"),
       pose_(config.directory + "/pose"),
       control_(config.directory + "/control") {
   for (const Fault& fault : config.faults) robot_.faults().add(fault);
+  for (const ServoSetup& servo : config.servos) robot_.set_up(servo);
+  if (config.hid_imu) imu_.emplace(config.directory + "/imu");
   bus_.plug();
 }
 
@@ -66,6 +69,13 @@ void EmulatorProcess::run(const volatile std::sig_atomic_t& stop) {
 
 void EmulatorProcess::serve_bus() {
   std::uint8_t buffer[4096];
+  // a client that sets no speed of the servos' (a pty begins with 38400) talks at theirs
+  const auto& rates = servo_bus::xm430::kBaudRates;
+  const int baud = line_speed(bus_.fd());
+  if (baud != line_baud_ && std::find(rates.begin(), rates.end(), baud) != rates.end()) {
+    line_baud_ = baud;
+    robot_.set_line_baud(baud);
+  }
   for (std::size_t count; (count = bus_.read(buffer)) > 0;) robot_.bus_write({buffer, count});
   for (std::size_t count; (count = robot_.bus_read(buffer)) > 0;) bus_.write({buffer, count});
 }
@@ -73,10 +83,12 @@ void EmulatorProcess::serve_bus() {
 void EmulatorProcess::serve_sensors() {
   std::uint8_t buffer[256];
   int client = -1;
-  for (const int added : imu_.accept_new()) imu_.send(added, EmulatedRobot::imu_descriptor());
-  for (std::size_t size; (size = imu_.receive(buffer, client)) > 0;)
-    robot_.imu_set_feature({buffer, size});
-  for (std::size_t size; (size = robot_.imu_read(buffer)) > 0;) imu_.send_all({buffer, size});
+  if (imu_) {
+    for (const int added : imu_->accept_new()) imu_->send(added, EmulatedRobot::imu_descriptor());
+    for (std::size_t size; (size = imu_->receive(buffer, client)) > 0;)
+      robot_.imu_set_feature({buffer, size});
+    for (std::size_t size; (size = robot_.imu_read(buffer)) > 0;) imu_->send_all({buffer, size});
+  }
   pose_.accept_new();
   while (pose_.receive(buffer, client) > 0) {
   }
@@ -119,7 +131,7 @@ void EmulatorProcess::wait_for_work(Nanoseconds wall) {
 
   std::vector<int> descriptors;
   if (bus_.fd() >= 0) descriptors.push_back(bus_.fd());
-  imu_.add_descriptors(descriptors);
+  if (imu_) imu_->add_descriptors(descriptors);
   pose_.add_descriptors(descriptors);
   control_.add_descriptors(descriptors);
   std::vector<pollfd> polled;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <csignal>
+#include <optional>
 
 #include "tools/emulator/emulated_robot.h"
 #include "tools/emulator/emulator_config.h"
@@ -31,7 +32,9 @@ class EmulatorProcess {
 
   EmulatedRobot robot_;
   BusPty bus_;
-  PacketServer imu_, pose_, control_;
+  std::optional<PacketServer> imu_;  // a robot as the factory delivers it has none
+  PacketServer pose_, control_;
+  int line_baud_ = 0;
   Nanoseconds wall_offset_ = 0;  // robot time = wall time - offset
   std::uint64_t stalls_ = 0;
 };

@@ -65,7 +65,7 @@ void Servo::boot(Nanoseconds now, Nanoseconds duration) {
   const std::int64_t id = registers_.get(xm::kId);
   registers_.load_defaults(false);
   registers_.set(xm::kId, id);
-  registers_.set(xm::kFirmwareVersion, xm::kFirmwareWithFastRead);
+  registers_.set(xm::kFirmwareVersion, firmware_);
   registers_.set(xm::kGoalPosition, position_raw_);
   registers_.set(xm::kGoalPwm, registers_.get(xm::kPwmLimit));
   booting_ = true;
@@ -76,6 +76,11 @@ void Servo::boot(Nanoseconds now, Nanoseconds duration) {
   due_goals_.clear();
   held_.clear();
   last_heard_ = now;
+}
+
+void Servo::set_firmware(std::uint8_t version) {
+  firmware_ = version;
+  registers_.set(xm::kFirmwareVersion, version);
 }
 
 void Servo::reboot(Nanoseconds now) { boot(now, kRebootTime); }
@@ -96,7 +101,10 @@ ServoDrive Servo::update(Nanoseconds now, double period_s, const ServoSense& sen
   position_raw_ = servo_bus::position_raw(sense.position_rad);
   // stays in boot while the supply is low
   if (powered_ && sense.supply_V < kUnderVoltage_V) boot(now, kPowerOnTime);
-  if (booting_ && now >= boot_done_) booting_ = false;
+  if (booting_ && now >= boot_done_) {
+    booting_ = false;
+    if (std::exchange(shut_down_once_, false)) raise(xm::kErrorOverload);
+  }
   if (!powered_ || booting_) return {};
 
   publish(now, sense, position_raw_);

@@ -42,6 +42,15 @@ class Servo final : public BusDevice {
   void set_power(bool on, Nanoseconds now);
   /// Raises bits of Hardware Error Status; shuts down when the Shutdown register says so.
   void raise(std::uint8_t error_bits);
+  /// Another speed on the line.
+  void set_line_baud(std::int64_t baud) { line_baud_ = baud; }
+  /// Factory state that a set-up OP3 does not have any more.
+  void set_firmware(std::uint8_t version);
+  void set_factory_register(const servo_bus::Register& r, std::int64_t raw) {
+    registers_.set(r, raw);
+  }
+  /// Shuts down by overload as soon as it has booted for the first time.
+  void shut_down_once() { shut_down_once_ = true; }
   void set_temperature(double celsius) { temperature_C_ = celsius; }
   void set_cable(bool connected) { connected_ = connected; }
 
@@ -51,7 +60,10 @@ class Servo final : public BusDevice {
 
   std::uint8_t id() const override { return id_; }
   std::uint16_t model() const override { return servo_bus::xm430::kModel; }
-  std::uint8_t firmware() const override { return servo_bus::xm430::kFirmwareWithFastRead; }
+  std::uint8_t firmware() const override { return firmware_; }
+  bool knows_fast_read() const override {
+    return firmware_ >= servo_bus::xm430::kFirmwareWithFastRead;
+  }
   /// With another rate in Baud Rate than the line's, all it hears is noise.
   bool listening() const override {
     return powered_ && connected_ && !booting_ && own_baud() == line_baud_;
@@ -89,6 +101,8 @@ class Servo final : public BusDevice {
   plant::ServoParameters parameters_;
   std::int64_t line_baud_;
   RegisterFile registers_;
+  std::uint8_t firmware_ = servo_bus::xm430::kFirmwareWithFastRead;
+  bool shut_down_once_ = false;
   bool powered_ = false, connected_ = true, booting_ = false;
   Nanoseconds boot_done_ = 0;
   Nanoseconds last_heard_ = 0;

@@ -106,7 +106,7 @@ class EmulatedController {
 
   void tick() {
     robot.advance(next_);
-    imu_.poll(0);
+    if (!without_hid) imu_.poll(0);
     pose_.poll(0);
     handover->host_heard.store(host_alive ? robot.now() : heard_);
     if (host_alive) heard_ = robot.now();
@@ -165,6 +165,7 @@ class EmulatedController {
   RobotPort port{robot};
   std::unique_ptr<Handover> handover;
   bool host_alive = true;
+  bool without_hid = false;  // no HID sensor is read
   wire::CommandAck last_ack;
 
  private:
