@@ -67,8 +67,8 @@ struct Placement {
 };
 Placement place_library(const Problem& problem, const std::vector<std::string>& only);
 
-/// What the library says a nominal model may be wrong by (Effect::tolerances): joint by joint in the
-/// library's order, then what is common to all joints.
+/// What the library says a nominal model may be wrong by (Effect::tolerances): joint by joint in
+/// the order of the tolerances, then what is common to all joints.
 std::vector<Nuisance> make_nuisances(const Problem& problem);
 
 struct Chosen {

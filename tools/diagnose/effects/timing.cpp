@@ -42,9 +42,9 @@ Effect command_delay() {
       .experiments = {kChirp, kTorqueOff},
       .settings = {added_to(&JointSettings::command_delay_s)},
       .identified = {Identified::always},
-      // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample early.
-      // Bounded at zero, the fraction of a millisecond takes the next name that can shift a command
-      // forward (feed-forward).
+      // Either way: a servo that samples at 1 kHz tracks as if its commands came half a sample
+      // early. Bounded at zero, the fraction of a millisecond takes the next name that can shift a
+      // command forward (feed-forward).
       .tolerances = {{.name = "common lag",
                       .order = 10,
                       .deviation = &ToleranceSettings::lag,

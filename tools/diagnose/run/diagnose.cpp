@@ -5,12 +5,12 @@
 
 #include <algorithm>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/explain/whole_time.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/patched_model.h"
-#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -33,9 +33,9 @@ Cut cut_shots(const std::vector<Source>& sources, const std::vector<NoiseLevel>&
   Cut out{make_problem(sources, noise, options, settings), {}, options.shot_seconds};
   if (out.problem.shots.empty()) {
     throw files::InputError(sources.front().file, 0, "t", "too short",
-                                "no piece of motion to simulate",
-                                fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
-                                            options.shot_seconds, settings.data.least_shot_rows));
+                            "no piece of motion to simulate",
+                            fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
+                                        options.shot_seconds, settings.data.least_shot_rows));
   }
   out.whole.emplace(sources, noise, options, settings);
   if (out.whole->nominal_matters())

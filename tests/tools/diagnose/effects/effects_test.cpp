@@ -13,7 +13,6 @@
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
 #include "tools/diagnose/effects/table.h"
-#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <cmath>
 
+#include "shared/files/input_error.h"
 #include "tools/diagnose/model_folder/joint_units.h"
 #include "tools/diagnose/stats/random.h"
-#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {

@@ -5,11 +5,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "shared/files/input_error.h"
 #include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
 #include "tools/diagnose/model_folder/model_folder.h"
 #include "tools/diagnose/stats/random.h"
-#include "shared/files/input_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::diagnose {
@@ -229,8 +229,7 @@ TEST(Overrides, APayloadSitsWhereItsLinkIsAndOnTheBaseNowhere) {
   EXPECT_EQ(changed.payloads[0].joint, 1);
   EXPECT_EQ(changed.payloads[0].body.mass, 0.4);
   EXPECT_NEAR(changed.payloads[0].body.com[0], 0.1, 1e-15);
-  EXPECT_THROW(overridden(arm(""), "[[payload]]\nlink = \"wing\"\nmass = 1\n"),
-               files::InputError);
+  EXPECT_THROW(overridden(arm(""), "[[payload]]\nlink = \"wing\"\nmass = 1\n"), files::InputError);
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/files/input_error.h"
 #include "tests/support/small_world.h"
 #include "tools/diagnose/stats/robust.h"
-#include "shared/files/input_error.h"
 
 namespace sanso::diagnose {
 namespace {
