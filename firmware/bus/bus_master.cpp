@@ -17,6 +17,24 @@ constexpr Nanoseconds kSingleTimeout = 4 * kMillisecond;
 constexpr std::uint16_t kSupplyAddress = 144, kSupplyBytes = 3;  // voltage u16, temperature u8
 // torque enable .. hardware error status
 constexpr std::uint16_t kTorqueAddress = 64, kTorqueBytes = 7;
+// a joint at its no-load speed turns 0.05 rad in a tick
+constexpr double kMaxJump_rad = 0.5;
+// one turn of the encoder, and a count for rounding
+constexpr double kMaxAngle_rad = model::kPi + 0.01;
+// silent for longer, a joint may be anywhere: its next reading is believed again
+constexpr std::uint16_t kForgottenTicks = 10;
+// id, error and CRC around the data of one servo in a merged reply
+constexpr std::size_t kBlockOverhead = 4;
+// the line counts as free after this much silence; who still talks then is waited for no longer
+constexpr Nanoseconds kQuiet = 300 * kMicrosecond, kPatience = 1500 * kMicrosecond;
+
+/// Longest reply of `servos` servos with `bytes` each, stuffed in the worst case.
+std::size_t reply_bytes(int servos, std::size_t bytes, bool merged) {
+  const std::size_t plain = bus::kMinPacketBytes + bytes + 1;
+  const std::size_t stuffed = plain + plain / 3;
+  return merged ? bus::kMinPacketBytes + static_cast<std::size_t>(servos) * (bytes + kBlockOverhead)
+                : stuffed;
+}
 
 }  // namespace
 
@@ -43,14 +61,35 @@ void BusMaster::drain() {
   parser_.reset();
 }
 
-Status BusMaster::send(Nanoseconds timeout) {
+/// A request into a late reply destroys both: waits for the line to fall silent, not for long.
+void BusMaster::let_line_fall_silent() {
+  if (!overdue_) return;
+  overdue_ = false;
+  std::array<std::uint8_t, 256> waste;
+  const Nanoseconds give_up = clock_.now() + kPatience;
+  while (clock_.now() < give_up) {
+    const Result<std::size_t> n = port_.read(waste, std::min(give_up, clock_.now() + kQuiet));
+    if (!n.ok() || *n == 0) return;
+    counters_.noise_bytes += static_cast<std::uint32_t>(*n);
+  }
+}
+
+Status BusMaster::send(Nanoseconds timeout, std::size_t longest_reply) {
   drain();
   raw_.clear();
-  const Status status = port_.write(request_.view());
+  // an adapter may echo the request
+  parser_.set_max_frame(std::max(longest_reply, request_.size()));
+  const Status status = write_request();
   deadline_ =
       clock_.now() +
       bus::wire_time_ns(request_.size(), static_cast<std::int64_t>(settings_.byte_rate_baud)) +
       timeout;
+  return status;
+}
+
+Status BusMaster::write_request() {
+  const Status status = port_.write(request_.view());
+  if (status != Status::ok) ++counters_.unsent;
   return status;
 }
 
@@ -62,6 +101,8 @@ Status BusMaster::collect(OnPacket&& on_packet) {
     const Result<std::size_t> n = port_.read(chunk, deadline_);
     if (!n.ok()) return n.status();
     if (*n == 0) return Status::timeout;
+    // bytes that never end must not hold the tick
+    const bool last = clock_.now() > deadline_;
     std::span<const std::uint8_t> bytes(chunk.data(), *n);
     (void)raw_.try_append(bytes);
     while (!bytes.empty()) {
@@ -75,102 +116,145 @@ Status BusMaster::collect(OnPacket&& on_packet) {
       }
       if (taken == 0) parser_.reset();  // a full buffer without a packet is noise
     }
+    if (last) return Status::timeout;
   }
 }
 
 Status BusMaster::transact(std::uint8_t id) {
-  if (const Status sent = send(kSingleTimeout); sent != Status::ok) return sent;
-  return collect([&](bus::ParseEvent event) {
+  constexpr int kLongest = 32;  // bytes of data of any single reply
+  if (const Status sent = send(kSingleTimeout, reply_bytes(1, kLongest, false)); sent != Status::ok)
+    return sent;
+  const Status status = collect([&](bus::ParseEvent event) {
     const bool answer = event == bus::ParseEvent::packet && packet_.is_status() && packet_.id == id;
     return answer ? Wait::done : Wait::more;  // anything else is an echo, a late reply or noise
   });
+  overdue_ = status == Status::timeout;
+  return status;
 }
 
-// --- cyclic read ---------------------------------------------------------------------------------
-
-void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
-                      ServoReadings& readings) {
-  ServoReading& reading = readings.servo[static_cast<std::size_t>(slot)];
-  reading.alert = (error & bus::kAlertBit) != 0;
-  // a status without data happens; its error byte still counts
-  if (data.size() < bus::xm430::kFeedbackBytes) return;
-  const bus::xm430::Feedback raw = bus::xm430::decode_feedback(data);
-  reading.position_raw = joint_raw(slot, raw.position_raw);
-  reading.current_raw = raw.current_raw;
-  reading.position_rad = bus::position_rad(reading.position_raw);
-  reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
-  reading.known = true;
-  reading.age_ticks = 0;
-  if (!got_[static_cast<std::size_t>(slot)]) ++readings.answered;
-  got_[static_cast<std::size_t>(slot)] = true;
-}
-
-bool BusMaster::take_status(int slots, ServoReadings& readings) {
-  const int slot = slot_of(packet_.id);
-  if (!packet_.is_status() || slot < 0 || slot >= slots) return false;
-  store(slot, packet_.error, packet_.parameters.view(), readings);
-  return true;
-}
+// --- reads of many servos -------------------------------------------------------------------------
 
 /// The merged reply, from the raw bytes: every block has its own CRC, so a reply that is damaged or
 /// cut short still gives the servos before the damage.
-void BusMaster::take_fast_reply(int slots, ServoReadings& readings) {
+template <class OnBlock>
+void BusMaster::take_fast_reply(int slots, std::size_t bytes, OnBlock&& on_block) {
   constexpr std::array<std::uint8_t, 5> kHeader = {0xFF, 0xFF, 0xFD, 0x00, bus::kBroadcastId};
   const auto begin = std::search(raw_.begin(), raw_.end(), kHeader.begin(), kHeader.end());
   bus::FastReplyReader reader({begin, raw_.end()});
   for (int block = 0; block < slots; ++block) {
-    const Result<bus::FastBlock> reply = reader.next(bus::xm430::kFeedbackBytes);
+    const Result<bus::FastBlock> reply = reader.next(bytes);
     if (!reply.ok()) return;
     const int slot = slot_of(reply->id);
-    if (slot >= 0 && slot < slots) store(slot, reply->error, reply->data, readings);
+    if (slot >= 0 && slot < slots) on_block(slot, reply->error, reply->data);
   }
 }
 
-void BusMaster::read_feedback(int slots, ServoReadings& readings) {
-  readings.asked = slots;
-  readings.answered = 0;
-  got_.fill(false);
-
+/// Asks the first `slots` servos for `bytes` from `address` on; on_block(slot, error, data) for each
+/// that answers.
+template <class OnBlock>
+Status BusMaster::read_many(int slots, std::uint16_t address, std::uint16_t bytes,
+                            OnBlock&& on_block) {
   std::array<std::uint8_t, kNumServos> ids;
   int count = 0;
   for (const std::uint8_t slot : order_)
     if (slot < slots) ids[static_cast<std::size_t>(count++)] = kServoIds[slot];
   const std::span<const std::uint8_t> asked(ids.data(), static_cast<std::size_t>(count));
   if (fast_)
-    (void)bus::encode_fast_sync_read(request_, bus::xm430::kFeedbackAddress,
-                                     bus::xm430::kFeedbackBytes, asked);
+    (void)bus::encode_fast_sync_read(request_, address, bytes, asked);
   else
-    (void)bus::encode_sync_read(request_, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes,
-                                asked);
+    (void)bus::encode_sync_read(request_, address, bytes, asked);
+  Status status = send(from_seconds(settings_.reply_timeout_s), reply_bytes(slots, bytes, fast_));
+  if (status != Status::ok) return status;
+  int answered = 0;
+  status = collect([&](bus::ParseEvent event) {
+    if (fast_ && packet_.id == bus::kBroadcastId && packet_.is_status()) return Wait::done;
+    const int slot = slot_of(packet_.id);
+    const bool reply = event == bus::ParseEvent::packet && packet_.is_status();
+    if (reply && slot >= 0 && slot < slots) {
+      on_block(slot, packet_.error, packet_.parameters.view());
+      ++answered;
+    }
+    return answered == slots ? Wait::done : Wait::more;
+  });
+  overdue_ = status == Status::timeout;
+  if (fast_) take_fast_reply(slots, bytes, on_block);
+  return status;
+}
 
-  Status status = send(from_seconds(settings_.reply_timeout_s));
-  if (status == Status::ok) {
-    status = collect([&](bus::ParseEvent event) {
-      if (fast_ && packet_.id == bus::kBroadcastId && packet_.is_status()) return Wait::done;
-      if (event == bus::ParseEvent::packet) take_status(slots, readings);
-      return readings.answered == slots ? Wait::done : Wait::more;
-    });
-    if (fast_) take_fast_reply(slots, readings);
+int BusMaster::read_block(std::uint16_t address, std::uint16_t bytes, ServoBlocks& blocks) {
+  blocks.got.fill(false);
+  int answered = 0;
+  (void)read_many(kNumServos, address, bytes,
+                  [&](int slot, std::uint8_t error, std::span<const std::uint8_t> data) {
+                    const auto s = static_cast<std::size_t>(slot);
+                    const bool good = (error & ~bus::kAlertBit) == 0 && data.size() == bytes &&
+                                      bytes <= ServoBlocks::kMaxBytes;
+                    if (!good || blocks.got[s]) return;
+                    std::copy(data.begin(), data.end(), blocks.data[s].begin());
+                    blocks.got[s] = true;
+                    ++answered;
+                  });
+  return answered;
+}
+
+// --- cyclic read ---------------------------------------------------------------------------------
+
+void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
+                      ServoReadings& readings) {
+  const auto s = static_cast<std::size_t>(slot);
+  ServoReading& reading = readings.servo[s];
+  reading.alert = (error & bus::kAlertBit) != 0;
+  // a status without data happens; its error byte still counts
+  if (data.size() < bus::xm430::kFeedbackBytes || got_[s]) return;
+  const bus::xm430::Feedback raw = bus::xm430::decode_feedback(data);
+  const std::int32_t position_raw = joint_raw(slot, raw.position_raw);
+  const double position_rad = bus::position_rad(position_raw);
+  const bool refused = (error & ~bus::kAlertBit) != 0;
+  const bool jumped = reading.known && reading.age_ticks < kForgottenTicks &&
+                      std::abs(position_rad - reading.position_rad) > kMaxJump_rad;
+  if (refused || jumped || std::abs(bus::position_rad(raw.position_raw)) > kMaxAngle_rad) {
+    ++counters_.implausible;
+    return;
   }
+  reading.position_raw = position_raw;
+  reading.current_raw = raw.current_raw;
+  reading.position_rad = position_rad;
+  reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
+  reading.known = true;
+  reading.age_ticks = 0;
+  ++readings.answered;
+  got_[s] = true;
+}
+
+void BusMaster::read_feedback(int slots, ServoReadings& readings) {
+  readings.asked = slots;
+  readings.answered = 0;
+  got_.fill(false);
+  const Status status =
+      read_many(slots, bus::xm430::kFeedbackAddress, bus::xm430::kFeedbackBytes,
+                [&](int slot, std::uint8_t error, std::span<const std::uint8_t> data) {
+                  store(slot, error, data, readings);
+                });
   readings.port_gone = status == Status::io_error;
   age_the_silent(slots, readings);
-  if (readings.answered < slots && !readings.port_gone) order_silent_last(slots, readings);
+  if (readings.answered < slots && !readings.port_gone) order_silent_last(slots);
 }
 
 void BusMaster::age_the_silent(int slots, ServoReadings& readings) {
-  for (int s = 0; s < slots; ++s) {
+  for (int s = 0; s < kNumServos; ++s) {
     if (got_[static_cast<std::size_t>(s)]) continue;
     ServoReading& reading = readings.servo[static_cast<std::size_t>(s)];
     if (reading.age_ticks < 0xffff) ++reading.age_ticks;
+    if (s >= slots) continue;  // not asked
     ++counters_.lost;
     ++counters_.lost_by_servo[static_cast<std::size_t>(s)];
   }
 }
 
 /// A servo that stays silent blocks those asked after it: ask it last from now on.
-void BusMaster::order_silent_last(int slots, const ServoReadings& readings) {
-  if (readings.answered == 0) return;
-  // The first silent one in the order is the suspect; the others may only have been behind it.
+void BusMaster::order_silent_last(int slots) {
+  // The first silent one in the order is the suspect; the others may only have been behind it. When
+  // nobody answers, that is the very first: either it is the only dead one, or it does not matter.
   const auto suspect = std::find_if(order_.begin(), order_.end(),
                                     [&](std::uint8_t s) { return s < slots && !got_[s]; });
   if (suspect != order_.end()) std::rotate(suspect, suspect + 1, order_.end());
@@ -185,7 +269,8 @@ Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
   (void)bus::encode_sync_write(request_, bus::xm430::kGoalPosition.address, 4,
                                std::span(kServoIds).first(goals_raw.size()),
                                std::span(data).first(4 * goals_raw.size()));
-  return port_.write(request_.view());
+  let_line_fall_silent();
+  return write_request();
 }
 
 Status BusMaster::write_torque(bool on, ServoReadings& readings) {
@@ -193,7 +278,8 @@ Status BusMaster::write_torque(bool on, ServoReadings& readings) {
   data.fill(on ? 1 : 0);
   (void)bus::encode_sync_write(request_, bus::xm430::kTorqueEnable.address, 1, kServoIds, data);
   for (ServoHealth& health : readings.health) health.torque_known = false;
-  return port_.write(request_.view());
+  let_line_fall_silent();
+  return write_request();
 }
 
 // --- slow reads ----------------------------------------------------------------------------------
@@ -205,6 +291,7 @@ void BusMaster::slow_read_supply(int slot, ServoReadings& readings) {
   ServoHealth& health = readings.health[static_cast<std::size_t>(slot)];
   health.voltage_V = static_cast<float>(bus::voltage_V(bus::get_u16(packet_.parameters.view())));
   health.temperature_C = packet_.parameters[2];
+  ++health.supply_reads;
 }
 
 void BusMaster::slow_read_torque(int slot, ServoReadings& readings) {
@@ -219,11 +306,15 @@ void BusMaster::slow_read_torque(int slot, ServoReadings& readings) {
 }
 
 void BusMaster::slow_read(ServoReadings& readings) {
-  for (int s = 0; s < kNumServos; ++s) {
+  // An alert that nobody has explained yet goes first, but not twice in a row: a servo that says
+  // alert and then nothing more must not keep the others from being asked.
+  alert_turn_ = !alert_turn_;
+  for (int s = 0; s < kNumServos && alert_turn_; ++s) {
     const bool explained = readings.health[static_cast<std::size_t>(s)].hardware_error != 0;
     if (readings.servo[static_cast<std::size_t>(s)].alert && !explained)
       return slow_read_torque(s, readings);
   }
+  alert_turn_ = false;
   const int slot = slow_turn_ / 2;
   if (slow_turn_ % 2 == 0)
     slow_read_supply(slot, readings);

@@ -16,6 +16,13 @@
 
 namespace sanso::firmware {
 
+/// The same registers of every servo, by slot.
+struct ServoBlocks {
+  static constexpr std::size_t kMaxBytes = 24;
+  std::array<std::array<std::uint8_t, kMaxBytes>, kNumServos> data{};
+  std::array<bool, kNumServos> got{};
+};
+
 class BusMaster {
  public:
   BusMaster(const BusSettings& settings, board::SerialPort& port, board::Clock& clock);
@@ -24,6 +31,9 @@ class BusMaster {
   /// Reads the first `slots` servos (12: legs; 20: all) and updates readings; a servo that does not
   /// answer keeps its last values and grows older.
   void read_feedback(int slots, ServoReadings& readings);
+  /// Reads `bytes` (at most ServoBlocks::kMaxBytes) from `address` on of all servos in one request;
+  /// how many gave a good reply.
+  int read_block(std::uint16_t address, std::uint16_t bytes, ServoBlocks& blocks);
   /// Sends goals to slots 0 .. goals_raw.size()-1.
   Status write_goals(std::span<const std::int32_t> goals_raw);
   /// Reads voltage, temperature, torque state and hardware error of one servo, taking turns; servos
@@ -70,17 +80,21 @@ class BusMaster {
  private:
   enum class Wait : std::uint8_t { more, done };
 
-  Status send(Nanoseconds timeout);
+  Status send(Nanoseconds timeout, std::size_t longest_reply);
+  Status write_request();
+  void let_line_fall_silent();
   template <class OnPacket>
   Status collect(OnPacket&& on_packet);
   Status transact(std::uint8_t id);  // sends request_, leaves the status of `id` in packet_
   void drain();
-  bool take_status(int slots, ServoReadings& readings);
-  void take_fast_reply(int slots, ServoReadings& readings);
+  template <class OnBlock>
+  Status read_many(int slots, std::uint16_t address, std::uint16_t bytes, OnBlock&& on_block);
+  template <class OnBlock>
+  void take_fast_reply(int slots, std::size_t bytes, OnBlock&& on_block);
   void store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
              ServoReadings& readings);
   void age_the_silent(int slots, ServoReadings& readings);
-  void order_silent_last(int slots, const ServoReadings& readings);
+  void order_silent_last(int slots);
   void slow_read_supply(int slot, ServoReadings& readings);
   void slow_read_torque(int slot, ServoReadings& readings);
 
@@ -93,6 +107,8 @@ class BusMaster {
   servo_bus::PacketBuffer raw_;  // bytes received since the request
   Nanoseconds deadline_ = 0;
   bool fast_ = false;
+  bool overdue_ = false;  // the last request was not answered in time: its reply may still come
+  bool alert_turn_ = false;
   int slow_turn_ = 0;
   std::array<std::uint8_t, kNumServos> order_{};  // slots in the order of asking
   std::array<bool, kNumServos> got_{};
