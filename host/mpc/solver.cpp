@@ -86,6 +86,7 @@ bool Solver::roll_out_start(SolveResult& result) {
   result.finite = std::isfinite(cost_);
   if (result.finite) take_lane(0);
   std::memset(work_->gains, 0, sizeof work_->gains);
+  std::memset(work_->taken, 0, sizeof work_->taken);
   std::memset(work_->variance_weight, 0, sizeof work_->variance_weight);
   return result.finite;
 }
@@ -102,6 +103,7 @@ Solver::Step Solver::improve(double sigma, SolveResult& result) {
       const double after = work_->lanes.cost(lane) + work_->lanes.noise_cost(lane);
       if (after < before) {
         take_lane(lane);
+        std::copy_n(work_->gains, phases_.stages(), work_->taken);
         mu_ = std::max(settings_.regularization, mu_ / kMuFactor);
         return before - after < settings_.convergence * before ? Step::too_small : Step::taken;
       }

@@ -45,7 +45,8 @@ class Solver {
 
   Trajectory& trajectory() { return work_->trajectory; }
   const Trajectory& trajectory() const { return work_->trajectory; }
-  const StageGains* gains() const { return work_->gains; }
+  /// Of the last step taken; zero when none was: feedback of a rejected proposal is never used.
+  const StageGains* gains() const { return work_->taken; }
   const Value& value() const { return work_->value; }
 
  private:
@@ -53,7 +54,8 @@ class Solver {
     Trajectory trajectory;
     StageDerivatives derivatives[kMaxStages];
     StageCost costs[kMaxHorizon];
-    StageGains gains[kMaxStages];
+    StageGains gains[kMaxStages];  // of the newest proposal
+    StageGains taken[kMaxStages];  // of the last one that lowered the cost
     double variance_weight[kMaxStages][kNdx];
     Value value;
     LaneTrajectories lanes;

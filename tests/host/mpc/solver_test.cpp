@@ -131,6 +131,59 @@ TEST(Solver, ExpectedCostFallsWithEveryIterationUnderNoise) {
   }
 }
 
+/// As LinearPhases, but from the second line search on every roll-out is dear: all proposals after
+/// the first step are rejected.
+class StubbornPhases : public LinearPhases {
+ public:
+  StubbornPhases(unsigned seed, int stages, int willing)
+      : LinearPhases(seed, stages), willing_(willing) {}
+  void roll_out(const LinePolicy& p, const double* steps, LaneTrajectories& out) override {
+    LinearPhases::roll_out(p, steps, out);
+    if (roll_outs <= willing_) return;
+    for (int lane = 0; lane < kLineSearchLanes; ++lane) out.cost(lane) = 1e9;
+  }
+
+ private:
+  int willing_;  // roll-outs, the start included
+};
+
+TEST(Solver, FeedbackOfARejectedProposalIsNeverLeft) {
+  SolverSettings settings;
+  settings.input_limit_rad = 100;
+  settings.convergence = 0;
+  LinearPhases willing(4, 11);
+  settings.max_iterations = 1;
+  Solver one_step(settings, willing);
+  start(one_step);
+  SolveResult result;
+  one_step.solve(0.1, 0, result);
+  ASSERT_EQ(result.iterations, 1);
+
+  StubbornPhases stubborn(4, 11, 2);
+  settings.max_iterations = 10;
+  Solver solver(settings, stubborn);
+  start(solver);
+  solver.solve(0.1, 0, result);
+  ASSERT_EQ(result.stop, StopReason::no_descent);
+  ASSERT_EQ(result.iterations, 1);
+  for (int k = 0; k < stubborn.stages(); ++k)
+    for (int i = 0; i < kNu; ++i)
+      for (int j = 0; j < kNdx; ++j)
+        ASSERT_EQ(solver.gains()[k].K[i][j], one_step.gains()[k].K[i][j]) << k << " " << i;
+}
+
+TEST(Solver, WithoutAnyStepThereIsNoFeedback) {
+  StubbornPhases phases(5, 11, 1);
+  Solver solver(SolverSettings{}, phases);
+  start(solver);
+  SolveResult result;
+  solver.solve(0.1, 0, result);
+  ASSERT_EQ(result.stop, StopReason::no_descent);
+  for (int k = 0; k < phases.stages(); ++k)
+    for (const auto& row : solver.gains()[k].K)
+      for (const double entry : row) EXPECT_EQ(entry, 0.0);
+}
+
 TEST(Solver, InputsStayInsideTheirLimitAndTheCostStillFalls) {
   LinearPhases phases(3, 11);
   SolverSettings settings;
