@@ -16,7 +16,7 @@ struct MpcSettings {
   double convergence = 2e-4;
   // tangent units, forward difference; chosen in docs/results/mpc.md
   double difference_step = 1e-6;
-  // first value added to the diagonal of Quu, times the largest entry of Wu
+  // first value added to the diagonal of Quu, per rad^2
   double regularization = 1e-6;
   double gain_norm_limit = 13.0;  // Frobenius norm of K_up above which K_up is scaled down to it
   double input_limit_rad = 0.5;   // rad, |u_up| per joint

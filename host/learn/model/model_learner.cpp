@@ -63,6 +63,12 @@ ModelLosses ModelLearner::losses(const std::vector<PredictionWindow>& windows) c
   return l;
 }
 
+std::optional<ModelLosses> ModelLearner::losses(const Episode& episode) const {
+  const std::vector<PredictionWindow> windows = usable_windows(episode);
+  if (windows.empty()) return std::nullopt;
+  return losses(windows);
+}
+
 std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episode) const {
   return upright_windows_of(episode, settings_.tilt_limit_rad, settings_.window_stride_ticks);
 }

@@ -66,8 +66,10 @@ class ModelLearner {
   host::AugmentedModel current() const;
   double sigma() const { return sigma_; }
   int rounds() const { return rounds_; }
+  /// At least one window.
   ModelLosses losses(const std::vector<PredictionWindow>& windows) const;
-  ModelLosses losses(const Episode& episode) const { return losses(usable_windows(episode)); }
+  /// Empty for an episode without a window of N steps: nothing is known of a model then.
+  std::optional<ModelLosses> losses(const Episode& episode) const;
 
   /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is
   /// learned, nothing changes.

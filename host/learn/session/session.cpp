@@ -189,10 +189,11 @@ TrialSummary Session::run_one() {
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
-  const ModelLosses losses = learner_.losses(episode);
-  summary.model_loss = losses.augmented;
-  summary.model_loss_analytical = losses.analytical;
-  summary.model_loss_initial = losses.initial;
+  if (const auto losses = learner_.losses(episode)) {
+    summary.model_loss = losses->augmented;
+    summary.model_loss_analytical = losses->analytical;
+    summary.model_loss_initial = losses->initial;
+  }
   summary.residual_share = state_->residual.share;
   if (learner_.judge_residual(episode)) upper_.set_model(learner_.current());
   state_->residual = learner_.residual_trust();

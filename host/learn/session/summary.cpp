@@ -20,6 +20,9 @@ Json updates_json(const std::vector<float>& ms) {
       {"p50", percentile(ms, 0.5)}, {"p99", percentile(ms, 0.99)}, {"max", percentile(ms, 1.0)}};
 }
 
+/// Null where it was not computed: a trial that falls at once says nothing about a model.
+Json known_loss(double loss) { return loss >= 0.0 ? Json(loss) : Json(nullptr); }
+
 Json iteration_json(const TrialSummary& s) {
   Json j{{"trial", s.trial},
          {"cost", s.cost},
@@ -28,9 +31,9 @@ Json iteration_json(const TrialSummary& s) {
          {"succeeded", s.succeeded()},
          {"broken_clauses", s.broken_clauses},
          {"duration_s", s.duration_s},
-         {"model_loss", nullptr},
-         {"model_loss_analytical", s.model_loss_analytical},
-         {"model_loss_initial", s.model_loss_initial},
+         {"model_loss", known_loss(s.model_loss)},
+         {"model_loss_analytical", known_loss(s.model_loss_analytical)},
+         {"model_loss_initial", known_loss(s.model_loss_initial)},
          {"residual_share", s.residual_share},
          {"sigma", s.sigma},
          {"fault", s.fault},
@@ -44,7 +47,6 @@ Json iteration_json(const TrialSummary& s) {
          {"bus_corrupt", s.bus_corrupt},
          {"wall_s", s.wall_s},
          {"digest", fmt::format("{:016x}", s.digest)}};
-  if (s.model_loss >= 0) j["model_loss"] = s.model_loss;
   return j;
 }
 

@@ -18,6 +18,14 @@ ModelLearningSettings quick() {
   return s;
 }
 
+TEST(ModelLearner, ATrialThatFallsAtOnceHasNoLoss) {
+  const ModelLearner learner({}, weights(), quick(), kSeed);
+  Episode fallen = episode_of_world(1);
+  fallen.ticks.resize(30);  // 0.3 s: no window of N steps
+  EXPECT_FALSE(learner.losses(fallen).has_value()) << "zero would read as a perfect model";
+  EXPECT_TRUE(learner.losses(episode_of_world(1)).has_value());
+}
+
 TEST(ModelLearner, StoredAndReadBackIsTheSameModel) {
   ModelLearner learner({}, weights(), quick(), kSeed);
   learner.learn(episodes(8));
@@ -29,7 +37,7 @@ TEST(ModelLearner, StoredAndReadBackIsTheSameModel) {
   other.load(path);
   other.set_residual_trust(learner.residual_trust());
   const Episode probe = episode_of_world(50);
-  EXPECT_EQ(other.losses(probe).augmented, learner.losses(probe).augmented) << "bit for bit";
+  EXPECT_EQ(other.losses(probe)->augmented, learner.losses(probe)->augmented) << "bit for bit";
   EXPECT_EQ(other.sigma(), learner.sigma());
   EXPECT_EQ(other.rounds(), 1);
 }
