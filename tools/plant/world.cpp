@@ -153,9 +153,9 @@ World load_world(const std::string& name_or_path) {
   if (!built_in.empty()) return parse_world(built_in, "worlds/" + name_or_path + ".toml");
   std::ifstream file(name_or_path);
   if (!file) {
-    throw WorldError(
-        fmt::format("world '{}': expected nominal, lab, hard, seed:N or the path of a TOML file",
-                    name_or_path));
+    throw WorldError(fmt::format(
+        "world '{}': expected nominal, lab, hard, back, worst, seed:N or the path of a TOML file",
+        name_or_path));
   }
   std::ostringstream text;
   text << file.rdbuf();

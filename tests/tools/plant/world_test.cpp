@@ -22,6 +22,15 @@ TEST(World, NamedWorldsDiffer) {
   EXPECT_EQ(load_world("nominal").servo.coulomb_Nm, 0.0);
   EXPECT_EQ(load_world("lab").name, "lab");
   EXPECT_GT(load_world("hard").servo.p_divisor, load_world("lab").servo.p_divisor);
+  EXPECT_GT(load_world("worst").servo.p_divisor, load_world("back").servo.p_divisor);
+}
+
+/// Softer servos lean backwards; a mass in front would cancel that and hide what learning is for.
+TEST(World, InBackAndWorstNothingCancelsTheLeanOfSofterServos) {
+  for (const char* name : {"back", "worst"}) {
+    EXPECT_LT(load_world(name).body.torso_com_offset_m[0], 0.0) << name;
+    EXPECT_GT(load_world(name).servo.p_divisor, load_world("lab").servo.p_divisor) << name;
+  }
 }
 
 TEST(World, SameSeedSameWorldOtherSeedOtherWorld) {
