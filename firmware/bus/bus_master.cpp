@@ -132,7 +132,7 @@ Status BusMaster::transact(std::uint8_t id) {
   return status;
 }
 
-// --- reads of many servos -------------------------------------------------------------------------
+// --- reads of many servos ------------------------------------------------------------------------
 
 /// The merged reply, from the raw bytes: every block has its own CRC, so a reply that is damaged or
 /// cut short still gives the servos before the damage.
@@ -149,8 +149,8 @@ void BusMaster::take_fast_reply(int slots, std::size_t bytes, OnBlock&& on_block
   }
 }
 
-/// Asks the first `slots` servos for `bytes` from `address` on; on_block(slot, error, data) for each
-/// that answers.
+/// Asks the first `slots` servos for `bytes` from `address` on; on_block(slot, error, data) for
+/// each that answers.
 template <class OnBlock>
 Status BusMaster::read_many(int slots, std::uint16_t address, std::uint16_t bytes,
                             OnBlock&& on_block) {

@@ -91,8 +91,8 @@ struct World {
   PoseParameters pose;
 };
 
-/// "nominal", "lab", "hard", "back", "worst" (files of worlds/), "seed:17" (drawn), or the path of a
-/// TOML file. Throws WorldError.
+/// "nominal", "lab", "hard", "back", "worst" (files of worlds/), "seed:17" (drawn), or the path of
+/// a TOML file. Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.

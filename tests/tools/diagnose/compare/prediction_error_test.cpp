@@ -19,7 +19,8 @@ Eigen::VectorXd random_error(const Problem& problem, std::uint64_t seed) {
   return r;
 }
 
-/// Mean square of the median shot, starts taken out: a start in the middle of a stop is known badly.
+/// Mean square of the median shot, starts taken out: a start in the middle of a stop is known
+/// badly.
 double level(const SmallComparison& c, const Model& at, const Model& model) {
   const StartElimination starts(c.problem, c.library, at);
   const Eigen::VectorXd energy =
