@@ -74,7 +74,11 @@ Placement with_legs(const std::array<double, 12>& leg_angles_rad) {
 
 struct EmulatedRobot::Impl {
   Impl(const plant::World& world_in, std::uint64_t seed, std::int64_t baud)
-      : world(world_in), body(world), imu(world.imu, seed * 3 + 1), pose(world.pose, seed * 3 + 2) {
+      : world(world_in),
+        body(world),
+        board(seed * 3 + 4),
+        imu(world.imu, seed * 3 + 1),
+        pose(world.pose, seed * 3 + 2) {
     std::vector<BusDevice*> devices;
     for (int id = 1; id <= kNumServos; ++id) {
       servos.push_back(std::make_unique<Servo>(static_cast<std::uint8_t>(id), world.servo, baud));

@@ -9,6 +9,13 @@ namespace sanso::emulator {
 namespace reg = servo_bus::opencr;
 using servo_bus::StatusError;
 
+namespace {
+
+// of the class of sensor on the board, over the 100 Hz at which it is read
+constexpr double kGyroNoise_deg_s = 0.1, kAccelNoise_g = 0.003;
+
+}  // namespace
+
 void OpenCr::press(std::uint8_t buttons) {
   bytes_[reg::kButtons] = buttons;
   // the board cuts the servos' supply by itself
@@ -28,8 +35,10 @@ void OpenCr::set_imu(const plant::Vec3& force_base, const plant::Vec3& rate_base
   constexpr double kDeg = 180.0 / plant::kPi;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto offset = static_cast<std::uint16_t>(2 * i);
-    put(reg::kGyro + offset, rate[i] * kDeg * reg::kGyroCountsPerDegPerSecond);
-    put(reg::kAccelerometer + offset, specific_force[i] / 9.80665 * reg::kAccelCountsPerG);
+    put(reg::kGyro + offset,
+        (rate[i] * kDeg + kGyroNoise_deg_s * random_.normal()) * reg::kGyroCountsPerDegPerSecond);
+    put(reg::kAccelerometer + offset,
+        (specific_force[i] / 9.80665 + kAccelNoise_g * random_.normal()) * reg::kAccelCountsPerG);
     smooth_force_[i] += 0.4 * (specific_force[i] - smooth_force_[i]);  // the maker's low-pass
   }
   const auto& f = smooth_force_;

@@ -6,12 +6,14 @@
 
 #include "shared/servo_bus/opencr.h"
 #include "tools/emulator/bus_device.h"
+#include "tools/plant/random.h"
 #include "tools/plant/vec.h"
 
 namespace sanso::emulator {
 
 class OpenCr final : public BusDevice {
  public:
+  explicit OpenCr(std::uint64_t seed) : random_(seed) {}
   bool servo_power() const { return bytes_[servo_bus::opencr::kServoPower] != 0; }
   void press(std::uint8_t buttons);
   void set_voltage(double volt);
@@ -40,6 +42,7 @@ class OpenCr final : public BusDevice {
   std::array<std::uint8_t, servo_bus::opencr::kTableBytes> bytes_{};
   HeldWrite held_;
   plant::Vec3 smooth_force_{0, 0, 9.81};
+  plant::Random random_;
 };
 
 }  // namespace sanso::emulator

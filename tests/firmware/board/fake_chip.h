@@ -90,6 +90,7 @@ class FakeLine final : public UsbLine {
     if (!chip_.plugged) return Status::io_error;
     reads_.push_back({slot, buffer});
     chip_.most_reads = std::max(chip_.most_reads, static_cast<int>(reads_.size()));
+    chip_.changed.notify_all();
     return Status::ok;
   }
   Status submit_write(Bytes data) override {
@@ -147,6 +148,7 @@ class FakeLine final : public UsbLine {
       event.outcome = UsbEvent::Outcome::gone;
     } else {
       --chip_.stalls;
+      chip_.changed.notify_all();
       event.outcome = UsbEvent::Outcome::stalled;
     }
   }

@@ -138,6 +138,7 @@ TEST(FtdiSerial, EndlessStallsAreADeviceThatIsGone) {
 TEST(FtdiSerial, WhatCameBeforeTheUnplugIsStillDelivered) {
   Rig rig;
   ASSERT_EQ(rig.port.open(rig.message), Status::ok);
+  ASSERT_TRUE(rig.chip.wait_for([&] { return rig.chip.most_reads == UsbLine::kReads; }));
   rig.chip.receive_serial(ByteList{1, 2, 3});
   rig.chip.unplug();
   const Result<std::size_t> n = rig.read();

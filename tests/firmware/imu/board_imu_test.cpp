@@ -39,7 +39,7 @@ struct Rig {
 TEST(BoardImu, AtRestItShowsGravityAndTheTruthsTilt) {
   Rig rig;
   rig.run(2.0);
-  EXPECT_NEAR(rig.out.front().accel.norm(), 9.81, 0.05);
+  EXPECT_NEAR(rig.out.front().accel.norm(), 9.81, 0.15);  // five times the noise
   EXPECT_LT(std::acos(std::min(1.0, rig.seen_up().dot(rig.true_up()))), 0.02);
 }
 
