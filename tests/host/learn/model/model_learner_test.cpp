@@ -18,7 +18,7 @@ TEST(ModelLearner, LowersTheLossOfAnUnseenTrial) {
   ModelLearner learner({}, weights(), {}, kSeed);
   const LearningRound round = learner.learn(episodes(8));
   EXPECT_TRUE(round.identification_used);
-  const ModelLosses unseen = learner.losses(episode_of_world(99)).value();
+  const ModelLosses unseen = learner.losses(episode_of_world(99)).value().value();
   EXPECT_LT(unseen.augmented, 0.5 * unseen.initial);
   EXPECT_LT(learner.sigma(), kSigmaStart);
 }
@@ -31,7 +31,7 @@ TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
   // 11 and 12 stay on their feet
   EXPECT_TRUE(learner.judge_residual(episode_of_world(11, 0.7, kOffset)));
   EXPECT_EQ(learner.residual_trust().share, kShareStep);
-  const ModelLosses next = learner.losses(episode_of_world(12, 0.7, kOffset));
+  const ModelLosses next = learner.losses(episode_of_world(12, 0.7, kOffset)).value();
   EXPECT_LT(next.augmented, next.analytical);
 }
 
@@ -41,10 +41,10 @@ TEST(ModelLearner, ANetworkThatNoLongerHoldsIsPutAside) {
   learner.set_residual_trust({.share = 1.0});
   // another robot stands for data that the network has not seen
   const Episode moved_on = episode_of_world(10, 1.3);
-  const ModelLosses with = learner.losses(moved_on);
+  const ModelLosses with = learner.losses(moved_on).value();
   ASSERT_GT(with.augmented, with.analytical) << "the premise: here the network is worse than none";
   learner.judge_residual(moved_on);
-  const ModelLosses next = learner.losses(moved_on);
+  const ModelLosses next = learner.losses(moved_on).value();
   EXPECT_LE(next.augmented, next.analytical);
 }
 
