@@ -1,3 +1,4 @@
+// The smoothed motion of a recording, from which every simulation starts.
 #include "tools/diagnose/compare/measured_motion.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Cuts recordings into shots of equal length, thins them, chooses the channels that are compared
+// and divides the shots into groups that are held out together.
 #include "tools/diagnose/compare/problem.h"
 
 #include <algorithm>

@@ -1,3 +1,5 @@
+// Matched filter: z = s' M r / |s|_M of every candidate's signature s, what is known projected out.
+// The null law of the largest |z|: normal draws with the signatures' correlation (step-down max-T).
 #include "tools/diagnose/fit/screen.h"
 
 #include <Eigen/Cholesky>

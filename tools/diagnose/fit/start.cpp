@@ -1,3 +1,5 @@
+// Where a fit of an effect begins: the probe whose change explains most, for parameters without a
+// derivative a search along them.
 #include "tools/diagnose/fit/start.h"
 
 #include <algorithm>

@@ -143,9 +143,14 @@ Predictability predictability(const std::vector<TorqueSample>& samples, int join
   return out;
 }
 
-SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint) {
+namespace {
+
+using Term = std::pair<std::string, std::function<double(const TorqueSample&)>>;
+
+/// What a missing torque may be a sum of.
+const std::vector<Term>& formula_terms() {
   using S = const TorqueSample&;
-  static const std::vector<std::pair<std::string, std::function<double(S)>>> terms{
+  static const std::vector<Term> terms{
       {"1", [](S) { return 1.0; }},
       {"q", [](S s) { return s.q; }},
       {"sin(q)", [](S s) { return std::sin(s.q); }},
@@ -170,6 +175,51 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
       {"t", [](S s) { return s.t; }},
       {"t sign(dq)", [](S s) { return s.t * std::tanh(s.dq / 0.05); }},
   };
+  return terms;
+}
+
+/// One choice of columns with its least-squares weights.
+struct Choice {
+  std::vector<Eigen::Index> columns;
+  Eigen::VectorXd w;
+  double error = 0.0;  // squared, of y
+};
+
+/// The choice with that one column more that lowers the error most; the same choice when none does.
+Choice with_best_column(const Choice& now, const Eigen::MatrixXd& X, const Eigen::VectorXd& y) {
+  Choice best = now;
+  for (Eigen::Index t = 0; t < X.cols(); ++t) {
+    if (std::find(now.columns.begin(), now.columns.end(), t) != now.columns.end()) continue;
+    std::vector<Eigen::Index> columns = now.columns;
+    columns.push_back(t);
+    Eigen::MatrixXd A(X.rows(), static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      A.col(static_cast<Eigen::Index>(k)) = X.col(columns[k]);
+    Eigen::MatrixXd H = A.transpose() * A;
+    H.diagonal() *= 1.0 + 1e-9;
+    const Eigen::VectorXd trial = H.ldlt().solve(A.transpose() * y);
+    const double e = (y - A * trial).squaredNorm();
+    if (e < best.error) best = {columns, trial, e};
+  }
+  return best;
+}
+
+void write_formula(const Choice& choice, SparseFormula& out) {
+  for (std::size_t k = 0; k < choice.columns.size(); ++k) {
+    const double value = choice.w[static_cast<Eigen::Index>(k)];
+    const std::string& name = formula_terms()[static_cast<std::size_t>(choice.columns[k])].first;
+    out.terms.push_back(name);
+    out.text +=
+        fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "),
+                    std::abs(value), name == "1" ? "" : " " + name);
+  }
+  if (!out.text.empty()) out.text = "missing torque = " + out.text;
+}
+
+}  // namespace
+
+SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint) {
+  const std::vector<Term>& terms = formula_terms();
   SparseFormula out;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
   if (s.size() < 40) return out;
@@ -183,48 +233,20 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
   }
   const double effective =
       static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
-  std::vector<Eigen::Index> chosen;
-  Eigen::VectorXd w;
-  double error = y.squaredNorm();
-  const double total = std::max(error, 1e-30);
+  Choice chosen{{}, {}, y.squaredNorm()};
+  const double total = std::max(chosen.error, 1e-30);
   for (int round = 0; round < 4; ++round) {
-    Eigen::Index best = -1;
-    double best_error = error;
-    Eigen::VectorXd best_w;
-    for (Eigen::Index t = 0; t < X.cols(); ++t) {
-      if (std::find(chosen.begin(), chosen.end(), t) != chosen.end()) continue;
-      std::vector<Eigen::Index> columns = chosen;
-      columns.push_back(t);
-      Eigen::MatrixXd A(n, static_cast<Eigen::Index>(columns.size()));
-      for (std::size_t k = 0; k < columns.size(); ++k)
-        A.col(static_cast<Eigen::Index>(k)) = X.col(columns[k]);
-      Eigen::MatrixXd H = A.transpose() * A;
-      H.diagonal() *= 1.0 + 1e-9;
-      const Eigen::VectorXd trial = H.ldlt().solve(A.transpose() * y);
-      const double e = (y - A * trial).squaredNorm();
-      if (e < best_error) best_error = e, best = t, best_w = trial;
-    }
+    const Choice next = with_best_column(chosen, X, y);
     // BIC on the number of independent samples: a term has to pay log(n) / 2 in log-likelihood; and
     // 2 % to be worth reading
-    const bool pays =
-        best >= 0 &&
-        effective * std::log(error / std::max(best_error, 1e-30)) > 2.0 * std::log(effective) &&
-        error - best_error > 0.02 * total;
+    const double won = effective * std::log(chosen.error / std::max(next.error, 1e-30));
+    const bool pays = next.columns.size() > chosen.columns.size() &&
+                      won > 2.0 * std::log(effective) && chosen.error - next.error > 0.02 * total;
     if (!pays) break;
-    chosen.push_back(best);
-    w = best_w;
-    error = best_error;
+    chosen = next;
   }
-  out.explained = 1.0 - error / total;
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
-    const double value = w[static_cast<Eigen::Index>(k)];
-    const std::string& name = terms[static_cast<std::size_t>(chosen[k])].first;
-    out.terms.push_back(name);
-    out.text +=
-        fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "),
-                    std::abs(value), name == "1" ? "" : " " + name);
-  }
-  if (!out.text.empty()) out.text = "missing torque = " + out.text;
+  out.explained = 1.0 - chosen.error / total;
+  write_formula(chosen, out);
   return out;
 }
 
