@@ -145,12 +145,12 @@ Predictability predictability(const std::vector<TorqueSample>& samples, int join
 
 namespace {
 
-using Term = std::pair<std::string, std::function<double(const TorqueSample&)>>;
+using FormulaTerm = std::pair<std::string, std::function<double(const TorqueSample&)>>;
 
 /// What a missing torque may be a sum of.
-const std::vector<Term>& formula_terms() {
+const std::vector<FormulaTerm>& formula_terms() {
   using S = const TorqueSample&;
-  static const std::vector<Term> terms{
+  static const std::vector<FormulaTerm> terms{
       {"1", [](S) { return 1.0; }},
       {"q", [](S s) { return s.q; }},
       {"sin(q)", [](S s) { return std::sin(s.q); }},
@@ -219,7 +219,7 @@ void write_formula(const Choice& choice, SparseFormula& out) {
 }  // namespace
 
 SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint) {
-  const std::vector<Term>& terms = formula_terms();
+  const std::vector<FormulaTerm>& terms = formula_terms();
   SparseFormula out;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
   if (s.size() < 40) return out;

@@ -18,7 +18,7 @@ TEST(ModelLearner, LowersTheLossOfAnUnseenTrial) {
   ModelLearner learner({}, weights(), {}, kSeed);
   const LearningRound round = learner.learn(episodes(8));
   EXPECT_TRUE(round.identification_used);
-  const ModelLosses unseen = learner.losses(episode_of_world(99)).value().value();
+  const ModelLosses unseen = learner.losses(episode_of_world(99)).value();
   EXPECT_LT(unseen.augmented, 0.5 * unseen.initial);
   EXPECT_LT(learner.sigma(), kSigmaStart);
 }
