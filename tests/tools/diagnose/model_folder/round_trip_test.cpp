@@ -5,6 +5,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
@@ -112,7 +113,7 @@ TEST(RoundTrip, WhereNothingCanBeWrittenThatIsSaid) {
   const sanso::test::TempFolder temporary;
   const std::string blocked = (temporary.path() / "file").string();
   std::ofstream(blocked) << "in the way";
-  EXPECT_THROW(write_model_folder(pendulum(""), blocked), files::InputError);
+  EXPECT_THROW(write_model_folder(pendulum(""), blocked), files::WriteError);
 }
 
 /// The error that reading this model.toml gives.
