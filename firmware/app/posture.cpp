@@ -3,6 +3,7 @@
 #include "firmware/app/posture.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "firmware/lower/balance.h"
 
@@ -13,6 +14,9 @@ constexpr double kTick_s = to_seconds(kTickPeriod);
 constexpr double kBalanceRamp_s = 0.2;
 // a newly uploaded first pose is approached at this speed while holding
 constexpr double kPoseRate_rad_s = 0.5;
+// arms and head reach their pose no faster
+constexpr double kHeldRate_rad_s = 1.2;
+constexpr double kPeakOfMinimumJerk = 1.875;  // largest speed against the mean speed
 
 /// Moves `weight` towards `goal` by at most one tick's share of `ramp_s`.
 void ramp(double& weight, double goal, double ramp_s) {
@@ -26,7 +30,7 @@ model::Input crouch_pose() {
   // right hip_yaw, hip_roll, hip_pitch, knee, ank_pitch, ank_roll; left mirrored: q_left = -q_right
   constexpr double kThigh = 60.0 * kRadPerDeg;
   // trunk forward: brings the weight over the soles when the servos sag
-  constexpr double kLean = 14.0 * kRadPerDeg;
+  constexpr double kLean = 10.8 * kRadPerDeg;
   model::Input q = model::Input::Zero();
   q[2] = kThigh + kLean;
   q[3] = -2.0 * kThigh;
@@ -35,20 +39,28 @@ model::Input crouch_pose() {
   return q;
 }
 
-void Posture::begin_stand_up(const ServoReadings& servos, const model::Input& first_pose) {
-  model::Input q;
-  for (int j = 0; j < model::kNumJoints; ++j)
-    q[j] = servos.servo[static_cast<std::size_t>(j)].position_rad;
-  through_crouch_ = (q - first_pose).cwiseAbs().maxCoeff() > settings_.near_pose_rad;
+void Posture::begin_stand_up(const ServoGoals& goals, const model::Input& first_pose) {
+  through_crouch_ = (goals.legs - first_pose).cwiseAbs().maxCoeff() > settings_.near_pose_rad;
   lowering_ = false;
   held_ = first_pose;
   middle_weight_ = balance_weight_ = 0;
   const double duration = through_crouch_ ? settings_.stand_up_s : settings_.approach_s;
-  blend_.start(q, duration);
+  blend_.start(goals.legs, duration);
+  held_from_ = goals.held;
+  double way = 0;
   for (std::size_t k = 0; k < kNumHeld; ++k)
-    held_from_[k] = servos.servo[model::kNumJoints + k].position_rad;
+    way = std::max(way, std::abs(kHeldServos[k].pose_rad - held_from_[k]));
   held_fraction_ = 0;
-  held_step_ = kTick_s / duration;
+  held_step_ = kTick_s / std::max(duration, kPeakOfMinimumJerk * way / kHeldRate_rad_s);
+}
+
+void Posture::begin_hold(const ServoGoals& goals) {
+  lowering_ = through_crouch_ = false;
+  held_ = goals.legs;
+  middle_weight_ = balance_weight_ = 0;
+  blend_.start(goals.legs, kTick_s);
+  held_from_ = goals.held;
+  held_fraction_ = 1;
 }
 
 void Posture::begin_soft_stop(const model::Input& output) {
@@ -60,16 +72,27 @@ void Posture::begin_lowering(const model::Input& output) {
   lowering_ = true;
   through_crouch_ = false;
   blend_.start(output, settings_.lower_s);
+  held_fraction_ = 1;
 }
 
+void Posture::begin_tuck(const model::Input& output, double duration_s) {
+  begin_lowering(output);
+  blend_.start(output, duration_s);
+}
+
+/// All joints arrive together: on the way the soles stay as parallel as at both ends.
 void Posture::follow_first_pose(const model::Input& first_pose) {
   const double step = kPoseRate_rad_s * kTick_s;
-  for (int j = 0; j < model::kNumJoints; ++j)
-    held_[j] += std::clamp(first_pose[j] - held_[j], -step, step);
+  const model::Input way = first_pose - held_;
+  const double longest = way.cwiseAbs().maxCoeff();
+  if (longest <= step)
+    held_ = first_pose;
+  else
+    held_ += (step / longest) * way;
 }
 
 model::Input Posture::hold_target(Trial& trial, const model::State& x) {
-  follow_first_pose(trial.first_pose());
+  if (trial.has_primitives()) follow_first_pose(trial.first_pose());
   ramp(middle_weight_, 1.0, settings_.middle_ramp_s);
   ramp(balance_weight_, 1.0, kBalanceRamp_s);
   return held_ + middle_weight_ * trial.middle_at_start(x) + trial.reflex(x) +

@@ -16,22 +16,31 @@ namespace sanso::firmware {
 /// off [rad].
 model::Input crouch_pose();
 
+/// Targets of all servos [rad].
+struct ServoGoals {
+  model::Input legs = model::Input::Zero();
+  std::array<double, kNumHeld> held{};
+};
+
 class Posture {
  public:
   explicit Posture(const SupervisorSettings& settings) : settings_(settings) {}
 
-  /// From the joints as they are (`servos`) to the first pose: straight when near it, through the
-  /// crouch when not.
-  void begin_stand_up(const ServoReadings& servos, const model::Input& first_pose);
+  /// From the servos' `goals` to the first pose: straight when near it, through the crouch when
+  /// not. Arms and head take the time they need.
+  void begin_stand_up(const ServoGoals& goals, const model::Input& first_pose);
+  /// Stays where the servos' goals are.
+  void begin_hold(const ServoGoals& goals);
   /// From the targets sent last to the first pose.
   void begin_soft_stop(const model::Input& output);
-  /// From the targets sent last into the crouch.
+  /// From the targets sent last into the crouch; quickly: as far as the robot gets in a fall.
   void begin_lowering(const model::Input& output);
+  void begin_tuck(const model::Input& output, double duration_s);
 
   /// Targets of this tick for a robot at x.
   model::Input step(Trial& trial, const model::State& x);
   /// The passage has reached its pose.
-  bool arrived() const { return blend_.done() && !through_crouch_; }
+  bool arrived() const { return blend_.done() && !through_crouch_ && held_fraction_ > 1.0 - 1e-9; }
   bool lowering() const { return lowering_; }
   /// The pose held is the one in which the uploaded motion begins.
   bool at_first_pose(const model::Input& first_pose) const {

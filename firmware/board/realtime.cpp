@@ -29,6 +29,7 @@ std::string lock_memory() {
 }
 
 std::string set_realtime_priority(int priority) {
+  touch_stack();  // this thread's own
   sched_param param{};
   param.sched_priority = priority;
   const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);

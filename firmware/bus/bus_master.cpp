@@ -57,8 +57,32 @@ void BusMaster::drain() {
     const Result<std::size_t> n = port_.read(waste, 0);
     if (!n.ok() || *n == 0) break;
     counters_.noise_bytes += static_cast<std::uint32_t>(*n);
+    look_for_foreigners(std::span(waste).first(*n));
   }
   parser_.reset();
+}
+
+/// Only masters give instructions: one that is whole and not the echo of our own is another's.
+void BusMaster::look_for_foreigners(std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const std::size_t taken = parser_.feed(bytes);
+    bytes = bytes.subspan(taken);
+    for (bus::ParseEvent event = parser_.next(packet_); event != bus::ParseEvent::none;
+         event = parser_.next(packet_))
+      count_foreigner(event);
+    if (taken == 0) parser_.reset();
+  }
+}
+
+void BusMaster::count_foreigner(bus::ParseEvent event) {
+  if (event != bus::ParseEvent::packet || packet_.is_status()) return;
+  if (!std::ranges::equal(parser_.frame(), request_.view())) ++counters_.foreign;
+}
+
+int BusMaster::listen() {
+  const std::uint32_t before = counters_.noise_bytes;
+  drain();
+  return static_cast<int>(counters_.noise_bytes - before);
 }
 
 /// A request into a late reply destroys both: waits for the line to fall silent, not for long.
@@ -112,6 +136,7 @@ Status BusMaster::collect(OnPacket&& on_packet) {
         const bus::ParseEvent event = parser_.next(packet_);
         if (event == bus::ParseEvent::none) break;
         if (event == bus::ParseEvent::crc_error) ++counters_.corrupt;
+        count_foreigner(event);
         if (on_packet(event) == Wait::done) return Status::ok;
       }
       if (taken == 0) parser_.reset();  // a full buffer without a packet is noise
@@ -212,7 +237,7 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   const bool refused = (error & ~bus::kAlertBit) != 0;
   const bool jumped = reading.known && reading.age_ticks < kForgottenTicks &&
                       std::abs(position_rad - reading.position_rad) > kMaxJump_rad;
-  if (refused || jumped || std::abs(bus::position_rad(raw.position_raw)) > kMaxAngle_rad) {
+  if (refused || jumped || std::abs(position_rad) > kMaxAngle_rad) {
     ++counters_.implausible;
     return;
   }
@@ -262,24 +287,31 @@ void BusMaster::order_silent_last(int slots) {
 
 // --- goals, torque -------------------------------------------------------------------------------
 
-Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
+Status BusMaster::write_each(std::uint16_t address, std::uint8_t size,
+                             std::span<const std::int32_t> values_raw) {
   std::array<std::uint8_t, 4 * kNumServos> data;
-  for (std::size_t s = 0; s < goals_raw.size(); ++s)
-    bus::put_le(data.data() + 4 * s, 4, servo_raw(static_cast<int>(s), goals_raw[s]));
-  (void)bus::encode_sync_write(request_, bus::xm430::kGoalPosition.address, 4,
-                               std::span(kServoIds).first(goals_raw.size()),
-                               std::span(data).first(4 * goals_raw.size()));
+  for (std::size_t s = 0; s < values_raw.size(); ++s)
+    bus::put_le(data.data() + size * s, size, values_raw[s]);
+  (void)bus::encode_sync_write(request_, address, size,
+                               std::span(kServoIds).first(values_raw.size()),
+                               std::span(data).first(size * values_raw.size()));
   let_line_fall_silent();
   return write_request();
 }
 
+Status BusMaster::write_goals(std::span<const std::int32_t> goals_raw) {
+  std::array<std::int32_t, kNumServos> servos_raw{};
+  for (std::size_t s = 0; s < goals_raw.size(); ++s)
+    servos_raw[s] = servo_raw(static_cast<int>(s), goals_raw[s]);
+  return write_each(bus::xm430::kGoalPosition.address, 4,
+                    std::span(servos_raw).first(goals_raw.size()));
+}
+
 Status BusMaster::write_torque(bool on, ServoReadings& readings) {
-  std::array<std::uint8_t, kNumServos> data;
-  data.fill(on ? 1 : 0);
-  (void)bus::encode_sync_write(request_, bus::xm430::kTorqueEnable.address, 1, kServoIds, data);
+  std::array<std::int32_t, kNumServos> values;
+  values.fill(on ? 1 : 0);
   for (ServoHealth& health : readings.health) health.torque_known = false;
-  let_line_fall_silent();
-  return write_request();
+  return write_each(bus::xm430::kTorqueEnable.address, 1, values);
 }
 
 // --- slow reads ----------------------------------------------------------------------------------

@@ -42,6 +42,14 @@ class BusMaster {
   /// Switches the torque of all servos by one sync write (no reply).
   Status write_torque(bool on, ServoReadings& readings);
 
+  /// Bytes that have come since the last call, for as long as nothing has been asked.
+  int listen();
+  /// Whole instructions of somebody else that were on the bus.
+  std::uint32_t foreign() const { return counters_.foreign; }
+  /// Writes `size` bytes of each servo's value from `address` on, all in one request (no reply).
+  Status write_each(std::uint16_t address, std::uint8_t size,
+                    std::span<const std::int32_t> values_raw);
+
   // --- single transactions ---
   struct Identity {
     std::uint16_t model = 0;
@@ -87,6 +95,8 @@ class BusMaster {
   Status collect(OnPacket&& on_packet);
   Status transact(std::uint8_t id);  // sends request_, leaves the status of `id` in packet_
   void drain();
+  void look_for_foreigners(std::span<const std::uint8_t> bytes);
+  void count_foreigner(servo_bus::ParseEvent event);
   template <class OnBlock>
   Status read_many(int slots, std::uint16_t address, std::uint16_t bytes, OnBlock&& on_block);
   template <class OnBlock>

@@ -2,6 +2,7 @@
 // different, and read back.
 #include "firmware/bus/bus_setup.h"
 
+#include <algorithm>
 #include <array>
 
 #include "shared/servo_bus/opencr.h"
@@ -18,6 +19,8 @@ struct Wanted {
   const servo_bus::Register& reg;
   std::int64_t value;
 };
+
+bool in_eeprom(const servo_bus::Register& r) { return r.address < xm430::kFirstRamAddress; }
 
 /// In this order: torque off first (EEPROM), mode before gains (a mode change resets them).
 std::array<Wanted, 10> wanted_registers(const BusSettings& s) {
@@ -47,16 +50,34 @@ Status ensure(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   return *value == wanted.value ? Status::ok : Status::rejected;
 }
 
+/// For a servo with torque on: its torque is left on; what the EEPROM has to say must be right
+/// already, but for the return delay, which only costs time.
+Status ensure_alive(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
+  const servo_bus::Register& r = wanted.reg;
+  if (r.address == xm430::kTorqueEnable.address || r.address == xm430::kReturnDelayTime.address)
+    return Status::ok;
+  if (!in_eeprom(r)) return ensure(bus, id, wanted);
+  const Result<std::int64_t> value = bus.read_register(id, r.address, r.size, r.is_signed);
+  if (!value.ok()) return value.status();
+  return *value == wanted.value ? Status::ok : Status::rejected;
+}
+
 }  // namespace
 
-BusSetup::Progress BusSetup::failed(Fault fault, std::uint8_t id) {
+BusSetup::Progress BusSetup::failed(Fault fault, std::uint16_t detail) {
   fault_ = fault;
-  detail_ = id;
+  detail_ = detail;
   return Progress::failed;
+}
+
+BusSetup::Progress BusSetup::again(Fault fault, std::uint8_t id, int tries) {
+  return ++tries_ < tries ? Progress::running : failed(fault, id);
 }
 
 BusSetup::Progress BusSetup::step(BusMaster& bus, Nanoseconds now) {
   switch (stage_) {
+    case Stage::listen:
+      return listen(bus, now);
     case Stage::power:
       return switch_power(bus, now);
     case Stage::wait:
@@ -66,10 +87,25 @@ BusSetup::Progress BusSetup::step(BusMaster& bus, Nanoseconds now) {
       return find_servo(bus);
     case Stage::registers:
       return set_registers(bus);
-    case Stage::finish:
+    case Stage::goals:
+      return read_goals(bus);
+    case Stage::finished:
       return Progress::done;
   }
   return Progress::done;
+}
+
+/// Two masters destroy each other's packets: the bus has to be silent before the first request.
+BusSetup::Progress BusSetup::listen(BusMaster& bus, Nanoseconds now) {
+  if (listen_begin_ == 0) {
+    listen_begin_ = now;
+    bus.listen();  // what came before is nobody's
+  } else if (const int heard = bus.listen(); heard > 0) {
+    return failed(Fault::bus_foreign, static_cast<std::uint16_t>(std::min(heard, 0xffff)));
+  }
+  if (now - listen_begin_ < from_seconds(settings_.listen_s)) return Progress::running;
+  stage_ = Stage::power;
+  return switch_power(bus, now);
 }
 
 BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
@@ -78,9 +114,14 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
     return Progress::running;
   }
   namespace opencr = servo_bus::opencr;
-  const Status status = bus.write_register(opencr::kId, opencr::kServoPower, 1, 1);
-  if (status == Status::io_error) return failed(Fault::bus_gone, opencr::kId);
-  if (status == Status::ok) {
+  const Result<std::int64_t> before = bus.read_register(opencr::kId, opencr::kServoPower, 1);
+  if (before.status() == Status::io_error) return failed(Fault::bus_gone, opencr::kId);
+  if (before.ok() && *before == 1) {  // nothing to switch, nothing that boots
+    stage_ = Stage::find;
+    tries_ = 0;
+    return Progress::running;
+  }
+  if (before.ok() && bus.write_register(opencr::kId, opencr::kServoPower, 1, 1) == Status::ok) {
     const Result<std::int64_t> power = bus.read_register(opencr::kId, opencr::kServoPower, 1);
     if (power.ok() && *power == 1) {
       power_time_ = now;
@@ -89,15 +130,19 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
       return Progress::running;
     }
   }
-  return ++tries_ < kFindTries ? Progress::running : failed(Fault::power_switch, opencr::kId);
+  return again(Fault::power_switch, opencr::kId, kFindTries);
 }
 
 BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const Result<BusMaster::Identity> identity = bus.ping(id);
-  if (!identity.ok())
-    return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
+  if (identity.status() == Status::io_error) return failed(Fault::bus_gone, id);
+  if (!identity.ok()) return again(Fault::servo_missing, id, kFindTries);
   if (identity->model != xm430::kModel) return failed(Fault::servo_model, id);
+  const Result<std::int64_t> torque = bus.read_register(id, xm430::kTorqueEnable.address, 1);
+  if (!torque.ok()) return again(Fault::servo_missing, id, kFindTries);
+  torque_on_[static_cast<std::size_t>(slot_)] = *torque != 0;
+  torque_found_ = torque_found_ || (*torque != 0 && slot_ < model::kNumJoints);
   all_fast_ = all_fast_ && identity->firmware >= xm430::kFirmwareWithFastRead;
   tries_ = 0;
   if (++slot_ == kNumServos) {
@@ -110,17 +155,35 @@ BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
 BusSetup::Progress BusSetup::set_registers(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const auto wanted = wanted_registers(settings_);
-  const Status status = ensure(bus, id, wanted[register_]);
-  if (status == Status::timeout)
-    return ++tries_ < kFindTries ? Progress::running : failed(Fault::servo_missing, id);
-  if (status != Status::ok)
-    return ++tries_ < kTries ? Progress::running : failed(Fault::servo_register, id);
+  const bool alive = torque_found_ && torque_on_[static_cast<std::size_t>(slot_)];
+  const Status status =
+      alive ? ensure_alive(bus, id, wanted[register_]) : ensure(bus, id, wanted[register_]);
+  if (status == Status::io_error) return failed(Fault::bus_gone, id);
+  if (status == Status::timeout) return again(Fault::servo_missing, id, kFindTries);
+  if (status != Status::ok) return again(Fault::servo_register, id, kTries);
   tries_ = 0;
   if (++register_ < wanted.size()) return Progress::running;
   register_ = 0;
   if (++slot_ < kNumServos) return Progress::running;
+  slot_ = 0;
   bus.use_fast_read(settings_.fast_sync_read && all_fast_);
-  stage_ = Stage::finish;
+  stage_ = torque_found_ ? Stage::goals : Stage::finished;
+  return torque_found_ ? Progress::running : Progress::done;
+}
+
+BusSetup::Progress BusSetup::read_goals(BusMaster& bus) {
+  const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
+  const servo_bus::Register& goal = xm430::kGoalPosition;
+  const Result<std::int64_t> raw = bus.read_register(id, goal.address, goal.size, goal.is_signed);
+  if (raw.status() == Status::io_error) return failed(Fault::bus_gone, id);
+  if (!raw.ok()) return again(Fault::servo_missing, id, kFindTries);
+  goals_raw_[static_cast<std::size_t>(slot_)] =
+      bus.joint_raw(slot_, static_cast<std::int32_t>(*raw));
+  tries_ = 0;
+  if (++slot_ < kNumServos) return Progress::running;
+  stage_ = Stage::finished;
+  for (std::size_t s = 0; s < model::kNumJoints; ++s)
+    if (!torque_on_[s]) return failed(Fault::torque_lost, kServoIds[s]);
   return Progress::done;
 }
 

@@ -1,6 +1,7 @@
-// Start-up of the bus, one small step a tick: supply on, every servo there and an XM430, torque
-// off, registers as the controller needs them and read back. Leaves a servo's EEPROM alone when it
-// already holds what is needed.
+// Start-up of the bus, one small step a tick: listen, supply on, every servo there and an XM430,
+// registers as the controller needs them and read back. What the servos are doing is read before
+// anything is written: a robot that is found standing keeps its torque, its goals and its EEPROM,
+// and the controller adopts it. Leaves a servo's EEPROM alone when it already holds what is needed.
 #pragma once
 
 #include "firmware/bus/bus_master.h"
@@ -17,24 +18,39 @@ class BusSetup {
   /// One step; at most three short transactions.
   Progress step(BusMaster& bus, Nanoseconds now);
 
+  /// Every servo has been heard: feedback can be read.
+  bool servos_heard() const { return stage_ == Stage::registers && slot_ == kNumServos - 1; }
+  bool finished() const { return stage_ == Stage::finished; }
+  /// At least one leg servo was found with torque on: somebody may stand on it.
+  bool torque_found() const { return torque_found_; }
+  /// Goals that the servos were found with [raw]; filled when torque was found and step() is done.
+  const std::array<std::int32_t, kNumServos>& goals_raw() const { return goals_raw_; }
+
   Fault fault() const { return fault_; }
   /// Servo id (or 200, the OpenCR board) that failed.
   std::uint16_t fault_detail() const { return detail_; }
 
  private:
-  enum class Stage : std::uint8_t { power, wait, find, registers, finish };
+  enum class Stage : std::uint8_t { listen, power, wait, find, registers, goals, finished };
+  Progress listen(BusMaster& bus, Nanoseconds now);
   Progress switch_power(BusMaster& bus, Nanoseconds now);
   Progress find_servo(BusMaster& bus);
   Progress set_registers(BusMaster& bus);
-  Progress failed(Fault fault, std::uint8_t id);
+  Progress read_goals(BusMaster& bus);
+  Progress again(Fault fault, std::uint8_t id, int tries);
+  Progress failed(Fault fault, std::uint16_t detail);
 
   BusSettings settings_;
-  Stage stage_ = Stage::power;
+  Stage stage_ = Stage::listen;
+  Nanoseconds listen_begin_ = 0;
   int tries_ = 0;
   int slot_ = 0;
   std::size_t register_ = 0;
   bool all_fast_ = true;
   Nanoseconds power_time_ = 0;
+  std::array<bool, kNumServos> torque_on_{};
+  bool torque_found_ = false;
+  std::array<std::int32_t, kNumServos> goals_raw_{};
   Fault fault_ = Fault::none;
   std::uint16_t detail_ = 0;
 };

@@ -49,6 +49,7 @@ struct BusCounters {
   std::uint32_t noise_bytes = 0;
   std::uint32_t implausible = 0;  // whole replies whose contents cannot be: error, jump, range
   std::uint32_t unsent = 0;       // requests that the port did not take
+  std::uint32_t foreign = 0;      // instructions of another master
   std::array<std::uint32_t, kNumServos> lost_by_servo{};
 };
 

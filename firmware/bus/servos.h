@@ -28,6 +28,9 @@ inline constexpr std::array<HeldServo, 8> kHeldServos{{
     {"head_tilt", 20, 0.0},
 }};
 
+/// Arms and head turn this far either way [rad].
+inline constexpr double kHeldRange_rad = 0.9 * model::kPi;
+
 inline constexpr int kNumHeld = static_cast<int>(kHeldServos.size());
 inline constexpr int kNumServos = model::kNumJoints + kNumHeld;
 

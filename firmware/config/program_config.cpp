@@ -1,13 +1,16 @@
 // The configuration file by key: each setting's range comes from the struct that declares it.
 #include "firmware/config/program_config.h"
 
+#include <cmath>
 #include <filesystem>
 #include <type_traits>
 
 #include "firmware/config/offsets_file.h"
+#include "shared/base/time.h"
 #include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
+#include "shared/math/so3.h"
 
 namespace sanso::firmware {
 namespace {
@@ -34,9 +37,11 @@ void read_devices(const TomlTable& table, DeviceConfig& device) {
   TomlTable::into(device.listen, table.string("listen"));
   read_setting(table, "port", device.port, 0, 65535);
   TomlTable::into(device.key_file, table.string("key_file"));
+  TomlTable::into(device.robot_name, table.string("robot_name"));
   TomlTable::into(device.offsets, table.string("offsets"));
   TomlTable::into(device.log_directory, table.string("log_directory"));
   read_setting(table, "tick_priority", device.tick_priority, 1, 99);
+  read_setting(table, "allow_without_realtime", device.allow_without_realtime, false, true);
   table.finish(kPage);
 }
 
@@ -54,6 +59,33 @@ void read_config(const TomlTable& root, ProgramConfig& config) {
   root.finish("one of the sections in docs/settings.md");
 }
 
+/// Settings that are each inside their range and make no sense together; nullptr: none.
+const char* conflict_of(const Settings& s) {
+  constexpr double kTick_s = to_seconds(kTickPeriod);
+  const math::Quat quat_base_sensor(s.imu.quat_base_sensor_w, s.imu.quat_base_sensor_x,
+                                    s.imu.quat_base_sensor_y, s.imu.quat_base_sensor_z);
+  if (s.guard.low_voltage_V < s.guard.min_voltage_V)
+    return "guard.low_voltage_V is below guard.min_voltage_V: expected the warning above the fault";
+  if (s.guard.warm_temperature_C >= s.guard.max_temperature_C)
+    return "guard.warm_temperature_C is not below guard.max_temperature_C: expected the warning "
+           "below the fault";
+  if (s.guard.hot_duty > s.guard.max_duty)
+    return "guard.hot_duty is above guard.max_duty: expected a hot servo to get less";
+  if (s.guard.tilt_limit_rad >= s.guard.fall_tilt_rad)
+    return "guard.tilt_limit_rad is not below guard.fall_tilt_rad: expected the warning below the "
+           "fault";
+  if (s.imu.late_s > s.imu.silent_s)
+    return "imu.late_s is above imu.silent_s: expected the warning before the fault";
+  if (s.imu.silent_s < 3 * s.imu.period_s)
+    return "imu.silent_s is less than three times imu.period_s: a late report would be a fault";
+  if (s.bus.reply_timeout_s + 0.004 > kTick_s)
+    return "bus.reply_timeout_s and 4 ms for the slow read do not fit into a tick of 10 ms: "
+           "expected at most 0.006";
+  if (std::abs(quat_base_sensor.norm() - 1.0) > 0.01)
+    return "imu.quat_base_sensor_w, x, y, z are not a rotation: expected norm 1";
+  return nullptr;
+}
+
 }  // namespace
 
 bool parse_program_config(const std::string& text, const std::string& name, ProgramConfig& config,
@@ -63,6 +95,9 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
     read_config(TomlTable::parse(text, name), config);
   } catch (const files::InputError& refused) {
     error = refused.what();
+  }
+  if (error.empty()) {
+    if (const char* conflict = conflict_of(config.settings)) error = name + ": " + conflict;
   }
   return error.empty();
 }

@@ -15,10 +15,13 @@ struct DeviceConfig {
   std::string pose;                  // unix:PATH of a pose bridge; empty: none
   std::string listen = "0.0.0.0";    // address for hosts
   int port = 7531;                   // UDP port for hosts
-  std::string key_file;              // 64 hexadecimal digits, the pre-shared key
+  std::string key_file;              // 64 hexadecimal digits, the pre-shared key; mode 0600
+  std::string robot_name = "op3";    // told to whoever asks (at most 31 characters)
   std::string offsets;               // offset.yaml of the robot; empty: none
   std::string log_directory;         // flight records; empty: none are written
   int tick_priority = 80;            // SCHED_FIFO
+  // torque may come on although the machine grants neither real-time priority nor locked memory
+  bool allow_without_realtime = false;
 };
 
 struct ProgramConfig {

@@ -17,7 +17,8 @@ struct BusSettings {
   int return_delay_raw = 1;
   bool fast_sync_read = true;
   bool require_opencr = true;
-  double power_up_wait_s = 1.0;
+  double listen_s = 0.1;
+  double power_up_wait_s = 0.9;
   int silent_ticks = 10;
   JointOffsets offset_rad{};  // from a file of its own (offsets_file.h)
   template <class Field>
@@ -34,6 +35,8 @@ struct BusSettings {
           "use the fast sync read when all servos know it");
     field("require_opencr", require_opencr, false, true,
           "switch the servo supply on through the OpenCR board at start");
+    field("listen_s", listen_s, 0.0, 5.0,
+          "the bus has to be silent for so long before the first request");
     field("power_up_wait_s", power_up_wait_s, 0.0, 5.0,
           "time between supply on and the first ping");
     field("silent_ticks", silent_ticks, 2, 100,
@@ -122,7 +125,11 @@ struct GuardSettings {
   double fall_tilt_rad = 1.0;
   double fall_height_m = 0.10;
   double fall_time_s = 0.05;
-  int overrun_ticks = 10;
+  int overrun_ticks = 20;
+  double max_duty = 1.0;
+  double hot_duty = 0.5;
+  double max_held_rate_rad_s = 3.0;
+  double tuck_s = 0.2;
   template <class Field>
   void visit(Field&& field) {
     field("joint_margin_rad", joint_margin_rad, 0.0, 0.3,
@@ -145,7 +152,15 @@ struct GuardSettings {
     field("fall_height_m", fall_height_m, 0.0, 0.25,
           "base height above the lower sole that is a fall");
     field("fall_time_s", fall_time_s, 0.01, 0.5, "a fall has to last so long");
-    field("overrun_ticks", overrun_ticks, 2, 1000, "so many late ticks in a row are a fault");
+    field("overrun_ticks", overrun_ticks, 2, 100, "so many late ticks of the last 100 are a fault");
+    field("max_duty", max_duty, 0.2, 1.0,
+          "motor voltage that a servo may use, share of the supply");
+    field("hot_duty", hot_duty, 0.1, 1.0,
+          "the same for a servo at max_temperature_C; in between from warm_temperature_C on");
+    field("max_held_rate_rad_s", max_held_rate_rad_s, 0.5, 10.0,
+          "targets of arms and head change at most this fast");
+    field("tuck_s", tuck_s, 0.0, 1.0,
+          "after a fall is certain the limbs are drawn in softly for so long, then torque off");
   }
 };
 
@@ -156,6 +171,7 @@ struct SupervisorSettings {
   double soft_stop_s = 1.5;
   double lower_s = 3.0;
   double host_silent_s = 0.25;
+  double left_alone_s = 20.0;
   double middle_ramp_s = 0.5;
   double balance_pitch_gain = 0.0;
   double balance_roll_gain = 0.0;
@@ -174,6 +190,8 @@ struct SupervisorSettings {
     field("lower_s", lower_s, 1.0, 20.0, "time to lower into the crouch before torque off");
     field("host_silent_s", host_silent_s, 0.05, 5.0,
           "a host silent for so long in a trial ends it by a soft stop");
+    field("left_alone_s", left_alone_s, 1.0, 3600.0,
+          "a robot with torque on that no host talks to for so long is lowered");
     field("middle_ramp_s", middle_ramp_s, 0.0, 5.0,
           "the middle layer's first knot comes in over this time while holding");
     field("balance_pitch_gain", balance_pitch_gain, 0.0, 2.0,

@@ -33,6 +33,10 @@ class Estimator {
   std::uint8_t contact_bits() const {
     return static_cast<std::uint8_t>((loaded_[0] ? 1 : 0) | (loaded_[1] ? 2 : 0));
   }
+  /// Angular velocity of the base if the sole of this leg does not turn, base axes [rad/s].
+  math::Vec3 base_rate_by_leg(Leg leg) const {
+    return -sole_[static_cast<std::size_t>(leg)].w_sole_in_base;
+  }
   /// Base origin above the lower sole's lowest corner, along world z [m].
   double height_above_soles() const { return height_; }
   /// Angle between base z and world z [rad].

@@ -47,9 +47,11 @@ SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
                          model::kSoleHeight);
   sole.p_base_sole = p + R * p_foot_sole;
   sole.R_base_sole = R;
-  for (std::size_t j = 0; j < kJointsPerLeg; ++j)
+  for (std::size_t j = 0; j < kJointsPerLeg; ++j) {
     sole.v_sole_in_base +=
         dq[j] * (math::skew(axis_in_base[j]) * (sole.p_base_sole - p_base_joint[j]));
+    sole.w_sole_in_base += dq[j] * axis_in_base[j];
+  }
   return sole;
 }
 

@@ -16,6 +16,8 @@ struct SoleKinematics {
   math::Mat3 R_base_sole = math::Mat3::Identity();
   // velocity relative to the base by joint rates, base axes  m/s
   math::Vec3 v_sole_in_base = math::Vec3::Zero();
+  // its angular velocity relative to the base by joint rates, base axes  rad/s
+  math::Vec3 w_sole_in_base = math::Vec3::Zero();
 };
 
 /// q, dq: the six angles and rates of the leg, hip_yaw .. ank_roll.

@@ -23,6 +23,16 @@ struct Handover {
   std::atomic<Nanoseconds> host_heard{0};  // time of the last good datagram; 0: never
   std::atomic<std::uint32_t> datagrams_dropped{0};
 
+  // anyone -> tick
+  std::atomic<bool> emergency_stop{false};  // torque off, latched; the tick takes it back to false
+  std::atomic<bool> end_requested{false};   // lower the robot and switch its torque off, then end
+
+  // main -> tick, before the first one
+  std::atomic<bool> arming_allowed{true};  // false: no real-time rights, and no setting allows that
+
+  // tick -> main: after end_requested, the program may end
+  std::atomic<bool> may_end{false};
+
   // IMU and pose threads -> tick
   Mailbox<ImuSample> imu;
   Mailbox<PoseSample> pose;

@@ -2,6 +2,7 @@
 // cannot differ.
 #include "shared/wire/codec.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "shared/base/byte_io.h"
@@ -50,12 +51,13 @@ void state(Archive& ar, State& x) {
 template <class Archive>
 void layout(Archive& ar, typename Archive::template Ref<Command> m) {
   ar(m.sequence);
-  enumerator(ar, m.kind, 0, 5);
+  enumerator(ar, m.kind, 0, 7);
   ar(m.trial_id);
   ar(m.layers);
   require(ar, m.layers <= policy::LayerSwitches::kAll);
   ar(m.duration_ticks);
   require(ar, m.duration_ticks >= 0);
+  ar(m.observed_tick);
 }
 
 template <class Archive>
@@ -205,5 +207,35 @@ Status decode(Bytes data, UploadChunk& out) {
   return decode_as(MessageType::upload_chunk, data, out);
 }
 Status decode(Bytes data, UploadAck& out) { return decode_as(MessageType::upload_ack, data, out); }
+
+// --- in the clear --------------------------------------------------------------------------------
+
+void encode_who(std::span<std::uint8_t, kIdentityBytes> out) {
+  std::fill(out.begin(), out.end(), std::uint8_t{0});
+  out[0] = kProtocolVersion;
+  out[1] = static_cast<std::uint8_t>(MessageType::who);
+}
+
+bool is_who(Bytes data) {
+  return data.size() == kIdentityBytes && data[1] == static_cast<std::uint8_t>(MessageType::who);
+}
+
+void encode_identity(const Identity& identity, std::span<std::uint8_t, kIdentityBytes> out) {
+  out[0] = kProtocolVersion;
+  out[1] = static_cast<std::uint8_t>(MessageType::i_am);
+  out[2] = identity.protocol_version;
+  std::copy(identity.robot_name.begin(), identity.robot_name.end(), out.begin() + 3);
+}
+
+Status decode_identity(Bytes data, Identity& out) {
+  if (data.size() != kIdentityBytes || data[1] != static_cast<std::uint8_t>(MessageType::i_am))
+    return Status::malformed;
+  out.protocol_version = data[2];
+  for (std::size_t i = 0; i < out.robot_name.size(); ++i) {
+    const char c = static_cast<char>(data[3 + i]);
+    out.robot_name[i] = c >= ' ' && c <= '~' ? c : '\0';
+  }
+  return Status::ok;
+}
 
 }  // namespace sanso::wire

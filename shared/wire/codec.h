@@ -33,4 +33,14 @@ Status decode(Bytes data, Observation& out);
 Status decode(Bytes data, UploadChunk& out);
 Status decode(Bytes data, UploadAck& out);
 
+// Not sealed: version | type | ... The question is as long as the answer, so that nobody can be
+// flooded through a controller.
+inline constexpr std::size_t kIdentityBytes = 35;
+void encode_who(std::span<std::uint8_t, kIdentityBytes> out);
+/// A question of any protocol version.
+bool is_who(Bytes data);
+void encode_identity(const Identity& identity, std::span<std::uint8_t, kIdentityBytes> out);
+/// malformed: something else.
+Status decode_identity(Bytes data, Identity& out);
+
 }  // namespace sanso::wire

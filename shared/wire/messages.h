@@ -12,7 +12,7 @@
 
 namespace sanso::wire {
 
-inline constexpr std::uint8_t kProtocolVersion = 1;
+inline constexpr std::uint8_t kProtocolVersion = 2;
 inline constexpr std::size_t kMaxDatagram = 1400;
 
 enum class MessageType : std::uint8_t {
@@ -23,6 +23,9 @@ enum class MessageType : std::uint8_t {
   upload_ack = 4,   // controller -> host: what of an upload is complete, and its checksum
   command = 5,      // host -> controller
   command_ack = 6,  // controller -> host
+  // not sealed: who is there, for people before whom everything else stays silent
+  who = 7,   // anyone -> controller
+  i_am = 8,  // controller -> anyone
 };
 
 enum class SupervisorState : std::uint8_t {
@@ -46,7 +49,9 @@ enum class CommandKind : std::uint8_t {
   start_trial = 2,  // hold -> run: trial clock 0 is the next tick
   stop = 3,         // run -> soft_stop -> hold
   disarm = 4,       // hold | soft_stop -> idle (torque off after lowering to the safe posture)
-  clear_fault = 5,  // fault -> self_test
+  clear_fault = 5,  // fault -> self_test; refused while the servos hold the robot
+  lower = 6,        // from wherever torque is on, a latched fault included: down, then torque off
+  emergency_stop = 7,  // from anywhere: torque off at once, latched as a fault
 };
 
 struct Command {
@@ -57,7 +62,14 @@ struct Command {
   std::uint8_t layers = policy::LayerSwitches::kAll;  // LayerSwitches::mask()
   // start_trial: the controller ends the trial by itself after this many ticks
   std::int32_t duration_ticks = 0;
+  // tick of the newest observation that the sender has seen: a command that was long on its way is
+  // refused (R124); an emergency stop never is
+  std::uint64_t observed_tick = 0;
 };
+/// A command is good for this long after the observation that it answers.
+inline constexpr std::uint64_t kCommandLife_ticks = 50;
+/// A host that owns the session keeps it for this long after its last datagram.
+inline constexpr Nanoseconds kOwnerLease = 2 * kSecond;
 
 struct CommandAck {
   std::uint32_t sequence = 0;
@@ -97,6 +109,12 @@ struct Observation {
   std::uint32_t bus_lost = 0;           // servo replies missing, since boot
   std::uint32_t bus_corrupt = 0;        // servo replies damaged, since boot
   std::uint32_t datagrams_dropped = 0;  // malformed, replayed, forged, stale
+};
+
+/// Answer to `who`: what a host needs to know when its key or its version do not fit.
+struct Identity {
+  std::uint8_t protocol_version = kProtocolVersion;
+  std::array<char, 32> robot_name{};  // printable, zeros behind
 };
 
 /// A piece of an upload. Pieces may come in any order and more than once; the whole counts only

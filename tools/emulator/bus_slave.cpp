@@ -56,7 +56,10 @@ BusDevice* BusSlave::find(int id) {
 void BusSlave::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) {
   if (bytes.empty()) return;
   const Nanoseconds start = incoming_.empty() ? now : std::max(now, incoming_.back().end);
+  if (strikes(FaultKind::request_drop, 0, now)) return;
   std::vector<std::uint8_t> copy(bytes.begin(), bytes.end());
+  if (strikes(FaultKind::request_corrupt, 0, now))
+    copy[random_.bits() % copy.size()] ^= static_cast<std::uint8_t>(1u << (random_.bits() % 8));
   if (!outgoing_.empty() && outgoing_.back().time > start) {
     for (auto& byte : outgoing_) {
       if (byte.time > start) byte.value ^= static_cast<std::uint8_t>(random_.bits() | 1);
@@ -68,6 +71,7 @@ void BusSlave::receive(std::span<const std::uint8_t> bytes, Nanoseconds now) {
 }
 
 void BusSlave::run(Nanoseconds now) {
+  if (outgoing_.empty() && incoming_.empty()) let_foreigner_speak(now);
   while (!incoming_.empty() && incoming_.front().end <= now) {
     const Incoming chunk = std::move(incoming_.front());
     incoming_.pop_front();
@@ -248,6 +252,7 @@ void BusSlave::answer_reads(std::span<const BulkRange> ranges, bool merged, Nano
     std::vector<std::uint8_t> data(
         std::min<std::size_t>(range.length, servo_bus::kMaxParameters / 2));
     const StatusError error = device->read(range.address, data);
+    zero_if_struck(device->id(), data, time);
     time = reply(*device, error,
                  error == StatusError::none ? data : std::span<const std::uint8_t>{}, time);
   }
@@ -268,6 +273,7 @@ void BusSlave::answer_merged(std::span<const BulkRange> ranges, Nanoseconds now)
     if (!device || !device->listening() || !device->knows_fast_read()) break;
     std::vector<std::uint8_t> data(range.length);
     const StatusError error = device->read(range.address, data);
+    zero_if_struck(device->id(), data, time);
     writer.append(frame, device->id(), error_byte(*device, error), data);
     if (sent == 0) time += device->return_delay();
     const auto block = frame.view().subspan(sent);
@@ -289,27 +295,44 @@ Nanoseconds BusSlave::reply(const BusDevice& device, StatusError error,
   return put_on_line({device.id(), {frame.begin(), frame.end()}}, start + device.return_delay());
 }
 
+const Fault* BusSlave::strikes(FaultKind kind, int id, Nanoseconds now) {
+  const Fault* fault = faults_.active(kind, id, now);
+  return fault && (fault->probability >= 1.0 || random_.chance(fault->probability)) ? fault
+                                                                                    : nullptr;
+}
+
+void BusSlave::zero_if_struck(int id, std::vector<std::uint8_t>& data, Nanoseconds now) {
+  if (strikes(FaultKind::reply_zeros, id, now))
+    std::fill(data.begin(), data.end(), std::uint8_t{0});
+}
+
+/// A ping of somebody who does not listen first, ten times a second.
+void BusSlave::let_foreigner_speak(Nanoseconds now) {
+  constexpr Nanoseconds kPause = 100 * kMillisecond;
+  if (!faults_.active(FaultKind::foreign_master, 0, now) || now - foreigner_spoke_ < kPause) return;
+  foreigner_spoke_ = now;
+  PacketBuffer ping;
+  (void)servo_bus::encode_ping(ping, 251);
+  for (const std::uint8_t value : ping) outgoing_.push_back({now += byte_time_, value});
+}
+
 Nanoseconds BusSlave::put_on_line(Reply reply, Nanoseconds start) {
-  const auto strikes = [&](FaultKind kind) -> const Fault* {
-    const Fault* fault = faults_.active(kind, reply.id, start);
-    return fault && (fault->probability >= 1.0 || random_.chance(fault->probability)) ? fault
-                                                                                      : nullptr;
-  };
+  const auto struck = [&](FaultKind kind) { return strikes(kind, reply.id, start); };
   auto& bytes = reply.bytes;
   const Nanoseconds undisturbed_end = start + static_cast<Nanoseconds>(bytes.size()) * byte_time_;
-  if (strikes(FaultKind::bus_drop)) return undisturbed_end;  // the others on the bus have heard it
-  if (const Fault* fault = strikes(FaultKind::bus_delay)) {
+  if (struck(FaultKind::bus_drop)) return undisturbed_end;  // the others on the bus have heard it
+  if (const Fault* fault = struck(FaultKind::bus_delay)) {
     start += from_seconds(fault->amount > 0 ? fault->amount : 0.001);
   }
-  if (strikes(FaultKind::bus_corrupt)) {
+  if (struck(FaultKind::bus_corrupt)) {
     bytes[random_.bits() % bytes.size()] ^= static_cast<std::uint8_t>(1u << (random_.bits() % 8));
   }
-  if (strikes(FaultKind::bus_truncate)) bytes.resize(bytes.size() / 2);
-  if (strikes(FaultKind::bus_duplicate)) {
+  if (struck(FaultKind::bus_truncate)) bytes.resize(bytes.size() / 2);
+  if (struck(FaultKind::bus_duplicate)) {
     const auto copy = bytes;
     bytes.insert(bytes.end(), copy.begin(), copy.end());
   }
-  if (const Fault* fault = strikes(FaultKind::bus_garbage)) {
+  if (const Fault* fault = struck(FaultKind::bus_garbage)) {
     const auto count = static_cast<std::size_t>(fault->amount > 0 ? fault->amount : 8);
     for (std::size_t i = 0; i < count; ++i)
       bytes.insert(bytes.begin(), static_cast<std::uint8_t>(random_.bits()));

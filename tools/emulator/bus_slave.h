@@ -67,6 +67,10 @@ class BusSlave {
   /// Puts bytes on the line with whatever the fault plan does to them; returns the end.
   Nanoseconds put_on_line(Reply reply, Nanoseconds start);
   BusDevice* find(int id);
+  /// The fault, when it is active at this device and strikes this time.
+  const Fault* strikes(FaultKind kind, int id, Nanoseconds now);
+  void zero_if_struck(int id, std::vector<std::uint8_t>& data, Nanoseconds now);
+  void let_foreigner_speak(Nanoseconds now);
   static std::uint8_t error_byte(const BusDevice& device, servo_bus::StatusError error);
 
   std::vector<BusDevice*> devices_;
@@ -78,6 +82,7 @@ class BusSlave {
   std::deque<Incoming> incoming_;
   std::deque<TimedByte> outgoing_;
   Nanoseconds last_arrival_ = 0;
+  Nanoseconds foreigner_spoke_ = 0;
   std::uint64_t instructions_ = 0;
 };
 

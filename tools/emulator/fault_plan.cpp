@@ -7,13 +7,17 @@
 namespace sanso::emulator {
 namespace {
 
-constexpr std::array<std::pair<FaultKind, const char*>, 13> kNames{{
+constexpr std::array<std::pair<FaultKind, const char*>, 17> kNames{{
     {FaultKind::bus_drop, "bus_drop"},
     {FaultKind::bus_corrupt, "bus_corrupt"},
     {FaultKind::bus_truncate, "bus_truncate"},
     {FaultKind::bus_delay, "bus_delay"},
     {FaultKind::bus_duplicate, "bus_duplicate"},
     {FaultKind::bus_garbage, "bus_garbage"},
+    {FaultKind::request_drop, "request_drop"},
+    {FaultKind::request_corrupt, "request_corrupt"},
+    {FaultKind::reply_zeros, "reply_zeros"},
+    {FaultKind::foreign_master, "foreign_master"},
     {FaultKind::servo_silent, "servo_silent"},
     {FaultKind::servo_overload, "servo_overload"},
     {FaultKind::servo_hot, "servo_hot"},

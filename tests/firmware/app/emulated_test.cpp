@@ -170,6 +170,12 @@ TEST(FaultSwitch, APulledCableLatchesAndTheServosHoldTheirLastGoal) {
   c.ticks(200);
   EXPECT_LT(tilt_of(c.truth()), 0.25) << "torque stays on: it stands";
   c.port.pulled = false;
+  EXPECT_EQ(c.command(CommandKind::clear_fault).reason, static_cast<int>(Refusal::torque_on))
+      << "it stands: clearing must not throw it down";
+  EXPECT_EQ(c.command(CommandKind::lower).accepted, 1);
+  for (int i = 0; i < 400 && c.controller->torque_on(); ++i) c.tick();
+  EXPECT_LT(c.truth()[2], 0.19) << "lowered before the torque goes";
+  EXPECT_LT(tilt_of(c.truth()), 0.5);
   EXPECT_EQ(c.command(CommandKind::clear_fault).accepted, 1);
   EXPECT_TRUE(c.run_until(SupervisorState::idle, 15)) << name_of(c.controller->fault());
 }

@@ -20,16 +20,24 @@ struct Stand {
   model::Input truth = model::Input::Zero(), belief = model::Input::Zero();
 };
 
-Stand stand_with(const JointOffsets& horns, const JointOffsets& believed) {
+Settings settings_with(const JointOffsets& believed) {
   Settings settings;
   settings.bus.offset_rad = believed;
-  testing::EmulatedController c("nominal", settings);
+  return settings;
+}
+
+void set_horns(testing::EmulatedController& c, const JointOffsets& horns) {
   for (int id = 1; id <= emulator::kNumServos; ++id) {
     emulator::ServoSetup servo;
     servo.id = id;
     servo.horn_error_rad = horns[static_cast<std::size_t>(id - 1)];
     c.robot.set_up(servo);
   }
+}
+
+Stand stand_with(const JointOffsets& horns, const JointOffsets& believed) {
+  testing::EmulatedController c("nominal", settings_with(believed));
+  set_horns(c, horns);
   EXPECT_TRUE(c.stand());
   return {model::joints(c.truth()), model::joints(c.seen().x)};
 }
@@ -45,6 +53,17 @@ TEST(Offsets, TheLinksStandAsThoseOfARobotWithStraightHorns) {
   EXPECT_LT(apart(corrected.belief, corrected.truth), 0.01);
   EXPECT_GT(apart(ignored.truth, straight.truth), 0.02) << "the horns are crooked indeed";
   EXPECT_GT(apart(ignored.belief, ignored.truth), 0.03);
+}
+
+TEST(Offsets, ARobotThatIsAdoptedHoldsTheGoalsThatItsServosHad) {
+  testing::EmulatedController c("nominal", settings_with(crooked()));
+  set_horns(c, crooked());
+  ASSERT_TRUE(c.stand());
+  const model::Input before = model::joints(c.truth());
+  c.start();
+  ASSERT_TRUE(c.run_until(wire::SupervisorState::hold, 12)) << "fault " << c.seen().fault;
+  c.ticks(200);
+  EXPECT_LT(apart(model::joints(c.truth()), before), 0.01);
 }
 
 TEST(OpenCrImu, ARobotWithNothingButItsOwnSensorStands) {

@@ -187,8 +187,9 @@ class BusSetupTest : public ::testing::Test {
 };
 
 TEST_F(BusSetupTest, LeavesEveryServoReadyWithTorqueOff) {
-  port.bus.poke(5, 64, 1, 1);
+  port.bus.poke(15, 64, 1, 1);  // an arm: nobody stands on it
   ASSERT_EQ(run(), BusSetup::Progress::done);
+  EXPECT_FALSE(setup.torque_found());
   for (int s = 0; s < kNumServos; ++s) {
     EXPECT_EQ(port.bus.get(s, 84, 2), 560) << servo_name(s);
     EXPECT_EQ(port.bus.get(s, 9, 1), 1) << servo_name(s);
@@ -197,6 +198,44 @@ TEST_F(BusSetupTest, LeavesEveryServoReadyWithTorqueOff) {
   }
   EXPECT_EQ(port.bus.get(kNumServos, servo_bus::opencr::kServoPower, 1), 1);
   EXPECT_TRUE(master.fast_read());
+}
+
+TEST_F(BusSetupTest, FindsARobotThatStandsAndLeavesItsTorqueAlone) {
+  for (int s = 0; s < kNumServos; ++s) {
+    port.bus.poke(s, 84, 2, 800);
+    port.bus.poke(s, 116, 4, 2000 + s);
+    port.bus.poke(s, 9, 1, 250);  // EEPROM: refuses to be written with torque on
+    port.bus.poke(s, 64, 1, 1);
+  }
+  ASSERT_EQ(run(), BusSetup::Progress::done);
+  EXPECT_TRUE(setup.torque_found());
+  for (int s = 0; s < kNumServos; ++s) {
+    EXPECT_TRUE(port.bus.torque_on(s)) << servo_name(s);
+    EXPECT_EQ(setup.goals_raw()[static_cast<std::size_t>(s)], 2000 + s);
+    EXPECT_EQ(port.bus.get(s, 84, 2), 560) << servo_name(s);
+    EXPECT_EQ(port.bus.get(s, 9, 1), 250) << servo_name(s);
+  }
+}
+
+TEST_F(BusSetupTest, ALegWithoutTorqueAmongOthersIsNamedAndNothingIsSwitchedOff) {
+  for (int s = 0; s < kNumServos; ++s) port.bus.poke(s, 64, 1, s == 7 ? 0 : 1);
+  ASSERT_EQ(run(), BusSetup::Progress::failed);
+  EXPECT_EQ(setup.fault(), Fault::torque_lost);
+  EXPECT_EQ(setup.fault_detail(), kServoIds[7]);
+  EXPECT_TRUE(setup.torque_found());
+  for (int s = 0; s < kNumServos; ++s) EXPECT_EQ(port.bus.torque_on(s), s != 7);
+}
+
+TEST_F(BusSetupTest, AnotherMasterOnTheBusIsFoundBeforeAnythingIsSent) {
+  servo_bus::PacketBuffer ping;
+  (void)servo_bus::encode_ping(ping, 3);
+  clock.time += kTickPeriod;
+  ASSERT_EQ(setup.step(master, clock.time), BusSetup::Progress::running);
+  (void)port.bus.write(ping.view());  // its reply is what we hear
+  clock.time += kTickPeriod;
+  EXPECT_EQ(setup.step(master, clock.time), BusSetup::Progress::failed);
+  EXPECT_EQ(setup.fault(), Fault::bus_foreign);
+  EXPECT_TRUE(port.written.empty());
 }
 
 TEST_F(BusSetupTest, OldFirmwareMeansOrdinaryReads) {

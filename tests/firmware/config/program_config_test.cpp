@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "firmware/config/key_file.h"
 #include "firmware/config/settings_page.h"
 
 namespace sanso::firmware {
@@ -45,12 +48,49 @@ TEST(ProgramConfig, ReadsDevicesAndSettings) {
   ProgramConfig config;
   std::string error;
   ASSERT_TRUE(parse_program_config(
-      "[device]\nbus = \"/dev/pts/3\"\nport = 9000\n[guard]\nmax_temperature_C = 60\n",
+      "[device]\nbus = \"/dev/pts/3\"\nport = 9000\n[guard]\nmax_temperature_C = 70\n",
       "robot.toml", config, error))
       << error;
   EXPECT_EQ(config.device.bus, "/dev/pts/3");
   EXPECT_EQ(config.device.port, 9000);
-  EXPECT_EQ(config.settings.guard.max_temperature_C, 60.0);
+  EXPECT_EQ(config.settings.guard.max_temperature_C, 70.0);
+}
+
+TEST(ProgramConfig, SettingsThatContradictEachOtherAreNamed) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"[guard]\nlow_voltage_V = 9.0\n", "guard.low_voltage_V"},
+      {"[guard]\nwarm_temperature_C = 76\n", "guard.warm_temperature_C"},
+      {"[guard]\nmax_duty = 0.3\n", "guard.hot_duty"},
+      {"[guard]\nfall_tilt_rad = 0.4\n", "guard.tilt_limit_rad"},
+      {"[imu]\nlate_s = 0.06\n", "imu.late_s"},
+      {"[imu]\nsilent_s = 0.025\nperiod_s = 0.01\n", "imu.silent_s"},
+      {"[bus]\nreply_timeout_s = 0.008\n", "bus.reply_timeout_s"},
+      {"[imu]\nquat_base_sensor_w = 0.0\n", "imu.quat_base_sensor_w"}};
+  for (const auto& [text, named] : cases)
+    EXPECT_EQ(error_of(text).rfind(std::string("robot.toml: ") + named, 0), 0u) << error_of(text);
+}
+
+TEST(KeyFile, MustBelongToItsOwnerAloneAndBeAKey) {
+  namespace fs = std::filesystem;
+  std::string name = (fs::temp_directory_path() / "sanso_key_XXXXXX").string();
+  const fs::path folder = mkdtemp(name.data());
+  const fs::path file = folder / "robot.key";
+  wire::Key key;
+  std::string error;
+  const auto read = [&](const std::string& digits, fs::perms mode) {
+    std::ofstream(file) << digits;
+    fs::permissions(file, mode);
+    return read_key_file(file, key, error);
+  };
+  const auto own = fs::perms::owner_read | fs::perms::owner_write;
+  EXPECT_FALSE(read_key_file(folder / "missing", key, error));
+  EXPECT_TRUE(read(std::string(63, '1') + "2\n", own)) << error;
+  EXPECT_FALSE(read(std::string(64, '1'), own | fs::perms::group_read));
+  EXPECT_NE(error.find("0640"), std::string::npos) << error;
+  EXPECT_FALSE(read(std::string(64, '1'), own | fs::perms::others_write));
+  EXPECT_FALSE(read(std::string(64, '0'), own));
+  EXPECT_FALSE(read("not a key", own));
+  fs::remove_all(folder);
 }
 
 TEST(ProgramConfig, MistakesAreNamed) {

@@ -50,31 +50,92 @@ TEST(Guard, NothingWrongIsNoFaultAndNoLimit) {
   EXPECT_EQ(v.limits.bits(), 0u);
 }
 
-TEST(Guard, WhateverGoesInWhatComesOutIsInsideEveryLimit) {
+/// Target, previous and reading have nothing to do with one another, and some are no numbers.
+TEST(Guard, WhateverGoesInWhatComesOutIsFiniteAndNoStep) {
   const unsigned seed = 11;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> wide(-10, 10), inside(-0.3, 0.3);
+  std::uniform_real_distribution<double> wide(-2 * model::kPi, 2 * model::kPi);
+  const auto any = [&] {
+    switch (random() % 12) {
+      case 0:
+        return std::numeric_limits<double>::quiet_NaN();
+      case 1:
+        return std::numeric_limits<double>::infinity();
+      case 2:
+        return -std::numeric_limits<double>::infinity();
+      default:
+        return wide(random);
+    }
+  };
   const Guard guard = make_guard();
-  for (int n = 0; n < 2000; ++n) {
+  const double step = kSettings.guard.max_target_rate_rad_s * 0.01 + 1e-12;
+  for (int n = 0; n < 5000; ++n) {
     model::Input wanted, previous, q;
+    std::array<double, kNumHeld> held{}, held_before{};
     for (int j = 0; j < model::kNumJoints; ++j) {
-      wanted[j] = n % 7 == 0 ? std::numeric_limits<double>::quiet_NaN() : wide(random);
-      previous[j] = inside(random);
-      q[j] = previous[j] + 0.1 * inside(random);
+      wanted[j] = any();
+      previous[j] = any();
+      q[j] = any();
+    }
+    for (std::size_t k = 0; k < kNumHeld; ++k) {
+      held[k] = any();
+      held_before[k] = any();
     }
     LimitSet limits;
     const model::Input out = guard.limit(wanted, previous, q, limits);
     for (int j = 0; j < model::kNumJoints; ++j) {
       const model::JointInfo& joint = model::kJoints[static_cast<std::size_t>(j)];
+      const double low = joint.lower_rad + kSettings.guard.joint_margin_rad;
+      const double high = joint.upper_rad - kSettings.guard.joint_margin_rad;
       ASSERT_TRUE(std::isfinite(out[j]));
-      ASSERT_GE(out[j], joint.lower_rad + kSettings.guard.joint_margin_rad - 1e-12) << joint.name;
-      ASSERT_LE(out[j], joint.upper_rad - kSettings.guard.joint_margin_rad + 1e-12) << joint.name;
-      ASSERT_LE(std::abs(out[j] - previous[j]),
-                kSettings.guard.max_target_rate_rad_s * 0.01 + 1e-12)
-          << joint.name;
+      const bool was_inside = previous[j] >= low && previous[j] <= high;
+      if (was_inside || !std::isfinite(previous[j])) {
+        ASSERT_GE(out[j], low - 1e-12) << joint.name;
+        ASSERT_LE(out[j], high + 1e-12) << joint.name;
+      }
+      if (!std::isfinite(previous[j])) continue;
+      ASSERT_LE(std::abs(out[j] - previous[j]), step) << joint.name;
+      if (!was_inside) {
+        const double before = previous[j] < low ? low - previous[j] : previous[j] - high;
+        const double after = previous[j] < low ? low - out[j] : out[j] - high;
+        ASSERT_LT(after, before) << "on its way in: " << joint.name;
+      }
+    }
+    const auto moved = guard.limit_held(held, held_before, limits);
+    for (std::size_t k = 0; k < kNumHeld; ++k) {
+      ASSERT_TRUE(std::isfinite(moved[k]));
+      if (std::isfinite(held_before[k])) {
+        ASSERT_LE(std::abs(moved[k] - held_before[k]),
+                  kSettings.guard.max_held_rate_rad_s * 0.01 + 1e-12);
+      }
     }
   }
+}
+
+TEST(Guard, AJointOutsideItsRangeComesInSlowly) {
+  const Guard guard = make_guard();
+  model::Input u = model::Input::Zero();
+  u[3] = model::kJoints[3].upper_rad + 0.5;
+  LimitSet limits;
+  int ticks = 0;
+  for (; u[3] > model::kJoints[3].upper_rad; ++ticks) {
+    const double before = u[3];
+    u = guard.limit(model::Input::Zero(), u, u, limits);
+    ASSERT_LE(before - u[3], 0.0051);
+    ASSERT_LT(ticks, 200);
+  }
+  EXPECT_TRUE(limits.has(Limit::joint_rate));
+}
+
+TEST(Guard, AHotServoMayUseLessOfTheSupply) {
+  const Guard guard = make_guard();
+  const GuardSettings& s = kSettings.guard;
+  EXPECT_EQ(guard.allowed_duty(30), s.max_duty);
+  EXPECT_EQ(guard.allowed_duty(s.warm_temperature_C), s.max_duty);
+  EXPECT_NEAR(guard.allowed_duty(0.5 * (s.warm_temperature_C + s.max_temperature_C)),
+              0.5 * (s.max_duty + s.hot_duty), 1e-12);
+  EXPECT_NEAR(guard.allowed_duty(90), s.hot_duty, 1e-12);
 }
 
 TEST(Guard, ATargetInsideItsLimitsPassesUnchanged) {
@@ -146,14 +207,40 @@ TEST(Guard, TorqueLostIsAFaultOnlyWhenTorqueIsExpected) {
   EXPECT_EQ(watch(guard, r, 1, s).fault, Fault::torque_lost);
 }
 
-TEST(Guard, ABriefVoltageDipInformsALongOneIsAFault) {
-  Guard guard = make_guard();
-  ServoReadings r = good_readings();
-  r.health[5].voltage_V = 9.0f;
-  EXPECT_EQ(watch(guard, r, 29).fault, Fault::none);
-  const GuardVerdict v = watch(guard, r, 1);
-  EXPECT_EQ(v.fault, Fault::under_voltage);
-  EXPECT_EQ(v.detail, 90);
+/// One servo's voltage is read every 40 ms, each servo's every 0.8 s.
+GuardVerdict watch_supply(Guard& guard, ServoReadings& r, double low_from_s, double low_until_s,
+                          double until_s) {
+  GuardVerdict verdict, worst;
+  ImuSample imu;
+  for (int tick = 1; tick <= static_cast<int>(100 * until_s); ++tick) {
+    GuardSituation s;
+    s.now = kSecond + tick * kTickPeriod;
+    imu.time = s.now;
+    ++imu.changes;
+    if (tick % 4 == 0) {
+      ServoHealth& health = r.health[static_cast<std::size_t>(tick / 4) % kNumServos];
+      const double t = 0.01 * tick;
+      health.voltage_V = t >= low_from_s && t < low_until_s ? 9.5f : 12.0f;
+      ++health.supply_reads;
+    }
+    verdict = guard.watch(s, r, imu);
+    if (verdict.fault != Fault::none && worst.fault == Fault::none) worst = verdict;
+  }
+  return worst;
+}
+
+TEST(Guard, AShortSagInformsALongOneIsAFault) {
+  for (const double begin : {0.50, 0.51, 0.52, 0.53}) {
+    Guard guard = make_guard();
+    ServoReadings r = good_readings();
+    EXPECT_EQ(watch_supply(guard, r, begin, begin + 0.06, 3.0).fault, Fault::none);
+    EXPECT_EQ(watch_supply(guard, r, begin, begin + 0.25, 3.0).fault, Fault::none);
+    Guard other = make_guard();
+    const GuardVerdict v = watch_supply(other, r, begin, begin + 0.4, 3.0);
+    EXPECT_EQ(v.fault, Fault::under_voltage);
+    EXPECT_EQ(v.detail, 95);
+    EXPECT_TRUE(v.must_lower);
+  }
 }
 
 TEST(Guard, ASilentAndAFrozenImuAreToldApart) {
@@ -178,13 +265,47 @@ TEST(Guard, AFallHasToLastAndCountsOnlyWhenStanding) {
   EXPECT_EQ(watch(guard, good_readings(), 1, s).fault, Fault::fallen);
 }
 
-TEST(Guard, LateTicksInARowAreAFault) {
-  Guard guard = make_guard();
+TEST(Guard, LateTicksAreCountedInAWindow) {
   GuardSituation s;
-  s.late_in_a_row = kSettings.guard.overrun_ticks - 1;
-  EXPECT_TRUE(watch(guard, good_readings(), 1, s).limits.has(Limit::late_tick));
-  s.late_in_a_row = kSettings.guard.overrun_ticks;
-  EXPECT_EQ(watch(guard, good_readings(), 1, s).fault, Fault::tick_overrun);
+  const auto run = [&](Guard& guard, int every, int ticks) {
+    Fault fault = Fault::none;
+    for (int k = 0; k < ticks; ++k) {
+      s.late = k % every == 0;
+      const GuardVerdict v = watch(guard, good_readings(), 1, s);
+      EXPECT_EQ(v.limits.has(Limit::late_tick), s.late);
+      if (v.fault != Fault::none) fault = v.fault;
+    }
+    return fault;
+  };
+  Guard in_a_row = make_guard(), every_second = make_guard(), every_tenth = make_guard();
+  EXPECT_EQ(run(in_a_row, 1, kSettings.guard.overrun_ticks - 1), Fault::none);
+  EXPECT_EQ(run(in_a_row, 1, 1), Fault::tick_overrun);
+  EXPECT_EQ(run(every_second, 2, 100), Fault::tick_overrun);
+  EXPECT_EQ(run(every_tenth, 10, 1000), Fault::none);
+}
+
+/// An arm or head servo that falls silent while it is meant to move.
+TEST(Guard, ASilentArmIsAFaultWhileItIsAsked) {
+  Guard guard = make_guard();
+  ServoReadings r = good_readings();
+  r.servo[14].age_ticks = 50;
+  EXPECT_EQ(watch(guard, r).fault, Fault::none) << "not asked in a trial";
+  GuardSituation s;
+  s.watch_held = true;
+  EXPECT_EQ(watch(guard, r, 1, s).fault, Fault::servo_silent);
+  EXPECT_EQ(watch(guard, r, 1, s).detail, kServoIds[14]);
+}
+
+TEST(Guard, AFallIsSeenBehindAnotherFault) {
+  Guard guard = make_guard();
+  ServoReadings r = good_readings();
+  r.servo[4].age_ticks = 50;
+  GuardSituation s;
+  s.standing = true;
+  s.tilt = 1.2;
+  const GuardVerdict v = watch(guard, r, 10, s);
+  EXPECT_EQ(v.fault, Fault::servo_silent);
+  EXPECT_TRUE(v.fallen);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "firmware/app/controller.h"
 #include "firmware/imu/imu_reader.h"
@@ -16,23 +18,47 @@ namespace sanso::firmware::testing {
 class RobotPort : public board::SerialPort {
  public:
   explicit RobotPort(emulator::EmulatedRobot& robot) : robot_(robot) {}
+  /// What happens to one request, or to its reply.
+  enum class Spoil { nothing, lose_request, damage_request, lose_reply, damage_reply };
+
   Status write(board::Bytes data) override {
     if (pulled) return Status::io_error;
-    robot_.bus_write(data);
+    torque_off_writes += switches_torque_off(data) ? 1 : 0;
+    const bool struck = ++writes == spoil_at;
+    if (struck && spoil == Spoil::lose_request) return Status::ok;
+    std::vector<std::uint8_t> bytes(data.begin(), data.end());
+    if (struck && spoil == Spoil::damage_request) bytes[bytes.size() / 2] ^= 0x10;
+    robot_.bus_write(bytes);
     return Status::ok;
   }
   Result<std::size_t> read(board::Buffer buffer, Nanoseconds deadline) override {
     if (pulled) return Status::io_error;
     for (;;) {
-      const std::size_t n = robot_.bus_read(buffer);
+      std::size_t n = robot_.bus_read(buffer);
+      const bool struck = writes == spoil_at;
+      if (struck && spoil == Spoil::damage_reply && n > 0) buffer[n / 2] ^= 0x10;
+      if (struck && spoil == Spoil::lose_reply) n = 0;
       if (n > 0 || robot_.now() >= deadline) return n;
       robot_.advance(std::min(deadline, robot_.next_bus_byte()));
     }
   }
   Status reopen() override { return pulled ? Status::io_error : Status::ok; }
   bool pulled = false;
+  Spoil spoil = Spoil::nothing;
+  int writes = 0, spoil_at = -1;  // requests so far; the one that is struck
+  int torque_off_writes = 0;      // requests that take the torque of a servo
 
  private:
+  static bool switches_torque_off(board::Bytes packet) {
+    constexpr std::uint8_t kTorqueEnable = 64;
+    const auto code = static_cast<servo_bus::Instruction>(packet[7]);
+    if (packet.size() < 12 || packet[8] != kTorqueEnable || packet[9] != 0) return false;
+    if (code == servo_bus::Instruction::write) return packet[10] == 0;
+    if (code != servo_bus::Instruction::sync_write) return false;
+    for (std::size_t i = 13; i + 2 < packet.size(); i += 2)
+      if (packet[i] == 0) return true;
+    return false;
+  }
   emulator::EmulatedRobot& robot_;
 };
 
@@ -98,16 +124,23 @@ class EmulatedController {
  public:
   explicit EmulatedController(const char* world = "nominal", const Settings& settings = {},
                               bool with_pose = true)
-      : robot(plant::load_world(world), 1),
-        handover(std::make_unique<Handover>()),
-        imu_(settings.imu, robot_imu_, clock_, handover->imu),
-        pose_(with_pose ? &robot_pose_ : nullptr, clock_, handover->pose),
-        controller(std::make_unique<Controller>(settings, port, clock_, *handover)) {}
+      : robot(plant::load_world(world), 1), settings_(settings), with_pose_(with_pose) {
+    start();
+  }
+
+  /// A new program takes over the robot as it is; what the old one knew is gone.
+  void start() {
+    handover = std::make_unique<Handover>();
+    imu_.emplace(settings_.imu, robot_imu_, clock_, handover->imu);
+    pose_.emplace(with_pose_ ? &robot_pose_ : nullptr, clock_, handover->pose);
+    controller = std::make_unique<Controller>(settings_, port, clock_, *handover);
+    next_ = std::max(next_, robot.now());
+  }
 
   void tick() {
     robot.advance(next_);
-    if (!without_hid) imu_.poll(0);
-    pose_.poll(0);
+    if (!without_hid) imu_->poll(0);
+    pose_->poll(0);
     handover->host_heard.store(host_alive ? robot.now() : heard_);
     if (host_alive) heard_ = robot.now();
     controller->tick(next_);
@@ -122,12 +155,14 @@ class EmulatedController {
     for (int i = 0; i < seconds * 100 && controller->state() != state; ++i) tick();
     return controller->state() == state;
   }
-  /// Sends a command and ticks once; its acknowledgement.
+  /// Sends a command and ticks until it is answered; its acknowledgement.
   wire::CommandAck command(wire::CommandKind kind, std::uint32_t trial = 1,
                            std::int32_t duration = 0,
                            std::uint8_t layers = policy::LayerSwitches::kAll) {
+    constexpr int kMostTicks = 100;
     handover->commands.push({++sequence_, kind, trial, layers, duration});
     tick();
+    for (int i = 1; i < kMostTicks && last_ack.sequence != sequence_; ++i) tick();
     return last_ack;
   }
   void upload(const policy::PrimitiveSet& set) {
@@ -146,7 +181,7 @@ class EmulatedController {
     robot.hold(true);
     upload(still_primitives(pose, motion_s));
     if (!run_until(wire::SupervisorState::idle, 10)) return false;
-    command(wire::CommandKind::arm);
+    if (command(wire::CommandKind::arm).accepted == 0) return false;
     if (!run_until(wire::SupervisorState::hold, 15)) return false;
     ticks(30);
     robot.hold(false);
@@ -182,8 +217,10 @@ class EmulatedController {
   RobotClock clock_{robot};
   RobotImu robot_imu_{robot};
   RobotPose robot_pose_{robot};
-  ImuReader imu_;
-  PoseReader pose_;
+  Settings settings_;
+  bool with_pose_;
+  std::optional<ImuReader> imu_;
+  std::optional<PoseReader> pose_;
   Nanoseconds next_ = 0;
   Nanoseconds heard_ = 0;
   std::uint32_t sequence_ = 0;

@@ -46,7 +46,7 @@ class EveryMessage : public ::testing::Test {
 };
 template <>
 Command EveryMessage<Command>::sample() {
-  return {7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590};
+  return {7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590, 12345};
 }
 template <>
 CommandAck EveryMessage<CommandAck>::sample() {
@@ -116,10 +116,27 @@ TYPED_TEST(EveryMessage, OneByteTooFewOfBuffer_ReportsFull) {
 }
 
 TEST(WireCodec, CommandHasTheseBytes) {
-  const std::vector<std::uint8_t> expected = {1, 5, 7, 0,  0,    0,    2, 3,
-                                              0, 0, 0, 15, 0x4E, 0x02, 0, 0};
-  EXPECT_EQ(bytes_of(Command{7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590}),
-            expected);
+  const std::vector<std::uint8_t> expected = {2,    5,    7, 0, 0,    0,    2, 3, 0, 0, 0, 15,
+                                              0x4E, 0x02, 0, 0, 0x39, 0x30, 0, 0, 0, 0, 0, 0};
+  EXPECT_EQ(
+      bytes_of(Command{7, CommandKind::start_trial, 3, policy::LayerSwitches::kAll, 590, 12345}),
+      expected);
+}
+
+TEST(WireCodec, TheQuestionInTheClearIsAsLongAsItsAnswer) {
+  std::array<std::uint8_t, kIdentityBytes> who{}, answer{};
+  encode_who(who);
+  EXPECT_TRUE(is_who(who));
+  who[0] = 77;
+  EXPECT_TRUE(is_who(who)) << "whatever the version";
+  EXPECT_FALSE(is_who(std::span(who).first(kIdentityBytes - 1)));
+  Identity identity, read;
+  identity.robot_name = {'o', 'p', '3', '\n'};
+  encode_identity(identity, answer);
+  ASSERT_EQ(decode_identity(answer, read), Status::ok);
+  EXPECT_STREQ(read.robot_name.data(), "op3") << "what a terminal might obey does not get through";
+  EXPECT_EQ(read.protocol_version, kProtocolVersion);
+  EXPECT_NE(decode_identity(who, read), Status::ok);
 }
 
 TEST(WireCodec, ObservationKeepsEveryField) {
@@ -163,7 +180,7 @@ TEST(WireCodec, ValuesOutsideTheirRangeAreRejectedAndLeaveTheOutputAlone) {
   command.duration_ticks = -1;
   EXPECT_EQ(decode(bytes_of(command), out), Status::malformed);
   command.duration_ticks = 0;
-  command.kind = static_cast<CommandKind>(6);
+  command.kind = static_cast<CommandKind>(8);
   EXPECT_EQ(decode(bytes_of(command), out), Status::malformed);
   EXPECT_EQ(out.sequence, 99u);
 

@@ -1,0 +1,80 @@
+// Three comparisons over short fading windows; each needs motion or time, none needs stillness.
+#include "firmware/estimate/imu_watch.h"
+
+#include <cmath>
+
+namespace sanso::firmware {
+namespace {
+
+using math::Vec3;
+constexpr double kG = 9.81;
+constexpr double kForceWindow_s = 1.0, kForceTolerance = 3.0;  // m/s^2
+constexpr double kRateWindow_s = 0.2, kRateTolerance_rad = 0.2;
+// legs: only where both have turned the trunk noticeably, and by like amounts
+constexpr double kLegsWindow_s = 0.4, kEnoughMotion = 0.01;  // rad^2/s
+constexpr double kLikeAmounts = 2.5, kLeastCorrelation = 0.3;
+constexpr int kContradictingTicks = 5;
+// the legs turn the trunk alike while both soles stand: a sole that slips or lifts says otherwise
+constexpr double kLegsAgree_rad_s = 0.3;
+
+void fade(double& sum, double dt, double window_s, double increment) {
+  sum += increment - sum * dt / window_s;
+}
+
+}  // namespace
+
+void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& estimator) {
+  if (imu.time == 0 || now - imu.time > from_seconds(settings_.silent_s)) return;
+  const double dt = to_seconds(imu.time - last_.time);
+  const bool first = last_.time == 0;
+  if (!first && imu.sequence == last_.sequence) return;
+  if (first || dt <= 0 || dt > settings_.silent_s) {
+    reset();
+    last_ = imu;
+    return;
+  }
+  heard_s_ += dt;
+  reason_ = kPlausible;
+  if (gravity_wrong(dt, imu)) reason_ = kGravity;
+  if (rate_wrong(dt, imu)) reason_ = kRate;
+  if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
+  last_ = imu;
+}
+
+bool ImuWatch::gravity_wrong(double dt, const ImuSample& imu) {
+  const Vec3 force_in_world =
+      math::rotation_matrix(math::quat_normalized(imu.quat_world_base)) * imu.accel;
+  if (heard_s_ <= dt) mean_force_in_world_ = Vec3(0, 0, kG);
+  mean_force_in_world_ += (force_in_world - mean_force_in_world_) * (dt / kForceWindow_s);
+  return (mean_force_in_world_ - Vec3(0, 0, kG)).norm() > kForceTolerance;
+}
+
+bool ImuWatch::rate_wrong(double dt, const ImuSample& imu) {
+  const math::Quat quat_then_now =
+      math::quat_multiply(math::quat_conjugate(math::quat_normalized(last_.quat_world_base)),
+                          math::quat_normalized(imu.quat_world_base));
+  const Vec3 turned = math::quat_log(quat_then_now);
+  const Vec3 by_gyro = 0.5 * dt * (imu.gyro + last_.gyro);
+  drift_in_base_ += turned - by_gyro - drift_in_base_ * (dt / kRateWindow_s);
+  return drift_in_base_.norm() > kRateTolerance_rad;
+}
+
+bool ImuWatch::legs_contradict(double dt, const ImuSample& imu, const Estimator& estimator) {
+  const Vec3 right = estimator.base_rate_by_leg(kRightLeg);
+  const Vec3 left = estimator.base_rate_by_leg(kLeftLeg);
+  const bool both = estimator.contact_bits() == 3 && (right - left).norm() < kLegsAgree_rad_s;
+  const Eigen::Vector2d by_legs = 0.5 * (right + left).head<2>();
+  const Eigen::Vector2d by_imu = imu.gyro.head<2>();
+  const double weight = both ? dt : 0.0;
+  fade(legs_legs_, dt, kLegsWindow_s, weight * by_legs.squaredNorm());
+  fade(imu_imu_, dt, kLegsWindow_s, weight * by_imu.squaredNorm());
+  fade(legs_imu_, dt, kLegsWindow_s, weight * by_legs.dot(by_imu));
+  const bool telling = legs_legs_ > kEnoughMotion && imu_imu_ > legs_legs_ / kLikeAmounts &&
+                       imu_imu_ < legs_legs_ * kLikeAmounts;
+  const bool contradicts =
+      telling && legs_imu_ < kLeastCorrelation * std::sqrt(legs_legs_ * imu_imu_);
+  contradicting_ticks_ = contradicts ? contradicting_ticks_ + 1 : 0;
+  return contradicting_ticks_ >= kContradictingTicks;
+}
+
+}  // namespace sanso::firmware

@@ -1,0 +1,137 @@
+// An IMU that is mounted wrong, flips an axis, jumps or speaks in other units is found; a good one
+// is believed through standing, leaning and a push.
+#include "firmware/estimate/imu_watch.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/support/emulated_controller.h"
+
+namespace sanso::firmware {
+namespace {
+
+using testing::EmulatedController;
+using wire::CommandKind;
+using wire::SupervisorState;
+
+Settings mounted(const math::Quat& quat_base_sensor) {
+  Settings s;
+  s.imu.quat_base_sensor_w = quat_base_sensor[0];
+  s.imu.quat_base_sensor_x = quat_base_sensor[1];
+  s.imu.quat_base_sensor_y = quat_base_sensor[2];
+  s.imu.quat_base_sensor_z = quat_base_sensor[3];
+  return s;
+}
+
+/// The trunk leans forward and back by the hips.
+model::Input leaning(double angle) {
+  model::Input q = testing::standing_pose();
+  q[2] += angle;
+  q[8] -= angle;
+  return q;
+}
+
+TEST(ImuWatch, BelievesAGoodSensorInMotion) {
+  for (const char* world : {"nominal", "lab"}) {
+    EmulatedController c(world);
+    ASSERT_TRUE(c.stand());
+    for (const double angle : {0.12, -0.05, 0.12, 0.0}) {
+      c.upload(testing::still_primitives(leaning(angle), 3.0));
+      c.ticks(60);
+      EXPECT_EQ(c.controller->fault(), Fault::none) << world << c.controller->fault_detail();
+    }
+    c.robot.push({6, 0, 0}, {0, 0, 0}, c.robot.now(), c.robot.now() + 100 * kMillisecond);
+    c.ticks(200);
+    EXPECT_EQ(c.controller->fault(), Fault::none) << world << c.controller->fault_detail();
+  }
+}
+
+/// The rotations that turn the axes of a box onto one another, but for the identity.
+std::vector<math::Quat> wrong_right_angles() {
+  std::vector<math::Quat> out;
+  const auto add = [&](const math::Quat& q) {
+    if (math::quat_minus(q, math::quat_identity()).norm() < 1e-6) return;
+    for (const math::Quat& known : out)
+      if (math::quat_minus(q, known).norm() < 1e-6) return;
+    out.push_back(q);
+  };
+  constexpr double kQuarter = 0.5 * model::kPi;
+  for (int a = 0; a < 4; ++a)
+    for (int b = 0; b < 4; ++b)
+      for (int c = 0; c < 4; ++c)
+        add(math::quat_multiply(math::quat_exp({0, 0, kQuarter * a}),
+                                math::quat_multiply(math::quat_exp({0, kQuarter * b, 0}),
+                                                    math::quat_exp({kQuarter * c, 0, 0}))));
+  return out;
+}
+
+TEST(ImuWatch, EveryWrongRightAngleIsFoundBeforeItCanDoHarm) {
+  const auto mountings = wrong_right_angles();
+  ASSERT_EQ(mountings.size(), 23u);
+  int refused = 0, found_in_motion = 0;
+  for (const math::Quat& mounting : mountings) {
+    SCOPED_TRACE(mounting.transpose());
+    EmulatedController c("nominal", mounted(mounting), false);
+    const bool stands = c.stand();
+    if (!stands && c.controller->fault() == Fault::none) {
+      EXPECT_NE(c.last_ack.reason, 0);
+      ++refused;
+      continue;
+    }
+    c.upload(testing::still_primitives(leaning(0.25), 3.0));
+    for (int tick = 0; tick < 50 && c.controller->state() != SupervisorState::fault; ++tick)
+      c.tick();
+    found_in_motion += c.controller->fault() == Fault::imu_implausible ? 1 : 0;
+  }
+  EXPECT_EQ(refused, 20);
+  EXPECT_EQ(found_in_motion, 3) << "turned about the vertical: only motion tells";
+}
+
+// --- by samples ----------------------------------------------------------------------------------
+
+struct Sensor {
+  ImuWatch watch{ImuSettings{}};
+  Estimator estimator{EstimatorSettings{}};
+  ImuSample sample;
+  Sensor() { sample.accel = {0, 0, 9.81}; }
+  ImuWatch::Reason run(int ticks) {
+    ImuWatch::Reason seen = ImuWatch::kPlausible;
+    for (int k = 0; k < ticks; ++k) {
+      sample.time += kTickPeriod;
+      ++sample.sequence;
+      sample.quat_world_base =
+          math::quat_multiply(sample.quat_world_base, math::quat_exp(0.01 * turning));
+      watch.update(sample.time, sample, estimator);
+      if (watch.reason() != ImuWatch::kPlausible) seen = watch.reason();
+    }
+    return seen;
+  }
+  math::Vec3 turning = math::Vec3::Zero();  // what it really does  rad/s
+};
+
+TEST(ImuWatch, OtherUnitsOfForceAreFound) {
+  for (const double one_g : {1.0, 981.0, 4.905}) {
+    Sensor s;
+    s.sample.accel = {0, 0, one_g};
+    EXPECT_EQ(s.run(200), ImuWatch::kGravity) << one_g;
+  }
+  Sensor good;
+  EXPECT_EQ(good.run(500), ImuWatch::kPlausible);
+}
+
+TEST(ImuWatch, AJumpOfTheOrientationIsFoundAtOnce) {
+  Sensor s;
+  s.run(100);
+  s.sample.quat_world_base = math::quat_exp({0.4, 0, 0});
+  EXPECT_EQ(s.run(1), ImuWatch::kRate);
+}
+
+TEST(ImuWatch, AnAxisThatFlipsIsFoundInATenthOfASecondOfMotion) {
+  Sensor s;
+  s.turning = s.sample.gyro = {0, 1.5, 0};
+  EXPECT_EQ(s.run(60), ImuWatch::kPlausible);
+  s.sample.gyro = {0, -1.5, 0};
+  EXPECT_EQ(s.run(10), ImuWatch::kRate);
+}
+
+}  // namespace
+}  // namespace sanso::firmware
