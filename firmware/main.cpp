@@ -1,12 +1,14 @@
-// sanso-firmware: builds the objects, starts the threads, stops on SIGINT or SIGTERM. No logic.
+// sanso-firmware: builds the objects, starts the threads, passes SIGINT and SIGTERM on: the first
+// lowers the robot, the second ends the program with torque as it is. No logic.
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "firmware/board/linux_clock.h"
 #include "firmware/board/linux_socket.h"
 #include "firmware/board/realtime.h"
+#include "firmware/config/key_file.h"
 #include "firmware/config/program_config.h"
 #include "firmware/imu/hid_description.h"
 #include "firmware/log/flight_recorder.h"
@@ -28,6 +31,9 @@ using namespace sanso;
 
 constexpr char kHelp[] =
     R"(sanso-firmware: the onboard controller of the OP3; a tick every 10 ms until SIGINT or SIGTERM
+SIGINT or SIGTERM lowers the robot, switches its torque off and ends; a second one ends at once,
+with torque left on. At the next start a robot that stands with torque on is adopted.
+On a terminal the Enter key is an emergency stop: torque off at once.
 
 usage: sanso-firmware --config FILE
        sanso-firmware --config FILE --self-test [--reboot] [--write-eeprom]
@@ -42,7 +48,7 @@ Example of FILE, on the robot:
   imu = "opencr"                  # the OP3's own; or hidraw:VID:PID, hidapi-libusb:VID:PID:SERIAL,
                                   # hidapi-hidraw:VID:PID, mip:/dev/ttyACM0 (3DM-GX5)
   offsets = "offset.yaml"         # the robot's own, from the maker's tuner
-  key_file = "robot.key"          # 64 hexadecimal digits, as on the host (openssl rand -hex 32)
+  key_file = "robot.key"          # as on the host: (umask 077; openssl rand -hex 32 > robot.key)
   log_directory = "/var/log/sanso"
 
 Example against `sanso-emulator --dir /tmp/sanso-robot`:
@@ -59,8 +65,9 @@ Exit codes: 0 stopped, or all servos ready; 1 the self-test found something; 2 c
 (says why).
 )";
 
-std::atomic<bool> stop_requested{false};
-void request_stop(int) { stop_requested = true; }
+std::atomic<bool> stop_requested{false};  // the threads end
+std::atomic<int> signals{0};
+void take_signal(int) { ++signals; }
 
 int refuse(const std::string& message) {
   std::fprintf(stderr, "sanso-firmware: %s\n", message.c_str());
@@ -71,28 +78,21 @@ void warn(const std::string& message) {
   if (!message.empty()) std::fprintf(stderr, "sanso-firmware: warning: %s\n", message.c_str());
 }
 
-bool read_key(const std::string& path, wire::Key& key, std::string& error) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  const std::string digits = text.str();
-  const Result<wire::Key> read = wire::key_from_hex(digits);
-  if (!file || !read.ok())
-    error = "device.key_file = '" + path +
-            "': expected a file of 64 hexadecimal digits (make one with: openssl rand -hex 32)";
-  key = *read;
-  return error.empty();
-}
-
 /// The tick thread: absolute sleep to every due time; a missed one is skipped, not caught up.
-void run_ticks(firmware::Firmware& controller, int priority) {
-  warn(board::set_realtime_priority(priority));
+void run_ticks(firmware::Firmware& controller, int priority, bool allow_without) {
+  const std::string denied = board::set_realtime_priority(priority);
+  warn(denied);
+  if (!denied.empty() && !allow_without) controller.handover().arming_allowed = false;
+  if (!controller.handover().arming_allowed)
+    warn("arming will be refused (R121); device.allow_without_realtime = true allows it");
   board::LinuxClock clock;
   Nanoseconds due = clock.now() + kTickPeriod;
   while (!stop_requested) {
     board::LinuxClock::sleep_until(due);
     const Nanoseconds begin = clock.now();
+    if (signals > 0) controller.handover().end_requested = true;
     controller.tick(begin);
+    if (controller.handover().may_end || signals > 1) stop_requested = true;
     do due += kTickPeriod;
     while (due < clock.now());
   }
@@ -104,11 +104,28 @@ void run_ticks(firmware::Firmware& controller, int priority) {
 /// thread says so.
 template <class Poll>
 void run_poll(Poll poll, Nanoseconds wait, int priority) {
-  (void)board::set_realtime_priority(std::max(priority, 1));
+  if (priority > 0) (void)board::set_realtime_priority(priority);
   board::LinuxClock clock;
   while (!stop_requested) {
     const Nanoseconds deadline = clock.now() + wait;
     if (poll(deadline) != Status::ok) board::LinuxClock::sleep_until(deadline);
+  }
+}
+
+/// The console's emergency stop: the Enter key.
+void run_console(firmware::Firmware& controller) {
+  if (isatty(STDIN_FILENO) == 0) return;
+  std::signal(SIGTTIN, SIG_IGN);  // in the background the terminal belongs to somebody else
+  while (!stop_requested) {
+    board::LinuxClock clock;
+    if (board::wait_readable(STDIN_FILENO, clock.now() + 20 * kMillisecond) <= 0) continue;
+    std::array<char, 64> line;
+    if (tcgetpgrp(STDIN_FILENO) != getpgrp()) {
+      board::LinuxClock::sleep_until(clock.now() + kSecond);
+      continue;
+    }
+    if (::read(STDIN_FILENO, line.data(), line.size()) <= 0) return;
+    controller.handover().emergency_stop = true;
   }
 }
 
@@ -133,6 +150,7 @@ void run_devices(const board::Devices& devices) {
 void run_log(firmware::Firmware& controller, const std::string& directory) {
   firmware::FlightRecorder recorder(controller.handover(), directory);
   std::uint16_t told = 0;
+  wire::SupervisorState state = wire::SupervisorState::boot;
   std::string complained;
   while (!stop_requested) {
     board::LinuxClock::sleep_until(board::LinuxClock().now() + 50 * kMillisecond);
@@ -140,6 +158,11 @@ void run_log(firmware::Firmware& controller, const std::string& directory) {
       std::fprintf(stderr, "sanso-firmware: flight record in %s\n", recorder.last_file().c_str());
     if (recorder.error() != complained) warn(complained = recorder.error());
     const firmware::LogRecord record = recorder.newest();
+    if (record.observation.state != state) {
+      state = record.observation.state;
+      std::fprintf(stderr, "sanso-firmware: t=%.2f s: %s\n", to_seconds(record.observation.time),
+                   firmware::name_of(state));
+    }
     if (record.observation.fault != told) {
       told = record.observation.fault;
       if (told != 0)
@@ -155,7 +178,7 @@ int run(const std::string& config_path) {
   std::string error;
   wire::Key key{};
   if (!firmware::read_program_config(config_path, config, error)) return refuse(error);
-  if (!read_key(config.device.key_file, key, error)) return refuse(error);
+  if (!firmware::read_key_file(config.device.key_file, key, error)) return refuse(error);
 
   board::LinuxClock clock;
   board::Devices devices;
@@ -172,8 +195,12 @@ int run(const std::string& config_path) {
 
   const auto controller = std::make_unique<firmware::Firmware>(
       config.settings, key,
-      firmware::Board{*devices.bus, hid, devices.pose.get(), socket, clock, devices.mip.get()});
-  warn(board::lock_memory());
+      firmware::Board{*devices.bus, hid, devices.pose.get(), socket, clock, devices.mip.get()},
+      config.device.robot_name);
+  const std::string not_locked = board::lock_memory();
+  warn(not_locked);
+  if (!not_locked.empty() && !config.device.allow_without_realtime)
+    controller->handover().arming_allowed = false;
   std::fprintf(stderr, "sanso-firmware: bus %s, imu %s, pose %s, hosts on UDP port %d\n",
                config.device.bus.c_str(), config.device.imu.c_str(),
                devices.pose ? config.device.pose.c_str() : "none", socket.port());
@@ -185,23 +212,28 @@ int run(const std::string& config_path) {
   if (!config.settings.imu.from_board)
     threads.emplace_back([&] {
       run_poll([&](Nanoseconds deadline) { return controller->poll_imu(deadline); },
-               5 * kMillisecond, priority - 10);
+               5 * kMillisecond, std::max(priority - 10, 1));
     });
   if (devices.pose)
     threads.emplace_back([&] {
       run_poll([&](Nanoseconds deadline) { return controller->poll_pose(deadline); },
-               5 * kMillisecond, priority - 10);
+               5 * kMillisecond, std::max(priority - 10, 1));
     });
   threads.emplace_back([&] {
+    // an ordinary thread: the tick never waits for it, and a flood must not eat its time
     const auto poll_link = [&](Nanoseconds deadline) {
       controller->poll_link(deadline);
       return Status::ok;
     };
-    run_poll(poll_link, kMillisecond, priority - 20);
+    run_poll(poll_link, kMillisecond, 0);
   });
   threads.emplace_back([&] { run_log(*controller, config.device.log_directory); });
-  threads.emplace_back([&] { run_ticks(*controller, priority); });
+  threads.emplace_back([&] { run_console(*controller); });
+  threads.emplace_back(
+      [&] { run_ticks(*controller, priority, config.device.allow_without_realtime); });
   for (std::thread& thread : threads) thread.join();
+  if (controller->controller().torque_on())
+    std::fprintf(stderr, "sanso-firmware: ended with torque on: the robot holds its last goals\n");
   return 0;
 }
 
@@ -267,7 +299,7 @@ int main(int argc, char** argv) {
     return self_test(words[1], said("--reboot"), said("--write-eeprom"));
   if (!configured || words.size() != 2)
     return refuse("expected --config FILE; sanso-firmware --help shows an example");
-  std::signal(SIGINT, request_stop);
-  std::signal(SIGTERM, request_stop);
+  std::signal(SIGINT, take_signal);
+  std::signal(SIGTERM, take_signal);
   return run(argv[2]);
 }

@@ -29,13 +29,14 @@ struct Board {
 
 class Firmware {
  public:
-  Firmware(const Settings& settings, const wire::Key& key, const Board& board)
+  Firmware(const Settings& settings, const wire::Key& key, const Board& board,
+           const std::string& robot_name = {})
       : imu_(settings.imu, board.imu, board.clock, handover_.imu),
         mip_(board.mip != nullptr
                  ? std::make_unique<MipReader>(settings.imu, *board.mip, board.clock, handover_.imu)
                  : nullptr),
         pose_(board.pose, board.clock, handover_.pose),
-        link_(key, board.link, board.clock, handover_),
+        link_(key, board.link, board.clock, handover_, robot_name),
         controller_(settings, board.bus, board.clock, handover_) {}
 
   /// One tick, due at `now`: every 10 ms.

@@ -2,19 +2,29 @@
 // unknown sender never gets further than the handshake.
 #include "firmware/link/link.h"
 
+#include <algorithm>
+
 #include "shared/policy/primitives.h"
 #include "shared/wire/codec.h"
 
 namespace sanso::firmware {
 namespace {
 constexpr int kMaxDatagramsAtOnce = 256;
+
+bool same_peer(const board::Peer& a, const board::Peer& b) {
+  return a.size == b.size && std::equal(a.bytes, a.bytes + a.size, b.bytes);
 }
 
-Link::Link(const wire::Key& key, board::Datagram& socket, board::Clock& clock, Handover& handover)
+}  // namespace
+
+Link::Link(const wire::Key& key, board::Datagram& socket, board::Clock& clock, Handover& handover,
+           const std::string& robot_name)
     : socket_(socket), clock_(clock), handover_(handover), channel_(wire::Role::controller, key) {
   upload(wire::UploadKind::primitives).assembler = &*primitives_;
   upload(wire::UploadKind::middle_table).assembler = &*middle_;
   upload(wire::UploadKind::upper_policy).assembler = &*upper_;
+  const std::size_t n = std::min(robot_name.size(), identity_.robot_name.size() - 1);
+  std::copy_n(robot_name.begin(), n, identity_.robot_name.begin());
 }
 
 void Link::poll(Nanoseconds deadline) {
@@ -26,30 +36,83 @@ void Link::poll(Nanoseconds deadline) {
     take_datagram(std::span(datagram).first(*n));
   }
   handover_.datagrams_dropped.store(dropped(), std::memory_order_relaxed);
+  forget_the_silent();
   send_published();
 }
 
 void Link::take_datagram(std::span<const std::uint8_t> datagram) {
+  if (answer_who(datagram)) return;
   std::array<std::uint8_t, wire::kMaxDatagram> message, reply;
   const auto opened = channel_.open(datagram, message, reply);
   if (opened.reply_bytes > 0)
     (void)socket_.send(std::span(reply).first(opened.reply_bytes), sender_);
   if (opened.status != Status::ok) return;
-  if (channel_.sessions() != sessions_) new_session();
-  host_ = sender_;
-  handover_.host_heard.store(clock_.now(), std::memory_order_relaxed);
+  session_ = opened.session;
+  if (channel_.sessions() != sessions_) new_session(session_);
+  Host& host = hosts_[static_cast<std::size_t>(session_)];
+  host.peer = sender_;
+  host.heard = clock_.now();
+  if (session_ == owner_) handover_.host_heard.store(host.heard, std::memory_order_relaxed);
   take_message(std::span(message).first(opened.message_bytes));
 }
 
-/// A new session is a new host: nothing half-finished of the old one may mix with it.
-void Link::new_session() {
+/// Answers in the clear who is here, in no more bytes than were asked with.
+bool Link::answer_who(std::span<const std::uint8_t> datagram) {
+  std::array<std::uint8_t, wire::kIdentityBytes> answer;
+  if (!wire::is_who(datagram)) return false;
+  wire::encode_identity(identity_, answer);
+  (void)socket_.send(answer, sender_);
+  return true;
+}
+
+// --- who may give orders -------------------------------------------------------------------------
+
+/// A new session is a new program. It owns the robot when nobody does, or when it speaks from the
+/// very address of the owner, which then is gone.
+void Link::new_session(int session) {
   sessions_ = channel_.sessions();
-  any_command_ = acked_ = false;
+  Host& host = hosts_[static_cast<std::size_t>(session)];
+  host = Host{};
+  host.known = true;
+  const bool same_place = owner_ >= 0 && owner_ != session &&
+                          same_peer(hosts_[static_cast<std::size_t>(owner_)].peer, sender_);
+  if (same_place) channel_.close(owner_);
+  if (same_place) hosts_[static_cast<std::size_t>(owner_)] = Host{};
+  if (owner_ < 0 || owner_ == session || same_place) new_owner(session);
+}
+
+/// Nothing half-finished of the old owner may mix with what the new one sends.
+void Link::new_owner(int session) {
+  owner_ = session;
   for (Upload& u : uploads_) {
     u.assembler->reset();
     u.ack = wire::UploadAck{};
     u.touched = false;
   }
+}
+
+/// The session in hand owns the robot, or may take it over because the owner's lease has run out.
+bool Link::may_order(int session) {
+  if (session == owner_) return true;
+  if (owner_ >= 0 &&
+      clock_.now() - hosts_[static_cast<std::size_t>(owner_)].heard < wire::kOwnerLease)
+    return false;
+  new_owner(session);
+  handover_.host_heard.store(clock_.now(), std::memory_order_relaxed);
+  return true;
+}
+
+/// A watcher that says nothing any more gets nothing any more; the place that has been silent for
+/// longest is the one that a newcomer may have.
+void Link::forget_the_silent() {
+  const Nanoseconds now = clock_.now();
+  int oldest = -1;
+  for (int i = 0; i < static_cast<int>(hosts_.size()); ++i) {
+    Host& host = hosts_[static_cast<std::size_t>(i)];
+    if (!host.known || now - host.heard < wire::kOwnerLease) continue;
+    if (oldest < 0 || host.heard < hosts_[static_cast<std::size_t>(oldest)].heard) oldest = i;
+  }
+  channel_.offer(oldest);
 }
 
 void Link::take_message(std::span<const std::uint8_t> message) {
@@ -66,25 +129,57 @@ void Link::take_message(std::span<const std::uint8_t> message) {
     ++dropped_;
 }
 
+void Link::refuse(const wire::Command& command, Refusal refusal) {
+  Host& host = hosts_[static_cast<std::size_t>(session_)];
+  host.any_command = host.acked = true;
+  host.last_command = command.sequence;
+  host.last_ack = {command.sequence, 0, newest_state_, static_cast<std::uint16_t>(refusal)};
+  send(host.last_ack, session_);
+}
+
 void Link::take_command(const wire::Command& command) {
+  // before everything else, from everybody, however old
+  if (command.kind == wire::CommandKind::emergency_stop) handover_.emergency_stop.store(true);
   if (command.sequence == 0) return;  // a sign of life
-  const bool repeated = any_command_ && command.sequence == last_command_;
+  Host& host = hosts_[static_cast<std::size_t>(session_)];
+  const bool repeated = host.any_command && command.sequence == host.last_command;
   if (repeated) {
-    if (acked_) send(last_ack_);  // its acknowledgement was lost
+    if (host.acked) send(host.last_ack, session_);  // its acknowledgement was lost
     return;
   }
-  if (any_command_ && static_cast<std::int32_t>(command.sequence - last_command_) < 0) {
+  if (host.any_command && static_cast<std::int32_t>(command.sequence - host.last_command) < 0) {
     ++dropped_;  // overtaken by a later one
     return;
   }
+  const bool asks = command.kind == wire::CommandKind::none;
+  const bool stops = command.kind == wire::CommandKind::emergency_stop;
+  if (!asks && !stops) {
+    if (command.observed_tick + wire::kCommandLife_ticks < newest_tick_)
+      return refuse(command, Refusal::stale_command);
+    if (!may_order(session_)) return refuse(command, Refusal::not_owner);
+  }
+  if (asks || stops) {  // nothing for the tick, or already with it
+    host.any_command = host.acked = true;
+    host.last_command = command.sequence;
+    host.last_ack = {command.sequence, 1, newest_state_, 0};
+    return send(host.last_ack, session_);
+  }
   if (!handover_.commands.push(command)) return;  // full: the host will repeat it
-  any_command_ = true;
-  acked_ = false;
-  last_command_ = command.sequence;
+  host.any_command = true;
+  host.acked = false;
+  host.last_command = command.sequence;
 }
 
 void Link::take_chunk(const wire::UploadChunk& chunk) {
   Upload& u = upload(chunk.kind);
+  if (!may_order(session_)) {
+    wire::UploadAck refused;
+    refused.kind = chunk.kind;
+    refused.upload_id = chunk.upload_id;
+    refused.refused = 1;
+    refused.reason = static_cast<std::uint16_t>(Refusal::not_owner);
+    return send(refused, session_);
+  }
   const bool known = u.ack.upload_id == chunk.upload_id && (u.ack.complete || u.ack.refused);
   u.touched = true;
   if (known) return;  // a repeated piece of an upload that is settled: acknowledge again
@@ -129,27 +224,37 @@ void Link::send_published() {
   for (Upload& u : uploads_) {
     if (!u.touched) continue;
     u.touched = false;
-    send(u.ack);
+    if (owner_ >= 0) send(u.ack, owner_);
   }
   wire::CommandAck ack;
   while (handover_.acks.pop(ack)) {
-    if (ack.sequence != last_command_) continue;  // of a session that is over
-    last_ack_ = ack;
-    acked_ = true;
-    send(ack);
+    if (owner_ < 0) continue;
+    Host& owner = hosts_[static_cast<std::size_t>(owner_)];
+    if (!owner.any_command || ack.sequence != owner.last_command) continue;  // of an earlier owner
+    owner.last_ack = ack;
+    owner.acked = true;
+    send(ack, owner_);
   }
   wire::Observation observation;
-  while (handover_.observations.pop(observation)) send(observation);
+  const Nanoseconds now = clock_.now();
+  while (handover_.observations.pop(observation)) {
+    newest_tick_ = observation.tick;
+    newest_state_ = observation.state;
+    for (int i = 0; i < static_cast<int>(hosts_.size()); ++i)
+      if (i == owner_ || now - hosts_[static_cast<std::size_t>(i)].heard < wire::kOwnerLease)
+        send(observation, i);
+  }
 }
 
 template <class Message>
-void Link::send(const Message& message) {
-  if (host_.size == 0) return;
+void Link::send(const Message& message, int session) {
+  const Host& host = hosts_[static_cast<std::size_t>(session)];
+  if (!host.known || host.peer.size == 0) return;
   std::array<std::uint8_t, wire::kMaxDatagram> plain, sealed;
   const Result<std::size_t> n = wire::encode(message, plain);
   if (!n.ok()) return;
-  const Result<std::size_t> m = channel_.seal(std::span(plain).first(*n), sealed);
-  if (m.ok()) (void)socket_.send(std::span(sealed).first(*m), host_);
+  const Result<std::size_t> m = channel_.seal(std::span(plain).first(*n), sealed, session);
+  if (m.ok()) (void)socket_.send(std::span(sealed).first(*m), host.peer);
 }
 
 }  // namespace sanso::firmware

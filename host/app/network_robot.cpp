@@ -22,6 +22,16 @@ wire::Key read_key(const std::filesystem::path& file) {
   return *key;
 }
 
+/// Why a controller may be there and yet say nothing.
+std::string who_answers(const std::optional<wire::Identity>& identity) {
+  if (!identity) return "is sanso-firmware running there, is the port open?";
+  const std::string name(identity->robot_name.data());
+  if (identity->protocol_version != wire::kProtocolVersion)
+    return fmt::format("robot '{}' is there and speaks version {} of the protocol, this host {}",
+                       name, identity->protocol_version, wire::kProtocolVersion);
+  return fmt::format("robot '{}' is there: is the key the same?", name);
+}
+
 }  // namespace
 
 NetworkRobot::NetworkRobot(const std::string& address, const std::filesystem::path& key_file,
@@ -29,10 +39,8 @@ NetworkRobot::NetworkRobot(const std::string& address, const std::filesystem::pa
     : address_(address), ask_(ask), answers_(answers), channel_(address), clock_(channel_) {
   link_ = std::make_unique<link::RobotLink>(channel_, clock_, read_key(key_file));
   if (link_->open() != Status::ok)
-    throw std::runtime_error(
-        address +
-        ": no controller with this key answers; is sanso-firmware running there, is the port "
-        "open, is the key the same?");
+    throw std::runtime_error(address + ": no controller with this key answers; " +
+                             who_answers(link_->identity()));
 }
 
 void NetworkRobot::ask_person(const std::string& request) {
@@ -52,9 +60,9 @@ void NetworkRobot::bring_to_idle() {
   const SupervisorState state = link_->latest().state;
   if (state == SupervisorState::fault) {
     ask_person(fmt::format(
-        "The controller is in fault {} (docs/faults.md). Hold the robot: its torque will go off.",
+        "The controller is in fault {} (docs/faults.md). Hold the robot: it will be lowered.",
         link_->latest().fault));
-    (void)link_->command({.kind = wire::CommandKind::clear_fault});
+    (void)link::lower_and_clear(*link_);
   } else if (state == SupervisorState::hold || state == SupervisorState::soft_stop ||
              state == SupervisorState::stand_up) {
     (void)link_->command({.kind = wire::CommandKind::disarm});

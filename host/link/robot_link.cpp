@@ -12,6 +12,9 @@
 
 namespace sanso::link {
 
+// refusals that pass, by themselves or with the robot on the ground (docs/faults.md)
+constexpr std::uint16_t kTorqueOn = 105, kStaleCommand = 124, kNotOwner = 125;
+
 using Datagram = std::array<std::uint8_t, wire::kMaxDatagram>;
 
 RobotLink::RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared,
@@ -29,6 +32,10 @@ void RobotLink::poll() {
 
 void RobotLink::take_datagram(std::span<const std::uint8_t> datagram) {
   Datagram message, reply;
+  if (wire::Identity identity; wire::decode_identity(datagram, identity) == Status::ok) {
+    identity_ = identity;
+    return;
+  }
   const auto opened = secure_.open(datagram, message, reply);
   if (opened.reply_bytes > 0) channel_.send(reply.data(), opened.reply_bytes);
   if (opened.status == Status::ok) take_message(std::span(message).first(opened.message_bytes));
@@ -93,16 +100,19 @@ void RobotLink::send(const Message& message) {
 }
 
 Status RobotLink::open() {
-  const Nanoseconds give_up = clock_.now() + settings_.patience;
+  const Nanoseconds begin = clock_.now(), give_up = begin + settings_.patience;
   const std::uint32_t before = secure_.sessions();
   const std::uint64_t seen = latest_.tick;
   bool fresh = true;
   Datagram hello;
+  std::array<std::uint8_t, wire::kIdentityBytes> who;
+  wire::encode_who(who);
   while (clock_.now() < give_up) {
     const Result<std::size_t> n = secure_.make_hello(hello, fresh);
     if (!n.ok()) return n.status();
     fresh = false;
     channel_.send(hello.data(), *n);
+    if (clock_.now() > begin + settings_.patience / 2) channel_.send(who.data(), who.size());
     if (wait_for([&] { return secure_.sessions() != before; },
                  clock_.now() + settings_.retry_period)) {
       // The controller counts the session as open with the first message in it: a command that asks
@@ -119,14 +129,19 @@ Status RobotLink::command(wire::Command command) {
   command.sequence = next_sequence_++;
   const Nanoseconds give_up = clock_.now() + settings_.patience;
   while (clock_.now() < give_up) {
+    command.observed_tick = latest_.tick;
     send(command);
-    if (wait_for([&] { return command_ack_.sequence == command.sequence; },
-                 clock_.now() + settings_.retry_period)) {
-      refusal_ = command_ack_.reason;
-      return command_ack_.accepted ? Status::ok : Status::rejected;
-    }
+    if (!wait_for([&] { return command_ack_.sequence == command.sequence; },
+                  clock_.now() + settings_.retry_period))
+      continue;
+    refusal_ = command_ack_.reason;
+    if (command_ack_.accepted) return Status::ok;
+    // it was long on its way, or the owner before us has just gone: ask anew
+    if (refusal_ != kStaleCommand && refusal_ != kNotOwner) return Status::rejected;
+    command.sequence = next_sequence_++;
+    wait_observation(clock_.now() + settings_.retry_period);
   }
-  return Status::timeout;
+  return refusal_ == kNotOwner ? Status::rejected : Status::timeout;
 }
 
 void RobotLink::send_chunks(wire::UploadKind kind, std::uint32_t id,
@@ -177,6 +192,19 @@ void RobotLink::send_policy(const policy::UpperPolicy& policy) {
   const std::span<const std::uint8_t> blob = std::span(bytes).first(*n);
   send_chunks(wire::UploadKind::upper_policy, next_upload_++, blob, crc32(blob), 0,
               wire::chunk_count(blob.size()));
+}
+
+Status lower_and_clear(RobotLink& robot) {
+  constexpr Nanoseconds kPatience = 10 * kSecond, kPause = 200 * kMillisecond;
+  const Nanoseconds give_up = robot.clock().now() + kPatience;
+  for (;;) {
+    const Status cleared = robot.command({.kind = wire::CommandKind::clear_fault});
+    if (cleared != Status::rejected || robot.refusal() != kTorqueOn) return cleared;
+    if (robot.clock().now() >= give_up) return Status::rejected;
+    (void)robot.command({.kind = wire::CommandKind::lower});
+    for (const Nanoseconds end = robot.clock().now() + kPause; robot.clock().now() < end;)
+      robot.wait_observation(end);
+  }
 }
 
 }  // namespace sanso::link

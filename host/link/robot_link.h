@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,8 +31,11 @@ class RobotLink {
   RobotLink(DatagramChannel& channel, HostClock& clock, const wire::Key& preshared,
             const LinkSettings& settings = {});
 
-  /// Opens a session. ok, or timeout when no controller with this key answers.
+  /// Opens a session. ok, or timeout when no controller with this key answers; then identity() may
+  /// say who is there all the same.
   Status open();
+  /// Who answered in the clear, when somebody did: another key or another version.
+  const std::optional<wire::Identity>& identity() const { return identity_; }
 
   /// Brings a blob to the controller. ok when the controller holds it whole and found its contents
   /// valid; rejected when it refused them (refusal() has the number); timeout.
@@ -85,9 +89,14 @@ class RobotLink {
   std::vector<wire::Observation> unread_;
   wire::CommandAck command_ack_;
   wire::UploadAck upload_ack_;
+  std::optional<wire::Identity> identity_;
   std::uint32_t next_sequence_ = 1;
   std::uint32_t next_upload_ = 1;
   std::uint16_t refusal_ = 0;
 };
+
+/// The way out of a fault: clears it, after lowering a robot that the servos still hold. ok,
+/// rejected (the bus is gone, or the robot does not come down within ten seconds) or timeout.
+Status lower_and_clear(RobotLink& robot);
 
 }  // namespace sanso::link

@@ -107,10 +107,12 @@ SecureChannel::SecureChannel(Role role, const Key& preshared) : role_(role), pre
 
 SecureChannel::~SecureChannel() {
   sodium_memzero(preshared_.data(), preshared_.size());
-  for (Session* session : {&active_, &pending_}) {
-    sodium_memzero(session->send_key.data(), session->send_key.size());
-    sodium_memzero(session->receive_key.data(), session->receive_key.size());
-  }
+  const auto wipe = [](Session& session) {
+    sodium_memzero(session.send_key.data(), session.send_key.size());
+    sodium_memzero(session.receive_key.data(), session.receive_key.size());
+  };
+  for (Session& session : active_) wipe(session);
+  for (Session& session : pending_) wipe(session);
 }
 
 SecureChannel::Session SecureChannel::derive(const Nonce& host_nonce,
@@ -147,15 +149,27 @@ Result<std::size_t> SecureChannel::make_hello(std::span<std::uint8_t> datagram, 
   if (datagram.size() < kHelloBytes) return Status::full;
   if (fresh || !awaiting_) {
     randombytes_buf(own_nonce_.data(), own_nonce_.size());
-    active_ = Session{};
+    active_[0] = Session{};
     awaiting_ = true;
   }
   return write_hello(datagram, own_nonce_, Nonce{});
 }
 
 SecureChannel::Opened SecureChannel::drop(Status why) {
-  ++dropped_;
-  return {why, 0, 0};
+  switch (why) {
+    case Status::unsupported:
+      ++drops_.version;
+      break;
+    case Status::rejected:
+      ++drops_.forged;
+      break;
+    case Status::stale:
+      ++drops_.replayed;
+      break;
+    default:
+      ++drops_.malformed;
+  }
+  return {.status = why};
 }
 
 SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> datagram,
@@ -175,23 +189,37 @@ SecureChannel::Opened SecureChannel::open_hello(std::span<const std::uint8_t> da
 
   if (role_ == Role::host) {
     if (!awaiting_ || echoed != own_nonce_) return drop(Status::stale);
-    active_ = derive(own_nonce_, theirs);
+    active_[0] = derive(own_nonce_, theirs);
     awaiting_ = false;
     ++sessions_;
-    return {Status::empty, 0, 0};
+    return {};
   }
 
   // Controller: the same hello again gets the same answer; a new one gets a session that has to
   // prove itself first.
   if (reply.size() < kHelloBytes) return drop(Status::full);
-  const bool known = active_.valid && active_.host_nonce == theirs;
-  if (!known && !(pending_.valid && pending_.host_nonce == theirs)) {
-    Nonce fresh{};
-    randombytes_buf(fresh.data(), fresh.size());
-    pending_ = derive(theirs, fresh);
-  }
-  const Nonce& own = known ? active_.controller_nonce : pending_.controller_nonce;
-  return {Status::empty, 0, write_hello(reply, own, theirs)};
+  for (const Session& session : active_)
+    if (session.valid && session.host_nonce == theirs)
+      return {.reply_bytes = write_hello(reply, session.controller_nonce, theirs)};
+  return {.reply_bytes = write_hello(reply, pending_for(theirs).controller_nonce, theirs)};
+}
+
+/// The handshake with this nonce: the one under way, or a new one in the oldest place.
+SecureChannel::Session& SecureChannel::pending_for(const Nonce& host_nonce) {
+  for (Session& session : pending_)
+    if (session.valid && session.host_nonce == host_nonce) return session;
+  Nonce fresh{};
+  randombytes_buf(fresh.data(), fresh.size());
+  Session& place = pending_[static_cast<std::size_t>(next_pending_)];
+  next_pending_ = (next_pending_ + 1) % kMaxPending;
+  place = derive(host_nonce, fresh);
+  return place;
+}
+
+int SecureChannel::free_session() const {
+  for (int i = 0; i < kMaxSessions; ++i)
+    if (!active_[static_cast<std::size_t>(i)].valid) return i;
+  return offered_;
 }
 
 // --- messages ------------------------------------------------------------------------------------
@@ -200,13 +228,13 @@ Status SecureChannel::try_open(Session& session, std::span<const std::uint8_t> d
                                std::span<std::uint8_t> message) const {
   if (!session.valid) return Status::not_ready;
   const std::uint64_t counter = get_counter(datagram.data() + 2);
-  if (session.window.seen(counter)) return Status::rejected;
   const AeadNonce nonce = nonce_of(counter);
   if (crypto_aead_chacha20poly1305_ietf_decrypt(message.data() + 2, nullptr, nullptr,
                                                 datagram.data() + kHeader,
                                                 datagram.size() - kHeader, datagram.data(), kHeader,
                                                 nonce.data(), session.receive_key.data()) != 0)
     return Status::rejected;
+  if (session.window.seen(counter)) return Status::stale;
   session.window.mark(counter);
   return Status::ok;
 }
@@ -216,20 +244,30 @@ SecureChannel::Opened SecureChannel::open_message(std::span<const std::uint8_t> 
   if (datagram.size() < kHeader + kTag) return drop(Status::malformed);
   const std::size_t plain_bytes = datagram.size() - kHeader - kTag + 2;
   if (message.size() < plain_bytes) return drop(Status::full);
-  Status status = try_open(active_, datagram, message);
-  if (status != Status::ok && pending_.valid) {
-    status = try_open(pending_, datagram, message);
-    if (status ==
-        Status::ok) {  // the host holds the new keys: it is alive and this is its present session
-      active_ = pending_;
-      pending_ = Session{};
-      ++sessions_;
-    }
+  Status status = Status::rejected;
+  int in = -1;
+  for (int i = 0; i < kMaxSessions && in < 0 && status != Status::stale; ++i) {
+    Session& session = active_[static_cast<std::size_t>(i)];
+    if (!session.valid) continue;
+    status = try_open(session, datagram, message);
+    if (status == Status::ok) in = i;
   }
-  if (status != Status::ok) return drop(status);
+  for (std::size_t i = 0; i < pending_.size() && in < 0 && status != Status::stale; ++i) {
+    if (!pending_[i].valid) continue;
+    status = try_open(pending_[i], datagram, message);
+    if (status != Status::ok) continue;
+    // the host holds the new keys: it is alive
+    in = free_session();
+    if (in < 0) return drop(Status::rejected);
+    active_[static_cast<std::size_t>(in)] = pending_[i];
+    pending_[i] = Session{};
+    newest_ = in;
+    ++sessions_;
+  }
+  if (in < 0) return drop(status);
   message[0] = datagram[0];
   message[1] = datagram[1];
-  return {Status::ok, plain_bytes, 0};
+  return {.status = Status::ok, .message_bytes = plain_bytes, .session = in};
 }
 
 SecureChannel::Opened SecureChannel::open(std::span<const std::uint8_t> datagram,
@@ -243,18 +281,19 @@ SecureChannel::Opened SecureChannel::open(std::span<const std::uint8_t> datagram
 }
 
 Result<std::size_t> SecureChannel::seal(std::span<const std::uint8_t> message,
-                                        std::span<std::uint8_t> datagram) {
-  if (!active_.valid) return Status::not_ready;
+                                        std::span<std::uint8_t> datagram, int session) {
+  Session& active = active_[static_cast<std::size_t>(session)];
+  if (!active.valid) return Status::not_ready;
   if (message.size() < 2) return Status::malformed;
   const std::size_t total = message.size() + kMessageOverhead;
   if (total > datagram.size() || total > kMaxDatagram) return Status::full;
   datagram[0] = message[0];
   datagram[1] = message[1];
-  put_counter(datagram.data() + 2, ++active_.sent);
-  const AeadNonce nonce = nonce_of(active_.sent);
+  put_counter(datagram.data() + 2, ++active.sent);
+  const AeadNonce nonce = nonce_of(active.sent);
   crypto_aead_chacha20poly1305_ietf_encrypt(datagram.data() + kHeader, nullptr, message.data() + 2,
                                             message.size() - 2, datagram.data(), kHeader, nullptr,
-                                            nonce.data(), active_.send_key.data());
+                                            nonce.data(), active.send_key.data());
   return total;
 }
 

@@ -9,9 +9,10 @@
 // The host's hello carries a nonce fresh for every handshake; the controller answers with a fresh
 // nonce of its own and echoes the host's. Both derive one key per direction from the pre-shared key
 // and both nonces, so a recorded datagram opens in no other session, nor back at its sender. The
-// controller keeps the session in use until the first message of the new one has opened: a replayed
-// hello cannot end a running session. Counters never repeat within a session; a window of 1024 lets
-// datagrams overtake one another and drops every second copy.
+// controller keeps several sessions: one counts from its first message on, so a replayed hello ends
+// nothing, and answered handshakes that wait for that message have places of their own, so that it
+// starves nobody. Counters never repeat within a session; a window of 1024 lets datagrams overtake
+// one another and drops every second copy.
 // Not in the real-time library: the link thread opens and seals.
 #pragma once
 
@@ -32,6 +33,15 @@ using Key = std::array<std::uint8_t, kKeyBytes>;
 Result<Key> key_from_hex(std::span<const char> text);
 /// A new random pre-shared key.
 Key random_key();
+
+/// Datagrams dropped, by reason.
+struct DropCounts {
+  std::uint32_t malformed = 0;  // too short, too long, no such type
+  std::uint32_t version = 0;    // of another protocol version
+  std::uint32_t forged = 0;     // does not open: another key, damaged, of a session that is over
+  std::uint32_t replayed = 0;   // seen before, or an answer to nothing
+  std::uint32_t total() const { return malformed + version + forged + replayed; }
+};
 
 enum class Role : std::uint8_t { host = 1, controller = 2 };
 
@@ -66,18 +76,31 @@ class SecureChannel {
     Status status = Status::empty;
     std::size_t message_bytes = 0;  // in `message`: version, type, body
     std::size_t reply_bytes = 0;    // in `reply`: to be sent to where the datagram came from
+    int session = 0;                // in which it opened
   };
+  static constexpr int kMaxSessions = 4;  // controller: that count
+  static constexpr int kMaxPending = 16;  // controller: answered, not yet proved live
   /// Opens one datagram. `message` and `reply` need kMaxDatagram bytes.
   Opened open(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message,
               std::span<std::uint8_t> reply);
 
-  /// Seals an encoded message (version and type first). not_ready before a session, full when it
-  /// does not fit.
-  Result<std::size_t> seal(std::span<const std::uint8_t> message, std::span<std::uint8_t> datagram);
+  /// Seals an encoded message (version and type first) for the newest session, or for the one that
+  /// is named. not_ready before it exists, full when it does not fit.
+  Result<std::size_t> seal(std::span<const std::uint8_t> message,
+                           std::span<std::uint8_t> datagram) {
+    return seal(message, datagram, newest_);
+  }
+  Result<std::size_t> seal(std::span<const std::uint8_t> message, std::span<std::uint8_t> datagram,
+                           int session);
+  /// Controller: forgets a session, which makes room for another.
+  void close(int session) { active_[static_cast<std::size_t>(session)] = Session{}; }
+  /// Controller: the session that gives way when a new one needs its place; -1: none may.
+  void offer(int session) { offered_ = session; }
 
-  bool established() const { return active_.valid; }
+  bool established() const { return active_[static_cast<std::size_t>(newest_)].valid; }
   /// Datagrams dropped since the start: forged, replayed, malformed or of another version.
-  std::uint32_t dropped() const { return dropped_; }
+  std::uint32_t dropped() const { return drops_.total(); }
+  const DropCounts& drops() const { return drops_; }
   /// Sessions opened since the start; a change tells the application that the other side is new.
   std::uint32_t sessions() const { return sessions_; }
 
@@ -91,6 +114,8 @@ class SecureChannel {
     ReplayWindow window;
   };
 
+  int free_session() const;
+  Session& pending_for(const Nonce& host_nonce);
   Opened open_hello(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> reply);
   Opened open_message(std::span<const std::uint8_t> datagram, std::span<std::uint8_t> message);
   Status try_open(Session& session, std::span<const std::uint8_t> datagram,
@@ -102,11 +127,13 @@ class SecureChannel {
 
   Role role_;
   Key preshared_;
-  Nonce own_nonce_{};      // host: of the handshake under way
-  bool awaiting_ = false;  // host: hello sent, answer not yet here
-  Session active_;
-  Session pending_;  // controller: answered, not yet proved live
-  std::uint32_t dropped_ = 0;
+  Nonce own_nonce_{};                         // host: of the handshake under way
+  bool awaiting_ = false;                     // host: hello sent, answer not yet here
+  std::array<Session, kMaxSessions> active_;  // host: the first
+  std::array<Session, kMaxPending> pending_;
+  int next_pending_ = 0;  // the place that has waited longest
+  int newest_ = 0, offered_ = -1;
+  DropCounts drops_;
   std::uint32_t sessions_ = 0;
 };
 

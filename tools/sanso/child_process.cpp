@@ -26,6 +26,9 @@ namespace fs = std::filesystem;
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // even when this program is killed
   if (::getppid() != parent) ::_exit(127);
+  // nor is what is typed there: Enter is the controller's emergency stop
+  const int nothing = ::open("/dev/null", O_RDONLY);
+  ::dup2(nothing, STDIN_FILENO);
   ::dup2(log, STDOUT_FILENO);
   ::dup2(log, STDERR_FILENO);
   ::execv(program.c_str(), argv.data());

@@ -56,7 +56,7 @@ void EmulatedAccess::lower_or_clear() {
   link_.poll();
   const SupervisorState state = link_.latest().state;
   if (state == SupervisorState::fault) {
-    (void)link_.command({.kind = wire::CommandKind::clear_fault});
+    (void)link::lower_and_clear(link_);
     for (const Nanoseconds end = clock_.now() + 100 * kMillisecond; clock_.now() < end;)
       link_.wait_observation(end);
   } else if (state != SupervisorState::idle && state != SupervisorState::self_test &&

@@ -103,11 +103,13 @@ void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t s
 void EmulatedProcesses::start_firmware() {
   const fs::path key_file = folder_ / "key.hex", config = folder_ / "firmware.toml";
   files::write_atomically(key_file, hex(key_) + "\n");
+  fs::permissions(key_file, fs::perms::owner_read | fs::perms::owner_write);
   files::write_atomically(
       config,
       fmt::format(
           "[device]\nbus = \"{0}/bus\"\nimu = \"unix:{0}/imu\"\npose = \"unix:{0}/pose\"\n"
-          "listen = \"127.0.0.1\"\nport = {1}\nkey_file = \"{2}\"\nlog_directory = \"{3}\"\n",
+          "listen = \"127.0.0.1\"\nport = {1}\nkey_file = \"{2}\"\nlog_directory = \"{3}\"\n"
+          "allow_without_realtime = true\n",  // nobody is hurt
           robot_directory_, port_, fs::absolute(key_file).string(),
           fs::absolute(folder_).string()));
   firmware_ = std::make_unique<ChildProcess>(find_program("sanso-firmware"),

@@ -110,7 +110,7 @@ struct Host {
     for (int look = 1; !wait_for(SupervisorState::idle, 20); ++look) {
       if (look == kLooks || robot.latest().state != SupervisorState::fault)
         throw std::runtime_error("not idle: " + state());
-      (void)robot.command({.kind = wire::CommandKind::clear_fault});
+      (void)link::lower_and_clear(robot);
       const Nanoseconds end = clock.now() + 100 * kMillisecond;
       while (clock.now() < end) robot.wait_observation(end);
     }
