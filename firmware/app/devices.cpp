@@ -28,7 +28,7 @@ std::optional<DeviceSelector> selected(const std::string& key, const std::string
                                        const std::string& prefix, std::string& error) {
   const auto rest = after(name, prefix);
   if (!rest) return std::nullopt;
-  const auto selector = parse_selector(*rest);
+  auto selector = parse_selector(*rest);
   if (!selector)
     error = "device." + key + " = '" + name + "': expected " + prefix +
             "VID:PID or VID:PID:SERIAL, four hexadecimal digits each; sanso-firmware --devices "
