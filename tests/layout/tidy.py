@@ -17,9 +17,7 @@ import sys
 import time
 
 # More rooms join when they are clean.
-ROOMS = ("shared", "firmware", "host",
-         "tools/diagnose/stats", "tools/diagnose/gate", "tools/diagnose/sim",
-         "tools/diagnose/model_folder")
+ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model")
 LINTERS = ("clang-tidy-14", "clang-tidy")
 FINDING = re.compile(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*)$", re.M)
 
