@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     const Recording first = parse_csv(text, "fuzz.csv");
     const std::string written = to_csv(first);
     if (to_csv(parse_csv(written, "again.csv")) != written) std::abort();
-  } catch (const files::InputError&) {
+  } catch (const sanso::files::InputError&) {
   }
   return 0;
 }

@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     read_mcap(path, 100'000);
-  } catch (const files::InputError&) {
+  } catch (const sanso::files::InputError&) {
   }
   return 0;
 }

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
     const std::string written = diagnose::model_toml(model);
     if (diagnose::model_toml(diagnose::parse_model(written, urdf, "again.toml")) != written)
       std::abort();
-  } catch (const files::InputError&) {
+  } catch (const sanso::files::InputError&) {
   }
   return 0;
 }

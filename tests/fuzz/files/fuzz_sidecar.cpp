@@ -7,7 +7,7 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   Recording recording;
   try {
     parse_sidecar({reinterpret_cast<const char*>(data), size}, "fuzz.toml", recording);
-  } catch (const files::InputError&) {
+  } catch (const sanso::files::InputError&) {
   }
   return 0;
 }
