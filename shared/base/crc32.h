@@ -21,11 +21,14 @@ constexpr std::array<std::uint32_t, 256> make_crc32_table() {
 inline constexpr std::array<std::uint32_t, 256> kCrc32Table = make_crc32_table();
 }  // namespace detail
 
-/// CRC-32 of `data`; check value of "123456789" is 0xCBF43926.
-constexpr std::uint32_t crc32(std::span<const std::uint8_t> data) {
-  std::uint32_t c = 0xFFFFFFFFu;
+/// CRC-32 of `before` followed by `data`, where `crc` is the CRC-32 of `before` (0: nothing yet).
+constexpr std::uint32_t crc32_more(std::uint32_t crc, std::span<const std::uint8_t> data) {
+  std::uint32_t c = crc ^ 0xFFFFFFFFu;
   for (const std::uint8_t byte : data) c = detail::kCrc32Table[(c ^ byte) & 0xFFu] ^ (c >> 8);
   return c ^ 0xFFFFFFFFu;
 }
+
+/// CRC-32 of `data`; check value of "123456789" is 0xCBF43926.
+constexpr std::uint32_t crc32(std::span<const std::uint8_t> data) { return crc32_more(0, data); }
 
 }  // namespace sanso

@@ -1,33 +1,24 @@
-// Parses front to back, unpacks chunks, and refuses by name what is cut or unknown.
+// Parses front to back, unpacks and checks chunks, stops where the file was cut, and refuses by
+// name what is damaged or unknown.
 #include "tools/recording/mcap_file.h"
 
 #include <lz4frame.h>
 #include <zstd.h>
 
-#include <algorithm>
 #include <fstream>
+#include <map>
 
-#include "shared/files/atomic_file.h"
+#include "shared/base/crc32.h"
 #include "shared/files/bytes.h"
 #include "shared/files/input_error.h"
+#include "shared/mcap/opcodes.h"
 
 namespace sanso::recording {
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+using mcap::Opcode;
+
 constexpr std::uint64_t kMaxRecord = 256u << 20;  // bytes; larger chunks are no recording of joints
-constexpr std::size_t kChunkBytes = 1u << 20;
-enum Opcode : std::uint8_t {
-  kHeader = 1,
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kChunk = 6,
-  kChunkIndex = 8,
-  kStatistics = 11,
-  kDataEnd = 15
-};
 
 std::string unpack(std::string_view packed, std::string_view compression, std::uint64_t size,
                    const std::string& path) {
@@ -62,31 +53,30 @@ std::string unpack(std::string_view packed, std::string_view compression, std::u
   return out;
 }
 
-class McapParser {
+class Parser {
  public:
-  McapParser(
-      std::string path,
-      const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message)
+  Parser(std::string path,
+         const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message)
       : path_(std::move(path)), on_message_(on_message) {}
 
   /// False at the end of the data section.
   bool record(std::uint8_t opcode, std::string_view content, bool inside_chunk) {
     files::ByteReader in(content);
-    switch (opcode) {
-      case kSchema:
+    switch (Opcode{opcode}) {
+      case Opcode::schema:
         schema(in);
         break;
-      case kChannel:
+      case Opcode::channel:
         channel(in);
         break;
-      case kMessage:
+      case Opcode::message:
         message(in, content);
         break;
-      case kChunk:
+      case Opcode::chunk:
         if (!inside_chunk) chunk(in);
         break;
-      case kDataEnd:
-      case kFooter:
+      case Opcode::data_end:
+      case Opcode::footer:
         return false;
       default:
         break;  // indexes, attachments, metadata: not needed
@@ -126,7 +116,7 @@ class McapParser {
     in.number<std::uint64_t>();  // first and last time
     in.number<std::uint64_t>();
     const auto size = in.number<std::uint64_t>();
-    in.number<std::uint32_t>();  // checksum, optional in the format
+    const auto checksum = in.number<std::uint32_t>();  // 0: the writer did without
     const std::string_view compression = in.string();
     const std::string_view packed = in.take(in.number<std::uint64_t>());
     if (!in.ok()) damaged();
@@ -134,6 +124,10 @@ class McapParser {
       throw files::InputError(path_, 0, "", "chunk too large", std::to_string(size),
                               "at most 256 MB");
     const std::string records = unpack(packed, compression, size, path_);
+    if (checksum != 0 &&
+        checksum != crc32({reinterpret_cast<const std::uint8_t*>(records.data()), records.size()}))
+      throw files::InputError(path_, 0, "", "damaged chunk", "checksum does not fit",
+                              "an intact file");
     files::ByteReader inner(records);
     while (!inner.done()) {
       const auto opcode = inner.number<std::uint8_t>();
@@ -149,149 +143,33 @@ class McapParser {
   std::map<std::uint16_t, McapChannel> channels_;
 };
 
-std::string record_bytes(std::uint8_t opcode, const std::string& content) {
-  files::ByteWriter out;
-  out.number(opcode);
-  out.number(static_cast<std::uint64_t>(content.size()));
-  out.raw(content);
-  return out.bytes();
-}
-
 }  // namespace
 
-void read_mcap_messages(
+bool read_mcap_messages(
     const std::string& path,
     const std::function<void(const McapChannel&, std::uint64_t, std::string_view)>& on_message) {
   std::ifstream in(path, std::ios::binary);
   char magic[8] = {};
-  if (!in || !in.read(magic, 8) || std::string_view(magic, 8) != kMagic) {
+  if (!in || !in.read(magic, 8) || std::string_view(magic, 8) != mcap::kMagic) {
     throw files::InputError(path, 0, "", "not an MCAP file", "",
                             "a file that starts with the MCAP magic bytes");
   }
-  McapParser parser(path, on_message);
+  Parser parser(path, on_message);
   std::string content;
   for (;;) {
     char head[9];
-    if (!in.read(head, 9))
-      throw files::InputError(path, 0, "", "truncated MCAP file", "",
-                              "a file that was closed properly");
+    if (!in.read(head, 9)) return false;
     files::ByteReader reader(std::string_view(head, 9));
     const auto opcode = reader.number<std::uint8_t>();
     const auto length = reader.number<std::uint64_t>();
+    if (opcode == 0) return false;  // zeros: what a file system may leave after a power cut
     if (length > kMaxRecord)
       throw files::InputError(path, 0, "", "record too large", std::to_string(length),
                               "at most 256 MB");
     content.resize(length);
-    if (!in.read(content.data(), static_cast<std::streamsize>(length))) {
-      throw files::InputError(path, 0, "", "truncated MCAP file", "",
-                              "a file that was closed properly");
-    }
-    if (!parser.record(opcode, content, false)) return;
+    if (!in.read(content.data(), static_cast<std::streamsize>(length))) return false;
+    if (!parser.record(opcode, content, false)) return true;
   }
-}
-
-McapWriter::McapWriter(std::string path) : path_(std::move(path)), file_(kMagic) {
-  files::ByteWriter header;
-  header.string("ros2");
-  header.string("sanso");
-  file_ += record_bytes(kHeader, header.bytes());
-}
-
-std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema,
-                                      std::string_view definition) {
-  const auto id = static_cast<std::uint16_t>(count_.size() + 1);
-  files::ByteWriter s;
-  s.number(id);
-  s.string(schema);
-  s.string("ros2msg");
-  s.string(definition);
-  files::ByteWriter c;
-  c.number(id);
-  c.number(id);
-  c.string(topic);
-  c.string("cdr");
-  c.number(std::uint32_t{0});  // no metadata
-  const std::string records = record_bytes(kSchema, s.bytes()) + record_bytes(kChannel, c.bytes());
-  declarations_ += records;
-  chunk_ += records;
-  count_[id] = 0;
-  return id;
-}
-
-void McapWriter::write(std::uint16_t channel, std::uint64_t time_ns, std::string_view cdr) {
-  files::ByteWriter m;
-  m.number(channel);
-  m.number(static_cast<std::uint32_t>(count_[channel]++));
-  m.number(time_ns);
-  m.number(time_ns);
-  m.raw(cdr);
-  if (messages_ == 0 || chunk_start_ == 0) chunk_start_ = time_ns;
-  chunk_end_ = std::max(chunk_end_, time_ns);
-  first_ = std::min(first_, time_ns);
-  last_ = std::max(last_, time_ns);
-  ++messages_;
-  chunk_ += record_bytes(kMessage, m.bytes());
-  if (chunk_.size() > kChunkBytes) close_chunk();
-}
-
-void McapWriter::close_chunk() {
-  if (chunk_.empty()) return;
-  std::string packed(ZSTD_compressBound(chunk_.size()), '\0');
-  packed.resize(ZSTD_compress(packed.data(), packed.size(), chunk_.data(), chunk_.size(), 3));
-  files::ByteWriter c;
-  c.number(chunk_start_);
-  c.number(chunk_end_);
-  c.number(static_cast<std::uint64_t>(chunk_.size()));
-  c.number(std::uint32_t{0});  // no checksum
-  c.string("zstd");
-  c.number(static_cast<std::uint64_t>(packed.size()));
-  c.raw(packed);
-  const std::string bytes = record_bytes(kChunk, c.bytes());
-  files::ByteWriter index;
-  index.number(chunk_start_);
-  index.number(chunk_end_);
-  index.number(static_cast<std::uint64_t>(file_.size()));
-  index.number(static_cast<std::uint64_t>(bytes.size()));
-  index.number(std::uint32_t{0});  // no message index
-  index.number(std::uint64_t{0});
-  index.string("zstd");
-  index.number(static_cast<std::uint64_t>(packed.size()));
-  index.number(static_cast<std::uint64_t>(chunk_.size()));
-  chunk_indexes_ += record_bytes(kChunkIndex, index.bytes());
-  file_ += bytes;
-  chunk_.clear();
-  chunk_start_ = chunk_end_ = 0;
-  ++chunks_;
-}
-
-void McapWriter::finish() {
-  close_chunk();
-  files::ByteWriter end;
-  end.number(std::uint32_t{0});
-  file_ += record_bytes(kDataEnd, end.bytes());
-  const std::uint64_t summary = file_.size();
-  files::ByteWriter s;
-  s.number(messages_);
-  s.number(static_cast<std::uint16_t>(count_.size()));
-  s.number(static_cast<std::uint32_t>(count_.size()));
-  s.number(std::uint32_t{0});  // attachments
-  s.number(std::uint32_t{0});  // metadata
-  s.number(chunks_);
-  s.number(messages_ == 0 ? std::uint64_t{0} : first_);
-  s.number(last_);
-  s.number(static_cast<std::uint32_t>(count_.size() * 10));
-  for (const auto& [id, n] : count_) {
-    s.number(id);
-    s.number(n);
-  }
-  file_ += declarations_ + record_bytes(kStatistics, s.bytes()) + chunk_indexes_;
-  files::ByteWriter footer;
-  footer.number(summary);
-  footer.number(std::uint64_t{0});
-  footer.number(std::uint32_t{0});
-  file_ += record_bytes(kFooter, footer.bytes());
-  file_ += kMagic;
-  files::write_atomically(path_, file_);
 }
 
 }  // namespace sanso::recording

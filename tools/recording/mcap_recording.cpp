@@ -7,14 +7,19 @@
 #include <limits>
 #include <map>
 
+#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
+#include "shared/mcap/ros_messages.h"
+#include "shared/mcap/writer.h"
 #include "tools/recording/csv_reader.h"
 #include "tools/recording/mcap_file.h"
-#include "tools/recording/ros_messages.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
 namespace {
+
+using mcap::Imu;
+using mcap::JointState;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kStates = "/joint_states", kCommands = "/joint_commands", kImu = "/imu";
@@ -122,20 +127,22 @@ Recording read_mcap(const std::string& path, std::size_t max_values) {
   recording.file = path;
   RowBuilder rows(recording, max_values);
   int undecoded = 0;
-  read_mcap_messages(path, [&](const McapChannel& channel, std::uint64_t, std::string_view bytes) {
-    const bool joint_state = channel.schema == kJointStateType, imu = channel.schema == kImuType;
+  const auto on_message = [&](const McapChannel& channel, std::uint64_t, std::string_view bytes) {
+    const bool joint_state = channel.schema == mcap::kJointStateType,
+               imu = channel.schema == mcap::kImuType;
     if (!joint_state && !imu) return;
     if (channel.encoding != "cdr")
       throw files::InputError(path, 0, channel.topic, "unknown message encoding", channel.encoding,
                               "cdr");
     if (joint_state) {
-      const auto m = decode_joint_state(bytes);
+      const auto m = mcap::decode_joint_state(bytes);
       m ? take(rows, channel.topic, *m) : void(++undecoded);
     } else {
-      const auto m = decode_imu(bytes);
+      const auto m = mcap::decode_imu(bytes);
       m ? take(rows, *m) : void(++undecoded);
     }
-  });
+  };
+  recording.cut = !read_mcap_messages(path, on_message);
   if (undecoded > 0)
     throw files::InputError(path, 0, "", "damaged message", std::to_string(undecoded) + " messages",
                             "CDR, little-endian");
@@ -153,7 +160,7 @@ namespace {
 /// A recording's rows as messages; the topics are declared at construction.
 class RowWriter {
  public:
-  RowWriter(const Recording& r, McapWriter& out) : r_(r), out_(out), joints_(r.joints()) {
+  RowWriter(const Recording& r, mcap::Writer& out) : r_(r), out_(out), joints_(r.joints()) {
     states_ = joint_channel(kStates);
     commands_ = joint_channel(kCommands);
     for (const ExtraTopic& e : kExtra) extra_[e.topic] = joint_channel(e.topic);
@@ -162,7 +169,8 @@ class RowWriter {
              c.name.starts_with("base_q:");
     });
     if (has_imu_)
-      imu_ = out.add_channel(std::string(kImu), std::string(kImuType), imu_definition());
+      imu_ =
+          out.add_channel(std::string(kImu), std::string(mcap::kImuType), mcap::imu_definition());
   }
 
   /// Commands and settings first: a reader takes the row when the joints' state arrives.
@@ -189,8 +197,8 @@ class RowWriter {
 
  private:
   std::uint16_t joint_channel(std::string_view topic) {
-    return out_.add_channel(std::string(topic), std::string(kJointStateType),
-                            joint_state_definition());
+    return out_.add_channel(std::string(topic), std::string(mcap::kJointStateType),
+                            mcap::joint_state_definition());
   }
   std::vector<double> at(const std::string& prefix, std::size_t k) const {
     return at_row(r_, joints_, prefix, k);
@@ -210,7 +218,7 @@ class RowWriter {
   }
 
   const Recording& r_;
-  McapWriter& out_;
+  mcap::Writer& out_;
   std::vector<std::string> joints_;
   std::uint16_t states_ = 0, commands_ = 0, imu_ = 0;
   std::map<std::string_view, std::uint16_t> extra_;
@@ -220,10 +228,12 @@ class RowWriter {
 }  // namespace
 
 void write_mcap(const Recording& r, const std::string& path) {
-  McapWriter out(path);
+  std::string file;
+  mcap::Writer out([&](std::string_view bytes) { file += bytes; });
   RowWriter rows(r, out);
   for (std::size_t k = 0; k < r.rows(); ++k) rows.write(k);
   out.finish();
+  files::write_atomically(path, file);
 }
 
 Recording read_recording(const std::string& path) {

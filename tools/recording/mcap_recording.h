@@ -18,7 +18,7 @@
 namespace sanso::recording {
 
 /// Rows are the instants of /joint_states (message stamps). Other topics are held from their last
-/// message. Throws InputError.
+/// message. A file that was cut gives its complete rows (Recording::cut). Throws InputError.
 Recording read_mcap(const std::string& path, std::size_t max_values = 100'000'000);
 
 /// Writes what the topics above can hold; base_p and base_v are not among them and are left out.

@@ -27,6 +27,7 @@ struct Recording {
   std::vector<Override> overrides;   // what the sidecar sets differently from the model
   std::vector<Payload> payloads;     // bodies that the sidecar says were attached
   std::vector<std::string> ignored;  // columns of no known kind, dropped by the reader
+  bool cut = false;  // the file ends too early (power lost); what is whole has been read
   // row k of the data stands in line header_line + 1 + k of a CSV without blank lines
   int header_line = 1;
 

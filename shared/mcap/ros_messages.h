@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sanso::recording {
+namespace sanso::mcap {
 
 inline constexpr std::string_view kJointStateType = "sensor_msgs/msg/JointState";
 inline constexpr std::string_view kImuType = "sensor_msgs/msg/Imu";
@@ -39,4 +39,4 @@ std::string encode(const Imu& message);
 std::string_view joint_state_definition();
 std::string_view imu_definition();
 
-}  // namespace sanso::recording
+}  // namespace sanso::mcap

@@ -1,86 +1,10 @@
 // CDR with its alignment rules, and the schemas as text that the files carry; a message that
 // ends early decodes to nothing.
-#include "tools/recording/ros_messages.h"
+#include "shared/mcap/ros_messages.h"
 
-#include <cmath>
+#include "shared/mcap/cdr.h"
 
-#include "shared/files/bytes.h"
-
-namespace sanso::recording {
-namespace {
-
-constexpr std::uint32_t kMaxJointNames = 10'000;
-
-/// Alignment counts from after the four bytes of encapsulation.
-class CdrReader {
- public:
-  explicit CdrReader(std::string_view cdr)
-      : in_(cdr.size() >= 4 ? cdr.substr(4) : std::string_view()) {
-    good_ = cdr.size() >= 4 && cdr[0] == 0 && cdr[1] == 1;  // CDR_LE
-  }
-  bool ok() const { return good_ && in_.ok(); }
-  template <class T>
-  T number() {
-    in_.align(sizeof(T));
-    return in_.number<T>();
-  }
-  std::string string() {
-    std::string_view s = in_.take(number<std::uint32_t>());
-    if (!s.empty() && s.back() == '\0') s.remove_suffix(1);
-    return std::string(s);
-  }
-  std::uint32_t count() {
-    const auto n = number<std::uint32_t>();
-    if (n > kMaxJointNames) good_ = false;
-    return good_ ? n : 0;
-  }
-  std::vector<double> doubles() {
-    std::vector<double> values;
-    for (std::uint32_t k = count(); k > 0 && ok(); --k) values.push_back(number<double>());
-    return values;
-  }
-  double stamp() {
-    const auto seconds = number<std::int32_t>();
-    return seconds + 1e-9 * number<std::uint32_t>();
-  }
-
- private:
-  files::ByteReader in_;
-  bool good_;
-};
-
-class CdrWriter {
- public:
-  template <class T>
-  void number(T value) {
-    out_.align(sizeof(T));
-    out_.number(value);
-  }
-  void string(std::string_view text) {
-    number(static_cast<std::uint32_t>(text.size() + 1));
-    out_.raw(text);
-    out_.raw(std::string_view("\0", 1));
-  }
-  void doubles(const std::vector<double>& values) {
-    number(static_cast<std::uint32_t>(values.size()));
-    for (double v : values) number(v);
-  }
-  void header(double stamp_s) {
-    const double seconds = std::floor(stamp_s);
-    auto nanoseconds = static_cast<std::uint32_t>(std::lround((stamp_s - seconds) * 1e9));
-    const std::uint32_t carry = nanoseconds >= 1'000'000'000u ? 1 : 0;
-    number(static_cast<std::int32_t>(seconds) + static_cast<std::int32_t>(carry));
-    number(nanoseconds - carry * 1'000'000'000u);
-    string("");
-  }
-  std::string bytes() const { return std::string("\0\1\0\0", 4) + out_.bytes(); }
-
- private:
-  files::ByteWriter out_;
-};
-
-}  // namespace
-
+namespace sanso::mcap {
 std::optional<JointState> decode_joint_state(std::string_view cdr) {
   CdrReader in(cdr);
   JointState m;
@@ -157,4 +81,4 @@ std::string_view imu_definition() {
          "MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n";
 }
 
-}  // namespace sanso::recording
+}  // namespace sanso::mcap
