@@ -2,6 +2,7 @@
 // verdict start from.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,26 +22,25 @@ struct SmallComparison {
                   const std::vector<NoiseLevel>& noise, const std::vector<std::string>& effects)
       : problem(make_problem(make_sources(nominal, recordings, noise, Settings{}), noise,
                              ProblemOptions{}, Settings{})) {
-    library.candidates = place_library(problem, effects).candidates;
-    library.nuisances = make_nuisances(problem);
+    library.candidates = place_library(*problem, effects).candidates;
+    library.nuisances = make_nuisances(*problem);
   }
 
-  /// The first candidate that is this effect, or the one at exactly these joints; -1: none.
-  int of(const std::string& effect, const std::vector<int>& joints = {}) const {
+  /// The first candidate that is this effect, or the one at exactly these joints. Throws where the
+  /// library has none.
+  std::size_t of(const std::string& effect, const std::vector<std::size_t>& joints = {}) const {
     for (std::size_t i = 0; i < library.candidates.size(); ++i) {
       const Candidate& c = library.candidates[i];
-      if (c.effect == effect && (joints.empty() || c.joints == joints)) return static_cast<int>(i);
+      if (c.effect == effect && (joints.empty() || c.joints == joints)) return i;
     }
-    return -1;
+    throw std::out_of_range(effect + " is not in the library");
   }
-  std::vector<int> all() const {
-    std::vector<int> out;
-    for (std::size_t i = 0; i < library.candidates.size(); ++i) out.push_back(static_cast<int>(i));
+  std::vector<std::size_t> all() const {
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < library.candidates.size(); ++i) out.push_back(i);
     return out;
   }
-  const std::string& name_of(int candidate) const {
-    return library.candidates[static_cast<std::size_t>(candidate)].effect;
-  }
+  const std::string& name_of(std::size_t candidate) const { return library[candidate].effect; }
 };
 
 }  // namespace sanso::diagnose::test

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/files/atomic_file.h"
+#include "tools/conceal/built.h"
 #include "tools/conceal/decoy.h"
 #include "tools/conceal/seal.h"
 #include "tools/conceal/severity.h"
@@ -37,10 +38,15 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kMaskingPairs{
      {"supply_sag", "current_limit"},
      {"link_mass", "torque_constant"}}};
 
+// 2: tolerances of every figure, dry friction drawn, several formulas. Seeds of 1 are other cases.
+constexpr int kAnswerFormat = 2;
+
 /// A case while it is being made.
 struct Case {
   Family family = Family::clean;
   double ratio_target = 0;
+  RobotSpec nominal;
+  JointTruth nominal_joint;
   WorldTruth without, with;
   std::vector<Experiment> experiments;
   std::vector<HiddenEffect> effects;
@@ -62,18 +68,6 @@ Family draw_family(Random& random) {
 double draw_ratio(Random& random) {
   constexpr double kRatios[] = {0.3, 1, 3, 10, 30};
   return kRatios[random.bits() % 5];
-}
-
-/// The nominal robot inside its tolerances: masses 3 %, lengths 2 %, friction 5 %.
-WorldTruth built_world(const RobotSpec& nominal, Random& random) {
-  WorldTruth world;
-  world.robot = as_built(nominal, random);
-  world.joints.resize(nominal.links.size());
-  for (JointTruth& joint : world.joints) {
-    joint.viscous *= 1 + random.uniform(-0.05, 0.05);
-    joint.coulomb *= 1 + random.uniform(-0.05, 0.05);
-  }
-  return world;
 }
 
 const Hideable& draw_hideable(Random& random, const std::function<bool(const Hideable&)>& allowed) {
@@ -125,8 +119,7 @@ void hide_effects(Case& c, const ConcealOptions& options, Random& random) {
   }
 }
 
-std::string model_toml(const RobotSpec& robot) {
-  const JointTruth j;
+std::string model_toml(const RobotSpec& robot, const JointTruth& j) {
   return fmt::format(
       "format = 1\n[robot]\nurdf = \"robot.urdf\"\nbase = \"fixed\"\ngravity = [0.0, 0.0, -9.81]\n"
       "[control]\nperiod_s "
@@ -148,9 +141,15 @@ std::string answer_json(const Case& c, const ConcealOptions& options) {
                        {"parameters", c.effects[i].parameters},
                        {"ratio", c.ratios[i]}});
   }
-  json answer{{"robot", options.robot},         {"seed", options.seed},
-              {"family", to_string(c.family)},  {"effects", effects},
-              {"ratio_target", c.ratio_target}, {"twins", c.twins}};
+  json answer{{"format", kAnswerFormat},
+              {"formulas", to_json(c.without.joints.front().formulas)},
+              {"tolerances", tolerances(c.without, c.nominal, c.nominal_joint)},
+              {"robot", options.robot},
+              {"seed", options.seed},
+              {"family", to_string(c.family)},
+              {"effects", effects},
+              {"ratio_target", c.ratio_target},
+              {"twins", c.twins}};
   if (c.decoy) answer["decoy"] = {{"defect", c.decoy->defect}, {"file", c.decoy->file}};
   return answer.dump();
 }
@@ -185,7 +184,11 @@ Concealed conceal(const ConcealOptions& options) {
   if (options.effect) c.family = Family::single;
   if (options.family) c.family = *options.family;
   if (options.ratio) c.ratio_target = *options.ratio;
-  c.without = built_world(nominal, random);
+  c.nominal = nominal;
+  c.nominal_joint = nominal_joint(random);
+  c.without = built_world(nominal, c.nominal_joint, random);
+  const Formulas formulas = draw_formulas(random);
+  for (JointTruth& joint : c.without.joints) joint.formulas = formulas;
   c.with = c.without;
   c.experiments = make_experiments(nominal, random);
   if (c.family == Family::clean || c.family == Family::decoy) c.ratio_target = 0;
@@ -204,7 +207,7 @@ Concealed conceal(const ConcealOptions& options) {
   fs::create_directories(out / "model");
   fs::create_directories(out / "recordings");
   files::write_atomically(out / "model" / "robot.urdf", to_urdf(nominal));
-  files::write_atomically(out / "model" / "model.toml", model_toml(nominal));
+  files::write_atomically(out / "model" / "model.toml", model_toml(nominal, c.nominal_joint));
   Concealed result;
   result.model = (out / "model").string();
   for (const auto& r : recordings) {

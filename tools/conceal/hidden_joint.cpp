@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/conceal/hidden_friction.h"
+
 namespace sanso::conceal {
 namespace {
 
@@ -12,30 +14,22 @@ constexpr double kPwmSteps = 885;         // integer duty
 constexpr double kToothStiffness = 2500;  // N m/rad, where a gear has play but no given compliance
 constexpr double kToothDamping = 1.0;     // N m s/rad
 
-/// Torque that dry friction can reach at this speed (LuGre's g).
-double friction_level(const JointTruth& j, double rate, double angle, double motor, double external,
-                      double rest_s) {
-  const double slow = std::abs(rate) / j.stribeck_speed;
-  double level = j.coulomb + j.stribeck * std::exp(-slow * slow);
-  level += j.load * std::abs(motor - external);
-  level += std::abs(j.drive * motor - j.backdrive * external);
-  level += j.quadratic * (motor - external) * (motor - external);
-  level += j.ripple_sine * std::sin(j.ripple_order * angle) +
-           j.ripple_cosine * std::cos(j.ripple_order * angle);
-  level += (rate >= 0 ? 1 : -1) * j.coulomb_difference;
-  if (rest_s > 0)
-    level +=
-        j.static_friction + (j.static_friction + j.coulomb) * j.dwell_rate * std::log1p(rest_s);
-  return std::max(level, 1e-6);
-}
+constexpr double kContact = 8e4;     // N m/rad^1.5: as stiff as the springs at half a milliradian
+constexpr double kContactLoss = 20;  // s/rad
+constexpr double kLongestPoll = 0.0073;  // s, no multiple of any period of the bus
 
-/// LuGre bristle over one step at constant speed: exact solution of dz/dt = v - s0 |v| z / g.
-double bristle_torque(const JointTruth& j, double rate, double level, double h, double& z) {
-  const double speed = std::abs(rate);
-  const double settled = std::copysign(level / j.bristle_stiffness, rate);
-  const double before = z;
-  z = speed > 0 ? settled + (z - settled) * std::exp(-j.bristle_stiffness * speed * h / level) : z;
-  return j.bristle_stiffness * z + j.bristle_damping * (z - before) / h;
+/// Torque of teeth that are pressed together by `stretch` at `rate`; they only push.
+double tooth_torque(const JointTruth& j, double stretch, double rate) {
+  if (stretch == 0 && j.backlash > 0) return 0;
+  if (j.compliance == 0 && j.formulas.teeth == Teeth::hertzian) {
+    const double depth = std::abs(stretch), approach = stretch > 0 ? rate : -rate;
+    return std::copysign(
+        kContact * depth * std::sqrt(depth) * std::max(0.0, 1 + kContactLoss * approach), stretch);
+  }
+  const double k = j.compliance > 0 ? 1 / j.compliance : kToothStiffness;
+  const double d = j.compliance > 0 ? j.compliance_damping : kToothDamping;
+  const double torque = k * stretch + d * rate;
+  return j.backlash > 0 && torque * stretch < 0 ? 0 : torque;
 }
 
 double limited_goal(const JointTruth& j, double goal, double period_s, JointMemory& m) {
@@ -54,6 +48,14 @@ double limited_goal(const JointTruth& j, double goal, double period_s, JointMemo
 }  // namespace
 
 bool two_masses(const JointTruth& joint) { return joint.backlash > 0 || joint.compliance > 0; }
+
+double instant_of_command(const JointTruth& j, double t) {
+  if (j.formulas.mailbox == Mailbox::at_once || j.command_delay_s <= 0)
+    return t - j.command_delay_s;
+  // a command waits half a poll on average; the rest of the delay is its way
+  const double poll = std::min(j.command_delay_s, kLongestPoll);
+  return std::floor(t / poll) * poll - (j.command_delay_s - 0.5 * poll);
+}
 
 double encoder_angle(const JointTruth& j, double q) {
   return (1 + j.encoder_scale) * q + j.offset + j.encoder_sine * std::sin(q) +
@@ -95,7 +97,7 @@ double run_gear(const JointTruth& j, double supply_V, bool on, double link_angle
 
   m.rest_s = std::abs(rate) < 0.01 ? m.rest_s + h : 0;
   const double level = friction_level(j, rate, angle, m.motor_torque, external, m.rest_s);
-  double friction = bristle_torque(j, rate, level, h, m.bristle);
+  double friction = dry_friction(j, rate, level, h, m.bristle);
   friction += (j.viscous + (rate >= 0 ? 1 : -1) * j.viscous_difference) * rate;
   friction += j.angle_damping * std::sin(link_angle) * std::sin(link_angle) * rate;
   friction += j.air_drag * std::abs(rate) * rate;
@@ -118,10 +120,7 @@ double run_gear(const JointTruth& j, double supply_V, bool on, double link_angle
   // motor and link are two masses; the teeth push outside the play
   const double gap = m.motor_angle - link_angle;
   const double stretch = gap - std::clamp(gap, -0.5 * j.backlash, 0.5 * j.backlash);
-  const double k = j.compliance > 0 ? 1 / j.compliance : kToothStiffness;
-  const double d = j.compliance > 0 ? j.compliance_damping : kToothDamping;
-  double teeth = stretch != 0 || j.backlash == 0 ? k * stretch + d * (m.motor_rate - link_rate) : 0;
-  if (j.backlash > 0 && teeth * stretch < 0) teeth = 0;
+  const double teeth = tooth_torque(j, stretch, m.motor_rate - link_rate);
   m.gear_torque = teeth;
   m.motor_rate += h * (drive - friction - teeth) / j.armature;
   m.motor_angle += h * m.motor_rate;

@@ -1,5 +1,6 @@
 // One joint of a hidden world, from goal to joint torque: an integer-PWM servo at 1 kHz, a DC
-// motor, LuGre friction, a gear that may have play or give. Own formulas, small explicit steps:
+// motor, dry friction, a gear that may have play or give. Own formulas, two or more of each, so
+// that no case is explained by knowing them, small explicit steps:
 // nothing here is the diagnosis's simulator.
 #pragma once
 
@@ -7,8 +8,28 @@
 
 namespace sanso::conceal {
 
+/// Dry friction from rest to sliding: bristles (LuGre), a smooth hysteresis (Dahl, exponent 2), or
+/// none at rest.
+enum class FrictionLaw { lugre, dahl, arctangent };
+/// How breakaway falls to sliding with speed.
+enum class Fall { gaussian, lorentzian };
+/// Teeth that meet across the play: springs, or round bodies that lose energy in their impact
+/// (Hunt, Crossley).
+enum class Teeth { linear, hertzian };
+/// When a servo takes a command that waits: at once, or when it looks, every few milliseconds.
+enum class Mailbox { at_once, polled };
+
+/// Which formulas a world follows.
+struct Formulas {
+  FrictionLaw friction = FrictionLaw::lugre;
+  Fall fall = Fall::gaussian;
+  Teeth teeth = Teeth::linear;
+  Mailbox mailbox = Mailbox::at_once;
+};
+
 /// Everything that may be hidden. The defaults are a joint without any effect.
 struct JointTruth {
+  Formulas formulas;
   // servo and motor; figures of the XM430-W350 at 12 V
   // duty/rad; duty s/rad; 1/s; s, relative to P
   double p_gain = 3.223, d_gain = 0, i_rate = 0, feed_forward_s = 0;
@@ -55,6 +76,10 @@ bool two_masses(const JointTruth& joint);
 
 /// What the encoder shows for a link angle, before its steps.
 double encoder_angle(const JointTruth& joint, double link_angle);
+
+/// Instant of the command that a servo acts on at time t, s. On average `command_delay_s` before t,
+/// whatever the mailbox.
+double instant_of_command(const JointTruth& joint, double t);
 
 /// The servo's own loop, once a period: duty from the goal. `on` false: bridge open.
 void run_servo(const JointTruth& joint, double goal, bool on, double link_angle, double period_s,

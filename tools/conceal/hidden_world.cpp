@@ -32,12 +32,14 @@ class CommandLine {
         source[row] = row == 0 || taken ? row : source[row - 1];
       }
       source_.push_back(std::move(source));
-      delay_.push_back(joint.command_delay_s + j * world.bus_skew_s);
+      joints_.push_back(joint);
+      skew_.push_back(j * world.bus_skew_s);
     }
   }
   double goal(int joint, double t) const {
     const auto j = static_cast<std::size_t>(joint);
-    const double row = std::floor((t - delay_[j]) / kControlPeriod_s + 1e-9);
+    const double row =
+        std::floor(instant_of_command(joints_[j], t - skew_[j]) / kControlPeriod_s + 1e-9);
     const auto last = static_cast<double>(experiment_.command.size()) - 1;
     return experiment_.command[source_[j][static_cast<std::size_t>(std::clamp(row, 0.0, last))]][j];
   }
@@ -45,7 +47,8 @@ class CommandLine {
  private:
   const Experiment& experiment_;
   std::vector<std::vector<std::size_t>> source_;
-  std::vector<double> delay_;
+  std::vector<JointTruth> joints_;
+  std::vector<double> skew_;
 };
 
 /// MuJoCo's model of the world with the joints' own masses where they belong.

@@ -108,8 +108,9 @@ std::vector<Hideable> clock_and_sensor_effects() {
                }),
       on_joint("encoder_offset", 0.03, 0.1,
                [](JointTruth& j, double s, Random& r) {
-                 j.offset = s * sign(r);
-                 return Parameters{{"offset", j.offset}};
+                 const double offset = s * sign(r);
+                 j.offset += offset;  // on top of the tolerance of the zero
+                 return Parameters{{"offset", offset}};
                }),
       on_joint("encoder_nonlinearity", 0.01, 0.03,
                [](JointTruth& j, double s, Random& r) {

@@ -7,6 +7,37 @@
 
 namespace sanso::diagnose {
 
+/// When the data gate takes a sample or a channel for what it is not.
+struct GateSettings {
+  double glitch_deviations = 8.0;
+  double glitch_quanta = 4.0;
+  double glitch_steps = 3.0;
+  int held_changes = 20;
+  double resting_share = 0.1;
+  double clipped_deviations = 3.0;
+  double clock_skew = 0.1;
+  double clock_between = 0.02;
+  template <class Field>
+  void visit(Field&& field) {
+    field("glitch_deviations", glitch_deviations, "deviations", 1.0, 1000.0,
+          "of how far samples usually leave the median of five: a glitch leaves it further");
+    field("glitch_quanta", glitch_quanta, "small steps", 0.5, 1000.0,
+          "of the channel, counts if it has any: readings flicker by one or two");
+    field("glitch_steps", glitch_steps, "neighbouring steps", 0.5, 1000.0,
+          "a reversal leaves that median by one at most, however hard the stop");
+    field("held_changes", held_changes, "changes", 5, 100000,
+          "of more than one count, to tell a held channel from one that moves slowly");
+    field("resting_share", resting_share, "share", 0.001, 0.5,
+          "of these at other distances: motion that rested; with more the channel is not held");
+    field("clipped_deviations", clipped_deviations, "deviations", 0.5, 100.0,
+          "of the answer to other commands: further beyond a flat top, the command went on");
+    field("clock_skew", clock_skew, "s", 0.01, 1.0,
+          "further apart than any delay, filter or lead of the library puts two channels");
+    field("clock_between", clock_between, "s", 0.001, 1.0,
+          "and two rows: what a velocity's delay may differ by between recordings");
+  }
+};
+
 /// What is taken of the recordings, and how closely a simulation is asked to be right.
 struct DataSettings {
   double shot_seconds = 0.5;
@@ -122,6 +153,7 @@ struct DecisionSettings {
   int folds = 4;
   int bootstrap = 199;
   double shot_outlier = 3.0;
+  int tolerance_draws = 12;
   template <class Field>
   void visit(Field&& field) {
     field("family_wise", family_wise, "probability", 1e-06, 0.5, "level of every naming decision");
@@ -154,6 +186,8 @@ struct DecisionSettings {
     field("bootstrap", bootstrap, "draws", 19, 100000, "resamples of a confidence interval");
     field("shot_outlier", shot_outlier, "factor", 0.5, 100.0,
           "times the median shot's RMS error: from there a shot's weight falls");
+    field("tolerance_draws", tolerance_draws, "draws", 1, 1000,
+          "of a tolerated model, whose largest scatter is no event: one shot in thirteen is above");
   }
 };
 
@@ -290,7 +324,47 @@ struct RemainsSettings {
   }
 };
 
+/// The torque side: what effort is missing at the recorded motion.
+struct EffortSettings {
+  double window = 0.03;
+  double block = 0.25;
+  double standing = 0.02;
+  double standing_sigmas = 4.0;
+  double judged_share = 0.4;
+  double outlier = 2.5;
+  int rounds = 4;
+  int highest_order = 100;
+  int ripples = 12;
+  int maximum_terms = 60;
+  double gain_share = 0.05;
+  template <class Field>
+  void visit(Field&& field) {
+    field("window", window, "s", 0.001, 1.0,
+          "over which effort and motion are averaged; far shorter than a reversal of speed");
+    field("block", block, "s", 0.01, 60.0,
+          "resampled and left out as a whole: longer than errors of the effort hang together");
+    field("standing", standing, "share of the fast speed", 0.0, 0.5,
+          "below it a joint is about to stand, and its friction may have any value");
+    field("standing_sigmas", standing_sigmas, "deviations", 0.0, 100.0,
+          "of the smoothed velocity: below, the direction of motion is not known");
+    field("judged_share", judged_share, "share", 0.1, 0.9,
+          "of a single recording, its end; terms are chosen and fitted on the rest");
+    field("outlier", outlier, "deviations", 0.5, 100.0,
+          "a row's weight falls from here: impacts and reversals inside a window");
+    field("rounds", rounds, "rounds", 1, 100,
+          "of choosing with new weights; most settle after two");
+    field("highest_order", highest_order, "periods in a turn", 1, 400,
+          "of a ripple of the angle: poles and slots of a motor at the joint");
+    field("ripples", ripples, "orders", 0, 100, "named at most at one joint");
+    field("maximum_terms", maximum_terms, "terms", 1, 500,
+          "of all joints: more is a table, not a cause");
+    field("gain_share", gain_share, "share", 0.0, 1.0,
+          "of the effort that the links' known weight and inertia must explain to tell a gain");
+  }
+};
+
 struct Settings {
+  GateSettings gate;
   DataSettings data;
   ToleranceSettings tolerances;
   DecisionSettings decisions;
@@ -298,9 +372,11 @@ struct Settings {
   ChanceSettings chance;
   RegimeSettings regimes;
   RemainsSettings remains;
+  EffortSettings effort;
   /// Calls section(name, struct) for every group, in the order of the settings page.
   template <class Section>
   void visit(Section&& section) {
+    section("gate", gate);
     section("data", data);
     section("tolerances", tolerances);
     section("decisions", decisions);
@@ -308,6 +384,7 @@ struct Settings {
     section("chance", chance);
     section("regimes", regimes);
     section("remains", remains);
+    section("effort", effort);
   }
 };
 

@@ -26,9 +26,27 @@ double nearest_ratio(double reached) {
   return nearest;
 }
 
+bench::CaseFamily family_of(conceal::Family family) {
+  switch (family) {
+    case conceal::Family::clean:
+      return bench::CaseFamily::clean;
+    case conceal::Family::single:
+      return bench::CaseFamily::single;
+    case conceal::Family::pair:
+      return bench::CaseFamily::pair;
+    case conceal::Family::decoy:
+      return bench::CaseFamily::decoy;
+    case conceal::Family::outside:
+      return bench::CaseFamily::outside;
+    case conceal::Family::ambiguous:
+      return bench::CaseFamily::ambiguous;
+  }
+  return bench::CaseFamily::clean;
+}
+
 bench::DiagnoseScore opened(const conceal::Score& s) {
   bench::DiagnoseScore out;
-  out.family = conceal::to_string(s.family);
+  out.family = family_of(s.family);
   out.ratio = s.ratio_target;
   // a size at its physical limit may reach less than was asked for: cases count under the ratio
   // that they have

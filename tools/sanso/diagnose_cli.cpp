@@ -3,12 +3,14 @@
 #include <memory>
 
 #include "tools/diagnose/run/diagnose.h"
+#include "tools/diagnose/run/predict_effort.h"
 #include "tools/sanso/commands.h"
 
 namespace sanso::cli {
 
 void add_diagnose(CLI::App& app, int& result) {
   auto options = std::make_shared<diagnose::DiagnoseOptions>();
+  auto predict = std::make_shared<std::string>("motion");
   CLI::App* command = app.add_subcommand(
       "diagnose", "find where simulation and recording part, and name the missing physics");
   command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")
@@ -19,6 +21,13 @@ void add_diagnose(CLI::App& app, int& result) {
       ->required();
   command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")
       ->required();
+  command
+      ->add_option("--predict", *predict,
+                   "motion: simulate from the effort; effort: the motion is given, predict torque")
+      ->check(CLI::IsMember({"motion", "effort"}))
+      ->capture_default_str();
+  command->add_flag("--free-gain", options->free_gain,
+                    "with --predict effort: the scale of the recorded efforts is not known");
   command->add_option("--effects", options->effects, "only these ids of the library")
       ->delimiter(',');
   command->add_option("--without", options->without, "leave these ids out of the library")
@@ -29,8 +38,12 @@ void add_diagnose(CLI::App& app, int& result) {
   command->footer(
       "Exit codes: 0 no mismatch, 1 mismatch found, 2 refused or interrupted.\n"
       "Example:\n  sanso diagnose "
-      "--model my_robot --recordings walk_1.csv walk_2.csv --out result");
-  command->callback([options, &result] { result = diagnose::run_diagnose(*options); });
+      "--model my_robot --recordings walk_1.csv walk_2.csv --out result\n"
+      "  sanso diagnose --predict effort --model my_arm --recordings run.csv --out friction");
+  command->callback([options, predict, &result] {
+    result = *predict == "effort" ? diagnose::run_predict_effort(*options)
+                                  : diagnose::run_diagnose(*options);
+  });
 }
 
 }  // namespace sanso::cli

@@ -144,13 +144,30 @@ TEST(ExplainedShare, OneDivergedWindowDoesNotDecideTheBoundedMeasure) {
   EXPECT_GT(explained_share(before, after, 0.001, true), 0.7);
 }
 
+TEST(CaseFolder, FamiliesHaveOneNameHereAndOneInAnswers) {
+  for (const CaseFamily family : {CaseFamily::ambiguous, CaseFamily::decoy, CaseFamily::clean,
+                                  CaseFamily::outside, CaseFamily::pair, CaseFamily::single}) {
+    EXPECT_EQ(family_from_string(to_string(family)), family);
+    EXPECT_EQ(family_from_string(in_answers(family)), family);
+  }
+  EXPECT_FALSE(family_from_string("triple"));
+  try {
+    parse_answer(R"({"family":"triple","robot":"arm","effects":[]})", "answer.json");
+    FAIL();
+  } catch (const files::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("answer.json: unknown family \"triple\""),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(BoundedError, GrowsAsTheSquareNearTheNoiseAndAsALogarithmFarAway) {
   EXPECT_NEAR(bounded_error(1e-4, 1e-3), 0.01, 1e-5);
   EXPECT_LT(bounded_error(1.0, 1e-3), 500.0);
   EXPECT_GT(bounded_error(2.0, 1e-3), bounded_error(1.0, 1e-3));
 }
 
-CaseOutcome outcome(const std::string& name, const std::string& family, const std::string& robot,
+CaseOutcome outcome(const std::string& name, CaseFamily family, const std::string& robot,
                     double ratio) {
   CaseOutcome o;
   o.name = name, o.family = family, o.robot = robot, o.ratio = ratio, o.seconds = 1.0;
@@ -158,9 +175,9 @@ CaseOutcome outcome(const std::string& name, const std::string& family, const st
 }
 
 TEST(FolderTable, CountsFamiliesRatiosRobotsAndTimes) {
-  std::vector<CaseOutcome> all{outcome("a", "single", "arm", 5.0),
-                               outcome("b", "single", "arm", 50.0),
-                               outcome("c", "null", "pendulum", 0.0)};
+  std::vector<CaseOutcome> all{outcome("a", CaseFamily::single, "arm", 5.0),
+                               outcome("b", CaseFamily::single, "arm", 50.0),
+                               outcome("c", CaseFamily::clean, "pendulum", 0.0)};
   all[0].said.right = all[0].said.detected = all[2].said.detected = true;
   const std::string table = folder_table(all, {0.0, 3.0, 10.0});
   EXPECT_NE(table.find("single     all            right 50 %"), std::string::npos) << table;

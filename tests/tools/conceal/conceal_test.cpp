@@ -6,8 +6,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
+#include "tools/conceal/built.h"
 #include "tools/conceal/seal.h"
 #include "tools/conceal/severity.h"
 #include "tools/plant/world_error.h"
@@ -80,6 +84,61 @@ TEST(Conceal, RecordingsReadBackWithTheirConditions) {
   }
   EXPECT_EQ(recording::read_csv(made.recordings[2]).overrides.size(), 1u);
   EXPECT_EQ(recording::read_csv(made.recordings[4]).payloads.size(), 1u);
+}
+
+nlohmann::json answer_of(const std::string& folder) {
+  const std::string text = read(fs::path(folder) / "answer.sealed");
+  const std::vector<std::uint8_t> sealed(text.begin(), text.end());
+  return nlohmann::json::parse(open_seal(sealed));
+}
+
+TEST(Conceal, EveryFigureOfACleanCaseIsALittleOff) {
+  const Folder f("conceal_clean");
+  conceal(options(f.path, 11, Family::clean, 1));
+  const nlohmann::json answer = answer_of(f.path);
+  EXPECT_EQ(answer.at("format"), 2);
+  EXPECT_TRUE(answer.at("effects").empty());
+  const std::map<std::string, double> largest{
+      {"mass", 0.03},    {"length", 0.02},          {"viscous", 0.05},  {"coulomb", 0.05},
+      {"p_gain", 0.02},  {"torque_constant", 0.02}, {"back_emf", 0.02}, {"resistance", 0.02},
+      {"armature", 0.1}, {"zero", 0.0015},          {"lag", 0.0005}};
+  const nlohmann::json& off = answer.at("tolerances");
+  EXPECT_EQ(off.size(), largest.size());
+  for (const auto& [name, bound] : largest) {
+    const double value = off.at(name).at(0);
+    EXPECT_NE(value, 0.0) << name;
+    EXPECT_LE(std::abs(value), bound * (1 + 1e-9)) << name;
+  }
+}
+
+TEST(Built, NineCasesInTenHaveDryFrictionThatTheModelStates) {
+  int rough = 0;
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    Random random(seed);
+    const double coulomb = nominal_joint(random).coulomb;
+    EXPECT_TRUE(coulomb == 0.001 || (coulomb >= 0.04 && coulomb <= 0.16)) << coulomb;
+    rough += coulomb > 0.01;
+  }
+  EXPECT_NEAR(rough, 900, 40);  // four deviations
+  const Folder f("conceal_stated");
+  conceal(options(f.path, 12, Family::clean, 1));
+  const std::string model = read(fs::path(f.path) / "model" / "model.toml");
+  EXPECT_EQ(model.find("coulomb = 0.05\n"), std::string::npos) << "drawn, not the default";
+}
+
+TEST(Built, EveryFormulaIsDrawnAndSaid) {
+  std::map<std::string, std::set<std::string>> seen;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Random random(seed);
+    const nlohmann::json drawn = to_json(draw_formulas(random));
+    for (const auto& [what, which] : drawn.items()) seen[what].insert(which.get<std::string>());
+  }
+  const std::map<std::string, std::set<std::string>> all{
+      {"friction", {"lugre", "dahl", "arctangent"}},
+      {"fall", {"gaussian", "lorentzian"}},
+      {"teeth", {"linear", "hertzian"}},
+      {"mailbox", {"at once", "polled"}}};
+  EXPECT_EQ(seen, all);
 }
 
 TEST(Seal, OpensOnlyWhatWasSealed) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace sanso::conceal {
@@ -61,6 +62,87 @@ TEST(HiddenJoint, PlayLosesItsWidth) {
   rig.run(2.0, 0.0);
   const double other_side = rig.memory.motor_angle - rig.q;
   EXPECT_NEAR(std::abs(one_side - other_side), 0.04, 0.001);
+}
+
+constexpr FrictionLaw kLaws[] = {FrictionLaw::lugre, FrictionLaw::dahl, FrictionLaw::arctangent};
+
+TEST(HiddenJoint, EveryFrictionLawSlidesAtItsLevelBothWays) {
+  for (const FrictionLaw law : kLaws) {
+    for (const double rate : {1.5, -1.5}) {
+      JointTruth j;
+      j.formulas.friction = law;
+      j.coulomb = 0.12;
+      j.viscous = 0;
+      JointMemory m;
+      double torque = 0;
+      for (int k = 0; k < 2000; ++k) torque = run_gear(j, 0, false, 0, rate, 0, kStep, m);
+      EXPECT_NEAR(torque, std::copysign(0.12, -rate), 0.01 * 0.12) << static_cast<int>(law);
+    }
+  }
+}
+
+TEST(HiddenJoint, OnlyTheArctangentCreepsUnderALoadThatTheOthersHold) {
+  for (const FrictionLaw law : kLaws) {
+    for (const double load : {0.045, 0.06}) {
+      Rig rig;
+      rig.joint.formulas.friction = law;
+      rig.joint.coulomb = 0.05;
+      rig.joint.viscous = 0;
+      rig.joint.voltage = 0;
+      rig.load = load;
+      rig.run(1.0, 0.0);
+      const bool slides = load > 0.05 || law == FrictionLaw::arctangent;
+      EXPECT_EQ(rig.q > 0.01, slides) << static_cast<int>(law) << " at " << load;
+    }
+  }
+}
+
+TEST(HiddenJoint, DryFrictionNeverGivesEnergyOverACycle) {
+  for (const FrictionLaw law : kLaws) {
+    JointTruth j;
+    j.formulas.friction = law;
+    j.viscous = 0;
+    JointMemory m;
+    double lost = 0;
+    for (int k = 0; k < 20000; ++k) {
+      const double t = k * kStep, rate = 0.3 * std::cos(6.283185307 * t);
+      lost -=
+          run_gear(j, 0, false, 0.3 / 6.283185307 * std::sin(6.283185307 * t), rate, 0, kStep, m) *
+          rate * kStep;
+    }
+    // four strokes a second of 0.3/(2 pi) rad at 0.05 N m, less what breakaway takes
+    EXPECT_NEAR(lost, 0.05 * 4 * 4 * 0.3 / 6.283185307, 0.006) << static_cast<int>(law);
+  }
+}
+
+TEST(HiddenJoint, RoundTeethLoseTheSameWidth) {
+  Rig rig;
+  rig.joint.backlash = 0.04;
+  rig.joint.formulas.teeth = Teeth::hertzian;
+  rig.load = 0.2;
+  rig.run(2.0, 0.0);
+  const double one_side = rig.memory.motor_angle - rig.q;
+  rig.load = -0.2;
+  rig.run(2.0, 0.0);
+  EXPECT_NEAR(std::abs(one_side - (rig.memory.motor_angle - rig.q)), 0.04, 0.001);
+}
+
+TEST(HiddenJoint, APolledMailboxDelaysAsMuchOnAverageAndUnevenly) {
+  for (const double delay : {0.002, 0.012, 0.03}) {
+    JointTruth j;
+    j.command_delay_s = delay;
+    EXPECT_EQ(instant_of_command(j, 0.5), 0.5 - delay);
+    j.formulas.mailbox = Mailbox::polled;
+    double sum = 0, least = 1, most = 0;
+    constexpr int kTimes = 20000;
+    for (int k = 0; k < kTimes; ++k) {
+      const double t = 1e-4 * (k + 0.5), age = t - instant_of_command(j, t);
+      sum += age, least = std::min(least, age), most = std::max(most, age);
+    }
+    EXPECT_NEAR(sum / kTimes, delay, 0.01 * delay);
+    EXPECT_NEAR(most - least, std::min(delay, 0.0073), 0.06 * delay);
+    EXPECT_GE(least, 0.0);
+  }
 }
 
 TEST(HiddenJoint, DeadZoneEatsSmallErrors) {

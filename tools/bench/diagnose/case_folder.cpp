@@ -43,10 +43,16 @@ TrueEffect effect_of(const json& said) {
   return out;
 }
 
-CaseAnswer answer_of(const json& said) {
+[[noreturn]] void bad_file(const std::string& file, const std::string& why) {
+  throw files::InputError(file, 0, "", why, "", "a case as docs/howto/conceal.md describes it");
+}
+
+CaseAnswer answer_of(const json& said, const std::string& file) {
   CaseAnswer out;
-  out.family = said.at("family").get<std::string>();
-  if (out.family == "clean") out.family = "null";
+  const std::string family = said.at("family").get<std::string>();
+  const std::optional<CaseFamily> known = family_from_string(family);
+  if (!known) bad_file(file, "unknown family \"" + family + "\"");
+  out.family = *known;
   out.robot = said.at("robot").get<std::string>();
   if (said.value("variant", "") == "torque") out.robot += "/torque";
   out.ratio = said.value("severity", json::object()).value("achieved_snr", 0.0);
@@ -175,28 +181,24 @@ bool names_channel(const Names& channels, const std::string& said) {
 }
 
 bool right_answer(const CaseAnswer& answer, const json& findings, const CaseJudgement& j) {
-  if (answer.family == "null") return !j.detected && j.status == "ABSENT";
-  if (answer.family == "decoy") return j.refused;
-  if (answer.family == "ambiguous") {
+  if (answer.family == CaseFamily::clean) return !j.detected && j.status == "ABSENT";
+  if (answer.family == CaseFamily::decoy) return j.refused;
+  if (answer.family == CaseFamily::ambiguous) {
     const Names set = findings.empty() ? Names{} : set_of(findings.front());
     return j.status == "ONE_OF" && j.place_right && findings.size() == 1 &&
            std::all_of(answer.one_of.begin(), answer.one_of.end(),
                        [&](const std::string& id) { return contains(set, id); });
   }
-  if (answer.family == "single" || answer.family == "pair")
+  if (answer.family == CaseFamily::single || answer.family == CaseFamily::pair)
     return j.f1 == 1.0 && j.named_first && j.place_right;
   return j.unnamed;
-}
-
-[[noreturn]] void bad_file(const std::string& file, const std::string& why) {
-  throw files::InputError(file, 0, "", why, "", "a case as docs/howto/conceal.md describes it");
 }
 
 }  // namespace
 
 CaseAnswer parse_answer(const std::string& text, const std::string& file) {
   try {
-    return answer_of(json::parse(text));
+    return answer_of(json::parse(text), file);
   } catch (const json::exception& error) {
     bad_file(file, error.what());
   }

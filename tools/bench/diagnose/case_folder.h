@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/diagnose/case_family.h"
+
 namespace sanso::bench {
 
 /// One way to write a true parameter; a generator may know several that describe the same world.
@@ -24,9 +26,9 @@ struct TrueEffect {
 
 /// What answer.json says.
 struct CaseAnswer {
-  std::string family;  // null, single, pair, outside, ambiguous or decoy
+  CaseFamily family = CaseFamily::clean;
   std::string robot;   // with its variant, "arm/torque"
-  double ratio = 0.0;  // reached, change of the positions over noise; 0: null, decoy
+  double ratio = 0.0;  // reached, change of the positions over noise; 0: clean, decoy
   std::vector<TrueEffect> effects;
   std::vector<std::string> one_of;          // ambiguous: the set
   std::vector<std::string> decoy_channels;  // decoy: what a refusal may name

@@ -59,7 +59,7 @@ double explained_half_second(const diagnose::Verdict& verdict, bool& proved) {
 nlohmann::ordered_json json_of(const Outcome& o) {
   const DiagnoseScore& s = o.score;
   return {{"seed", o.seed},
-          {"family", s.family},
+          {"family", to_string(s.family)},
           {"ratio", s.ratio},
           {"truth", s.truth},
           {"named", s.named},
@@ -112,7 +112,8 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   out.explained = explained_half_second(found.verdict, out.proved);
   out.network = residual_network(made.model, made.recordings, seed, options.settings);
   task.first_look_by_group = false;
-  const bool hidden = out.score.family == "single" || out.score.family == "pair";
+  const bool hidden =
+      out.score.family == CaseFamily::single || out.score.family == CaseFamily::pair;
   if (hidden && out.score.ratio >= 3.0) {
     diagnose::DiagnoseOptions told = task;
     told.effects = out.score.truth;
@@ -138,7 +139,7 @@ std::string joined(const std::vector<std::string>& names) {
 }
 
 /// Scores of one family at one ratio (or of all ratios when `ratio` < 0).
-void print_row(const std::vector<Outcome>& all, const std::string& family, double ratio) {
+void print_row(const std::vector<Outcome>& all, CaseFamily family, double ratio) {
   Count right, detected, named, in_set, where, refused, unnamed, covered;
   std::vector<double> errors, sizes, f1;
   for (const Outcome& o : all) {
@@ -152,12 +153,14 @@ void print_row(const std::vector<Outcome>& all, const std::string& family, doubl
     for (const auto& [name, c] : s.covered) covered.add(c);
   }
   if (right.trials == 0) return;
-  fmt::print("{:<10} {:>5} right {}", family, ratio < 0.0 ? "all" : fmt::format("{:g}", ratio),
-             right.text());
-  if (family == "clean") fmt::print("   false alarms {}", detected.text());
-  if (family == "decoy") fmt::print("   refused by name {}", refused.text());
-  if (family == "outside") fmt::print("   unnamed {}   place {}", unnamed.text(), where.text());
-  if (family == "single" || family == "pair" || family == "ambiguous") {
+  fmt::print("{:<10} {:>5} right {}", to_string(family),
+             ratio < 0.0 ? "all" : fmt::format("{:g}", ratio), right.text());
+  if (family == CaseFamily::clean) fmt::print("   false alarms {}", detected.text());
+  if (family == CaseFamily::decoy) fmt::print("   refused by name {}", refused.text());
+  if (family == CaseFamily::outside)
+    fmt::print("   unnamed {}   place {}", unnamed.text(), where.text());
+  if (family == CaseFamily::single || family == CaseFamily::pair ||
+      family == CaseFamily::ambiguous) {
     fmt::print(
         "   detected {}   name first {}   in set {} (mean size {:.2f})   place {}   f1 {:.2f}",
         detected.text(), named.text(), in_set.text(), diagnose::mean(sizes), where.text(),
@@ -170,7 +173,8 @@ void print_row(const std::vector<Outcome>& all, const std::string& family, doubl
 }
 
 void print_table(const std::vector<Outcome>& all) {
-  for (const char* family : {"clean", "decoy", "single", "pair", "outside", "ambiguous"}) {
+  for (const CaseFamily family : {CaseFamily::clean, CaseFamily::decoy, CaseFamily::single,
+                                  CaseFamily::pair, CaseFamily::outside, CaseFamily::ambiguous}) {
     print_row(all, family, -1.0);
     for (const double ratio : {0.3, 1.0, 3.0, 10.0, 30.0}) print_row(all, family, ratio);
   }
@@ -187,13 +191,13 @@ void print_baselines(const std::vector<Outcome>& all) {
              "", "clean: nothing", "single", "pair");
   const auto row = [&](const std::string& method,
                        const std::function<Names(const Outcome&)>& names) {
-    std::map<std::string, Count> counts;
+    std::map<CaseFamily, Count> counts;
     for (const Outcome& o : all) {
-      if (o.score.family != "clean" && o.score.ratio < 3.0) continue;
+      if (o.score.family != CaseFamily::clean && o.score.ratio < 3.0) continue;
       counts[o.score.family].add(exact(names(o), o.score.truth));
     }
-    fmt::print("{:<20} {:<34} {:<34} {:<34}\n", method, counts["clean"].text(),
-               counts["single"].text(), counts["pair"].text());
+    fmt::print("{:<20} {:<34} {:<34} {:<34}\n", method, counts[CaseFamily::clean].text(),
+               counts[CaseFamily::single].text(), counts[CaseFamily::pair].text());
   };
   row("diagnose", [](const Outcome& o) { return o.score.named; });
   for (const char* method :
@@ -211,19 +215,20 @@ void print_explained(const std::vector<Outcome>& all) {
       "\nexplained on recordings held out, 0.5 s ahead, median (ratio 3 and more)\n{:<10} {:>5} "
       "{:>10} {:>17}   {}\n",
       "", "cases", "diagnose", "residual network", "network says mismatch");
-  for (const char* family : {"clean", "single", "pair", "outside", "ambiguous"}) {
+  for (const CaseFamily family : {CaseFamily::clean, CaseFamily::single, CaseFamily::pair,
+                                  CaseFamily::outside, CaseFamily::ambiguous}) {
     std::vector<double> diagnosed, network, of_truth;
     Count says;
     for (const Outcome& o : all) {
       const bool counts =
-          o.score.family == family && (o.score.family == "clean" || o.score.ratio >= 3.0);
+          o.score.family == family && (o.score.family == CaseFamily::clean || o.score.ratio >= 3.0);
       if (!counts || !o.proved || !o.network.ran) continue;
       diagnosed.push_back(o.explained), network.push_back(o.network.explained),
           says.add(o.network.mismatch);
       if (o.explained_by_truth > 0.0) of_truth.push_back(o.explained / o.explained_by_truth);
     }
     if (diagnosed.empty()) continue;
-    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}", family, diagnosed.size(),
+    fmt::print("{:<10} {:>5} {:>8.1f} % {:>15.1f} %   {}", to_string(family), diagnosed.size(),
                100 * diagnose::median(diagnosed), 100 * diagnose::median(network), says.text());
     if (!of_truth.empty()) {
       fmt::print("   of what the true structure explains: median {:.3f} over {} cases",
@@ -266,8 +271,8 @@ void print_confusions(const std::vector<Outcome>& all) {
   fmt::print("failures, by seed\n");
   for (const Outcome& o : all) {
     if (o.score.right) continue;
-    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, o.score.family, o.score.ratio,
-               joined(o.score.truth), o.score.status, joined(o.score.named));
+    fmt::print("  seed {}: {} ratio {:g}: {} -> {} {}\n", o.seed, to_string(o.score.family),
+               o.score.ratio, joined(o.score.truth), o.score.status, joined(o.score.named));
   }
 }
 
@@ -282,14 +287,14 @@ void print_json(const std::vector<Outcome>& all) {
 int bench_diagnose(const DiagnoseBenchOptions& options) {
   std::vector<Outcome> all(static_cast<std::size_t>(options.cases));
   const auto begin = std::chrono::steady_clock::now();
-  diagnose::parallel_for(options.cases, [&](int k) {
+  diagnose::parallel_for(all.size(), [&](std::size_t k) {
     const double minutes =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 60.0;
     if (options.minutes > 0.0 && minutes > options.minutes) return;
-    Outcome& o = all[static_cast<std::size_t>(k)];
-    o = run_case(options, options.seed + static_cast<unsigned long>(k));
+    Outcome& o = all[k];
+    o = run_case(options, options.seed + k);
     fmt::print(stderr, "seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", o.seed,
-               o.score.family, o.score.ratio, joined(o.score.truth), o.score.status,
+               to_string(o.score.family), o.score.ratio, joined(o.score.truth), o.score.status,
                joined(o.score.named), o.score.right ? "right" : "wrong", o.seconds);
   });
   std::erase_if(all, [](const Outcome& o) { return !o.ran; });

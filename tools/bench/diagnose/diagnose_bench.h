@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/bench/diagnose/case_family.h"
 #include "tools/diagnose/settings.h"
 
 namespace sanso::bench {
@@ -19,7 +20,7 @@ struct DiagnoseCase {
 
 /// What the revealed answer says about a verdict.
 struct DiagnoseScore {
-  std::string family;
+  CaseFamily family = CaseFamily::clean;
   // severity reached by the faintest effect, of 0.3, 1, 3, 10, 30 the nearest; 0: none
   double ratio = 0.0;
   std::vector<std::string> truth, named;

@@ -101,8 +101,8 @@ int bench_folder(const FolderBenchOptions& options) {
     }
     const CaseOutcome& o = all.back();
     fmt::print(stderr, "[{}/{}] {}: {} {} ratio {:.1f}: {} -> {} {}: {}, {:.1f} s\n", all.size(),
-               cases.size(), o.name, o.family, o.robot, o.ratio, list(o.truth), o.said.status,
-               list(o.said.named), o.said.right ? "right" : "wrong", o.seconds);
+               cases.size(), o.name, in_answers(o.family), o.robot, o.ratio, list(o.truth),
+               o.said.status, list(o.said.named), o.said.right ? "right" : "wrong", o.seconds);
   }
   fmt::print("{}", options.json ? folder_json(all) : folder_table(all, options.ratio_bounds));
   return 0;

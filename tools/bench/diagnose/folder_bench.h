@@ -21,7 +21,8 @@ struct FolderBenchOptions {
 
 /// One case, judged and timed.
 struct CaseOutcome {
-  std::string name, family, robot;
+  std::string name, robot;
+  CaseFamily family = CaseFamily::clean;
   double ratio = 0.0, seconds = 0.0;
   std::vector<std::string> truth;
   CaseJudgement said;

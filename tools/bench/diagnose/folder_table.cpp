@@ -71,16 +71,16 @@ std::string proof_row(const Chosen& cases) {
       median_of(proved, [](const CaseOutcome& o) { return o.explained / o.oracle_explained; }));
 }
 
-std::string family_row(const std::string& family, const std::string& label, const Chosen& cases) {
-  std::string row = fmt::format("{:<10} {:<14} right {}", family, label,
+std::string family_row(CaseFamily family, const std::string& label, const Chosen& cases) {
+  std::string row = fmt::format("{:<10} {:<14} right {}", in_answers(family), label,
                                 share(cases, [](const CaseOutcome& o) { return o.said.right; }));
-  if (family == "null")
+  if (family == CaseFamily::clean)
     return row + fmt::format("; false alarms {}\n",
                              share(cases, [](const CaseOutcome& o) { return o.said.detected; }));
-  if (family == "decoy") return row + "\n";
+  if (family == CaseFamily::decoy) return row + "\n";
   row += fmt::format("; detected {}",
                      share(cases, [](const CaseOutcome& o) { return o.said.detected; }));
-  if (family != "single" && family != "pair" && family != "ambiguous") return row + "\n";
+  if (family == CaseFamily::outside) return row + "\n";
   row += fmt::format("; name first {}; in the set {} (mean size {:.2f}); place {}; F1 {:.2f}",
                      share(cases, [](const CaseOutcome& o) { return o.said.named_first; }),
                      share(cases, [](const CaseOutcome& o) { return o.said.in_set; }),
@@ -93,9 +93,9 @@ std::string family_row(const std::string& family, const std::string& label, cons
 std::string families_by_ratio(const std::vector<CaseOutcome>& all,
                               const std::vector<double>& bounds) {
   std::string out = "Family by ratio (change of the positions over noise)\n";
-  std::set<std::string> families;
+  std::set<CaseFamily> families;
   for (const CaseOutcome& o : all) families.insert(o.family);
-  for (const std::string& family : families) {
+  for (const CaseFamily family : families) {
     const auto of_family = [&](const CaseOutcome& o) { return o.family == family; };
     out += family_row(family, "all", choose(all, of_family));
     for (std::size_t k = 0; k < bounds.size(); ++k) {
@@ -116,7 +116,7 @@ std::string families_by_ratio(const std::vector<CaseOutcome>& all,
 
 std::string families_by_robot(const std::vector<CaseOutcome>& all) {
   std::string out = "\nFamily by robot\n";
-  std::set<std::pair<std::string, std::string>> groups;
+  std::set<std::pair<CaseFamily, std::string>> groups;
   for (const CaseOutcome& o : all) groups.insert({o.family, o.robot});
   for (const auto& [family, robot] : groups)
     out += family_row(family, robot, choose(all, [&](const CaseOutcome& o) {
@@ -129,9 +129,9 @@ std::string wrong_answers(const std::vector<CaseOutcome>& all) {
   std::string out = "\nNot right\n";
   for (const CaseOutcome& o : all) {
     if (o.said.right) continue;
-    out +=
-        fmt::format("  {}: {} {} ratio {:.1f}: {} -> {} {}\n", o.name, o.family, o.robot, o.ratio,
-                    fmt::join(o.truth, " + "), o.said.status, fmt::join(o.said.named, " + "));
+    out += fmt::format("  {}: {} {} ratio {:.1f}: {} -> {} {}\n", o.name, in_answers(o.family),
+                       o.robot, o.ratio, fmt::join(o.truth, " + "), o.said.status,
+                       fmt::join(o.said.named, " + "));
   }
   return out;
 }

@@ -1,3 +1,4 @@
+// Forward pass, gradient and Adam, batch by batch.
 #include "tools/bench/diagnose/perceptron.h"
 
 #include <algorithm>

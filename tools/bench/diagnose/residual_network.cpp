@@ -28,17 +28,17 @@ struct Rows {
 };
 
 /// Nominal predictions of all shots, in order.
-std::vector<Prediction> nominal_predictions(const Problem& problem) {
+std::vector<Prediction> nominal_predictions(const Comparison& comparison) {
   std::vector<Prediction> out;
-  for (std::size_t s = 0; s < problem.sources.size(); ++s) {
+  for (std::size_t s = 0; s < comparison.sources.size(); ++s) {
     std::vector<Window> windows;
-    for (const Shot& shot : problem.shots) {
-      if (shot.source == static_cast<int>(s)) windows.push_back(shot.window);
+    for (const Shot& shot : comparison.shots) {
+      if (shot.source == s) windows.push_back(shot.window);
     }
-    const Source& source = problem.sources[s];
+    const Source& source = comparison.sources[s];
     SimOptions options;
     options.motion = &source.motion;
-    options.max_step_s = problem.settings.fitting.search_step;
+    options.max_step_s = comparison.settings.fitting.search_step;
     for (Prediction& p : simulate(source.nominal, source.drive, windows, options))
       out.push_back(std::move(p));
   }
@@ -50,46 +50,44 @@ double goal(const JointData& data, std::size_t row) {
   return row < data.command.size() && std::isfinite(data.command[row]) ? data.command[row] : 0.0;
 }
 
-void add_features(const Source& source, const Shot& shot, const Prediction& p, int joint,
+void add_features(const Source& source, const Shot& shot, const Prediction& p, std::size_t joint,
                   std::size_t local, Eigen::Ref<Eigen::VectorXd> x) {
-  const auto j = static_cast<std::size_t>(joint);
   const std::size_t row = shot.window.first + local;
-  const double u = goal(source.drive.joints[j], row),
-               u_before = goal(source.drive.joints[j], row - 1);
+  const double u = goal(source.drive.joints[joint], row),
+               u_before = goal(source.drive.joints[joint], row - 1);
   const double q = p.of(p.q, joint)[local];
   x.head(kOwnFeatures) << q, p.of(p.dq, joint)[local], p.of(p.tau, joint)[local], u, u - q,
-      u - u_before, shot.window.q[j], shot.window.dq[j],
+      u - u_before, shot.window.q[joint], shot.window.dq[joint],
       source.drive.t[row] - source.drive.t[shot.window.first];
   Index next = kOwnFeatures;
   for (std::size_t other = 0; other < source.drive.joints.size(); ++other) {
-    if (other == j) continue;
-    const int o = static_cast<int>(other);
-    x.segment(next, kOtherFeatures) << p.of(p.q, o)[local], p.of(p.dq, o)[local],
-        p.of(p.tau, o)[local];
+    if (other == joint) continue;
+    x.segment(next, kOtherFeatures) << p.of(p.q, other)[local], p.of(p.dq, other)[local],
+        p.of(p.tau, other)[local];
     next += kOtherFeatures;
   }
 }
 
 /// The rows of a channel in the chosen shots.
-Rows rows_of(const Problem& problem, const std::vector<Prediction>& predictions,
+Rows rows_of(const Comparison& comparison, const std::vector<Prediction>& predictions,
              std::size_t channel, const std::vector<std::size_t>& shots) {
-  const int joint = problem.channels[channel].joint;
+  const std::size_t joint = comparison.channels[channel].joint;
   const auto features =
-      static_cast<Index>(kOwnFeatures + kOtherFeatures * (problem.joints.size() - 1));
+      static_cast<Index>(kOwnFeatures + kOtherFeatures * (comparison.joints.size() - 1));
   Index count = 0;
-  for (const std::size_t s : shots) count += static_cast<Index>(problem.shots[s].rows);
+  for (const std::size_t s : shots) count += static_cast<Index>(comparison.shots[s].rows);
   Rows out{Eigen::MatrixXd(features, count),
            Eigen::RowVectorXd::Zero(count),
            Eigen::RowVectorXd::Zero(count),
            {}};
   Index at = 0;
   for (const std::size_t s : shots) {
-    const Shot& shot = problem.shots[s];
-    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
+    const Shot& shot = comparison.shots[s];
+    const Source& source = comparison.sources[shot.source];
     for (std::size_t k = 0; k < shot.rows; ++k, ++at) {
-      const std::size_t local = (k + 1) * static_cast<std::size_t>(shot.stride);
+      const std::size_t row = recorded_row(shot, k), local = row - shot.window.first;
       add_features(source, shot, predictions[s], joint, local, out.x.col(at));
-      const double error = measured(source, problem.channels[channel], shot.window.first + local) -
+      const double error = measured(source, comparison.channels[channel], row) -
                            predictions[s].of(predictions[s].q, joint)[local];
       out.y[at] = std::isfinite(error) ? error : 0.0;
       out.gate[at] = out.x(kOwnFeatures - 1, at) / kHorizon;
@@ -105,23 +103,24 @@ struct Division {
 
 /// What the diagnosis' proof holds out is for the test; of the rest the last recording, or where
 /// there is one only its last quarter, stops the training.
-Division divide(const Problem& problem, const Split& split) {
+Division divide(const Comparison& comparison, const Split& split) {
   const auto within = [&](const Shot& shot, const Part& part) {
-    const auto s = static_cast<std::size_t>(shot.source);
-    const std::vector<double>& t = problem.sources[s].drive.t;
+    const std::size_t s = shot.source;
+    const std::vector<double>& t = comparison.sources[s].drive.t;
     const double length = std::max(t.back() - t.front(), 1e-9);
     return (t[shot.window.first] - t.front()) / length >= part.from[s] - 1e-9 &&
            (t[shot.window.last] - t.front()) / length <= part.until[s] + 1e-9;
   };
   Division out;
-  for (std::size_t i = 0; i < problem.shots.size(); ++i) {
-    if (within(problem.shots[i], split.heldout)) out.test.push_back(i);
-    if (within(problem.shots[i], split.fitted)) out.train.push_back(i);
+  for (std::size_t i = 0; i < comparison.shots.size(); ++i) {
+    if (within(comparison.shots[i], split.heldout)) out.test.push_back(i);
+    if (within(comparison.shots[i], split.fitted)) out.train.push_back(i);
   }
   if (out.train.empty()) return out;
-  const int last = problem.shots[out.train.back()].source;
-  const auto of_last = std::find_if(out.train.begin(), out.train.end(),
-                                    [&](std::size_t i) { return problem.shots[i].source == last; });
+  const std::size_t last = comparison.shots[out.train.back()].source;
+  const auto of_last = std::find_if(out.train.begin(), out.train.end(), [&](std::size_t i) {
+    return comparison.shots[i].source == last;
+  });
   const auto quarter = out.train.end() - static_cast<std::ptrdiff_t>(out.train.size() / 4);
   const auto from = of_last == out.train.begin() ? quarter : of_last;
   out.validation.assign(from, out.train.end());
@@ -131,14 +130,14 @@ Division divide(const Problem& problem, const Split& split) {
 
 void score(const Problem& problem, const Division& part, unsigned long seed,
            ResidualNetworkScore& out) {
-  const std::vector<Prediction> predictions = nominal_predictions(problem);
+  const std::vector<Prediction> predictions = nominal_predictions(*problem);
   double before = 0.0, after = 0.0, noise = 0.0, count = 0.0;
   std::vector<double> gain(part.test.size(), 0.0);  // by shot, in noise units
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    if (problem.channels[c].signal != Signal::q) continue;
-    const Rows train = rows_of(problem, predictions, c, part.train),
-               validation = rows_of(problem, predictions, c, part.validation),
-               test = rows_of(problem, predictions, c, part.test);
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    if (problem->channels[c].signal != Signal::q) continue;
+    const Rows train = rows_of(*problem, predictions, c, part.train),
+               validation = rows_of(*problem, predictions, c, part.validation),
+               test = rows_of(*problem, predictions, c, part.test);
     PerceptronOptions options;
     options.seed = seed;
     Perceptron network;
@@ -148,8 +147,8 @@ void score(const Problem& problem, const Division& part, unsigned long seed,
     const Eigen::RowVectorXd left = test.y - network.predict(test.x, test.gate);
     const auto n = static_cast<double>(left.size());
     before += test.y.squaredNorm(), after += left.squaredNorm();
-    noise += problem.channels[c].noise * problem.channels[c].noise * n, count += n;
-    const double unit = problem.channels[c].sigma * problem.channels[c].sigma;
+    noise += problem->channels[c].noise * problem->channels[c].noise * n, count += n;
+    const double unit = problem.scales.sigma[c] * problem.scales.sigma[c];
     Index from = 0;
     for (std::size_t s = 0; s < part.test.size(); ++s) {
       const Index rows = test.shot_ends[s] - from;
@@ -165,8 +164,8 @@ void score(const Problem& problem, const Division& part, unsigned long seed,
       FitScore{std::sqrt(before / count), std::sqrt(after / count), std::sqrt(noise / count)}
           .explained();
   out.mismatch =
-      moving_block_lower_bound(gain, problem.settings.decisions.gain_level,
-                               problem.settings.decisions.gain_draws, Random(seed)) > 0.0;
+      moving_block_lower_bound(gain, problem->settings.decisions.gain_level,
+                               problem->settings.decisions.gain_draws, Random(seed)) > 0.0;
 }
 
 }  // namespace
@@ -186,7 +185,7 @@ ResidualNetworkScore residual_network(const std::string& model_folder,
     options.maximum_rows = 4 * settings.data.maximum_rows;
     options.secondary = false;
     const Problem problem = make_problem(sources, loaded.gate.noise, options, settings);
-    const Division part = divide(problem, make_split(sources));
+    const Division part = divide(*problem, make_split(sources));
     if (!part.train.empty() && !part.validation.empty() && !part.test.empty())
       score(problem, part, seed, out);
   } catch (const files::InputError&) {

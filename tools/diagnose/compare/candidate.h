@@ -28,10 +28,10 @@ struct CandidateParameter {
 bool at_null(const CandidateParameter& parameter, double value);
 
 struct Candidate {
-  std::string effect;              // id of the library
-  std::string family;              // "friction", ...
-  std::vector<std::string> where;  // joints or links; empty: the whole robot
-  std::vector<int> joints;         // the same, as indices
+  std::string effect;               // id of the library
+  std::string family;               // "friction", ...
+  std::vector<std::string> where;   // joints or links; empty: the whole robot
+  std::vector<std::size_t> joints;  // the same, as indices
   std::vector<CandidateParameter> parameters;
   std::vector<std::vector<double>> probes;  // parameter vectors whose signature is looked for
   bool two_sided = true;                    // both signs of a signature are possible
@@ -50,7 +50,7 @@ struct Candidate {
 struct Nuisance {
   std::string name;
   std::string effect;  // id of the library
-  std::vector<int> joints;
+  std::vector<std::size_t> joints;
   std::vector<double> null, direction;
   double tolerance = 1.0;
   std::function<void(SimParams&, int, std::span<const double>)> run;
@@ -65,27 +65,29 @@ struct Placement {
   std::vector<Candidate> candidates;
   std::vector<std::pair<std::string, std::string>> untestable;
 };
-Placement place_library(const Problem& problem, const std::vector<std::string>& only);
+Placement place_library(const Comparison& comparison, const std::vector<std::string>& only);
 
 /// What the library says a nominal model may be wrong by (Effect::tolerances): joint by joint in
 /// the order of the tolerances, then what is common to all joints.
-std::vector<Nuisance> make_nuisances(const Problem& problem);
+std::vector<Nuisance> make_nuisances(const Comparison& comparison);
 
 struct Chosen {
-  int candidate = 0;
+  std::size_t candidate = 0;
   std::vector<double> theta;
 };
 
 struct Model {
   std::vector<Chosen> effects;
   std::vector<double> nuisance;
-  bool has(int candidate) const;
+  bool has(std::size_t candidate) const;
 };
 
 /// Everything that a simulation of a model needs beside the recordings.
 struct Library {
   std::vector<Candidate> candidates;
   std::vector<Nuisance> nuisances;
+  const Candidate& operator[](std::size_t candidate) const { return candidates[candidate]; }
+  const Candidate& operator[](const Chosen& effect) const { return candidates[effect.candidate]; }
   void apply(const Model& model, SimParams& params) const;
 };
 

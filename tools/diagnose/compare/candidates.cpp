@@ -13,24 +13,24 @@ namespace sanso::diagnose {
 namespace {
 
 /// All drives as the library's checks want them.
-std::vector<Drive> drives_of(const Problem& problem) {
+std::vector<Drive> drives_of(const Comparison& comparison) {
   std::vector<Drive> out;
-  for (const Source& s : problem.sources) out.push_back(s.drive);
+  for (const Source& s : comparison.sources) out.push_back(s.drive);
   return out;
 }
 
 /// What begins at a position is looked for at several depths below the end of what the joint did,
 /// not at the library's example positions. Near the ends only, what acts on half of the motion
 /// looks like nothing that was probed.
-void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
+void place_positions(Candidate& c, const Comparison& comparison, std::size_t joint) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::position) continue;
     std::vector<double> q;
-    for (const Source& s : problem.sources)
+    for (const Source& s : comparison.sources)
       q.insert(q.end(), s.motion.q[joint].begin(), s.motion.q[joint].end());
     const double low = quantile(q, 0.0), high = quantile(q, 1.0);
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
-    for (const double share : {problem.settings.data.end_margin, 0.25, 0.5, 0.75}) {
+    for (const double share : {comparison.settings.data.end_margin, 0.25, 0.5, 0.75}) {
       for (std::vector<double> probe : own) {
         const double depth = share * (high - low);
         probe[i] = probe[i] > 0.0 ? high - depth : low + depth;
@@ -42,31 +42,31 @@ void place_positions(Candidate& c, const Problem& problem, std::size_t joint) {
 
 /// What begins at an instant is looked for at several instants of the recordings beside the
 /// library's own.
-void place_instants(Candidate& c, const Problem& problem) {
-  const int instants = problem.settings.data.instants;
+void place_instants(Candidate& c, const Comparison& comparison) {
+  const int instants = comparison.settings.data.instants;
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::instant) continue;
     const std::vector<std::vector<double>> own = c.probes;
     for (int k = 1; k < instants; ++k) {
       for (std::vector<double> probe : own) {
-        probe[i] = longest_recording(problem) * k / instants;
+        probe[i] = longest_recording(comparison) * k / instants;
         c.probes.push_back(std::move(probe));
       }
     }
   }
 }
 
-/// What is short is looked for only where errors stand alone (Problem::instants), in both halves of
-/// such a shot, and at one joint that is struck: a blow is no property of a pair.
-void place_events(Candidate& c, const Problem& problem) {
+/// What is short is looked for only where errors stand alone (Comparison::instants), in both halves
+/// of such a shot, and at one joint that is struck: a blow is no property of a pair.
+void place_events(Candidate& c, const Comparison& comparison) {
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     if (c.parameters[i].role != Role::event) continue;
     const std::vector<std::vector<double>> own = std::exchange(c.probes, {});
-    const bool struck = c.joints.size() == 1 &&
-                        std::find(problem.struck.begin(), problem.struck.end(), c.joints.front()) !=
-                            problem.struck.end();
-    for (const double from : struck ? problem.instants : std::vector<double>{}) {
-      for (const double later : {0.0, 0.5 * problem.settings.data.shot_seconds}) {
+    const bool struck =
+        c.joints.size() == 1 && std::find(comparison.struck.begin(), comparison.struck.end(),
+                                          c.joints.front()) != comparison.struck.end();
+    for (const double from : struck ? comparison.instants : std::vector<double>{}) {
+      for (const double later : {0.0, 0.5 * comparison.settings.data.shot_seconds}) {
         for (std::vector<double> probe : own) {
           probe[i] = from + later;
           c.probes.push_back(std::move(probe));
@@ -85,11 +85,11 @@ std::string joint_class(const std::string& name) {
 }
 
 /// Places with more than one joint: mirror pairs, then all joints alike.
-std::vector<std::vector<std::size_t>> tied_places(const Problem& problem) {
+std::vector<std::vector<std::size_t>> tied_places(const Comparison& comparison) {
   std::map<std::string, std::vector<std::size_t>> classes;
   std::vector<std::size_t> all;
-  for (std::size_t j = 0; j < problem.joints.size(); ++j) {
-    classes[joint_class(problem.joints[j])].push_back(j);
+  for (std::size_t j = 0; j < comparison.joints.size(); ++j) {
+    classes[joint_class(comparison.joints[j])].push_back(j);
     all.push_back(j);
   }
   std::vector<std::vector<std::size_t>> out;
@@ -100,9 +100,9 @@ std::vector<std::vector<std::size_t>> tied_places(const Problem& problem) {
   return out;
 }
 
-Candidate place(const Effect& effect, const Problem& problem, const std::vector<JointScale>& scales,
-                const std::vector<std::size_t>& joints) {
-  const SimParams& nominal = problem.sources.front().nominal;
+Candidate place(const Effect& effect, const Comparison& comparison,
+                const std::vector<JointScale>& scales, const std::vector<std::size_t>& joints) {
+  const SimParams& nominal = comparison.sources.front().nominal;
   // tied joints share one number: scaled by the first (they are alike, or tying them makes no
   // sense)
   const JointScale& scale = scales[joints.empty() ? 0 : joints.front()];
@@ -123,18 +123,18 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
   c.probes = scaled_probes(effect, scale);
   for (const std::size_t j : joints) {
     c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link
-                                                  : problem.joints[j]);
-    c.joints.push_back(static_cast<int>(j));
+                                                  : comparison.joints[j]);
+    c.joints.push_back(j);
   }
-  if (joints.size() == 1) place_positions(c, problem, joints.front());
-  place_instants(c, problem);
-  place_events(c, problem);
+  if (joints.size() == 1) place_positions(c, comparison, joints.front());
+  place_instants(c, comparison);
+  place_events(c, comparison);
   const auto apply = effect.apply;
   if (joints.empty()) {
     c.apply = [apply](SimParams& p, const std::vector<double>& theta) { apply(p, 0, theta); };
   } else {
     c.apply = [apply, joints](SimParams& p, const std::vector<double>& theta) {
-      for (const std::size_t j : joints) apply(p, static_cast<int>(j), theta);
+      for (const std::size_t j : joints) apply(p, j, theta);
     };
   }
   return c;
@@ -142,18 +142,18 @@ Candidate place(const Effect& effect, const Problem& problem, const std::vector<
 
 }  // namespace
 
-Placement place_library(const Problem& problem, const std::vector<std::string>& only) {
+Placement place_library(const Comparison& comparison, const std::vector<std::string>& only) {
   Placement out;
-  const std::vector<Drive> drives = drives_of(problem);
-  const SimParams& nominal = problem.sources.front().nominal;
+  const std::vector<Drive> drives = drives_of(comparison);
+  const SimParams& nominal = comparison.sources.front().nominal;
   const std::vector<JointScale> scales = joint_scales(nominal, drives);
-  const std::vector<std::vector<std::size_t>> tied = tied_places(problem);
+  const std::vector<std::vector<std::size_t>> tied = tied_places(comparison);
   for (const Effect& effect : library()) {
     if (!only.empty() && std::find(only.begin(), only.end(), effect.id) == only.end()) continue;
     const bool robot = effect.scope == Scope::robot;
     std::vector<std::size_t> able;
     std::string reason;
-    for (std::size_t j = 0; j < (robot ? 1 : problem.joints.size()); ++j) {
+    for (std::size_t j = 0; j < (robot ? 1 : comparison.joints.size()); ++j) {
       const std::string missing =
           why_untestable(effect, nominal, drives, robot ? -1 : static_cast<int>(j));
       if (missing.empty())
@@ -166,16 +166,17 @@ Placement place_library(const Problem& problem, const std::vector<std::string>& 
       continue;
     }
     if (robot) {
-      out.candidates.push_back(place(effect, problem, scales, {}));
+      out.candidates.push_back(place(effect, comparison, scales, {}));
       continue;
     }
-    for (const std::size_t j : able) out.candidates.push_back(place(effect, problem, scales, {j}));
+    for (const std::size_t j : able)
+      out.candidates.push_back(place(effect, comparison, scales, {j}));
     for (const std::vector<std::size_t>& joints : tied) {
       if (effect.random) continue;  // every joint scatters for itself
       const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
         return std::find(able.begin(), able.end(), j) != able.end();
       });
-      if (all) out.candidates.push_back(place(effect, problem, scales, joints));
+      if (all) out.candidates.push_back(place(effect, comparison, scales, joints));
     }
   }
   std::erase_if(out.candidates, [](const Candidate& c) { return c.probes.empty(); });

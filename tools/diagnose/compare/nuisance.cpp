@@ -10,7 +10,7 @@ namespace sanso::diagnose {
 namespace {
 
 Nuisance make(const Tolerated& quantity, const std::string& name, double tolerance,
-              std::vector<int> joints, std::vector<double> direction) {
+              std::vector<std::size_t> joints, std::vector<double> direction) {
   const Effect& effect = *quantity.effect;
   assert(effect.parameters.size() == direction.size());
   Nuisance n;
@@ -36,17 +36,17 @@ void Nuisance::apply(SimParams& params, double value) const {
   // beyond these no body or gain remains; a fit that gets there has left every tolerance
   const double bounded = std::max(-0.9, value);
   const std::vector<double> values = theta(bounded);
-  for (const int j : joints) run(params, j, values);
+  for (const std::size_t j : joints) run(params, j, values);
 }
 
-std::vector<Nuisance> make_nuisances(const Problem& problem) {
+std::vector<Nuisance> make_nuisances(const Comparison& comparison) {
   std::vector<Nuisance> out;
-  const SimParams& nominal = problem.sources.front().nominal;
-  const ToleranceSettings& tolerances = problem.settings.tolerances;
+  const SimParams& nominal = comparison.sources.front().nominal;
+  const ToleranceSettings& tolerances = comparison.settings.tolerances;
   const std::vector<Tolerated> quantities = tolerated_quantities();
-  std::vector<int> all;
-  for (std::size_t j = 0; j < problem.joints.size(); ++j) {
-    all.push_back(static_cast<int>(j));
+  std::vector<std::size_t> all;
+  for (std::size_t j = 0; j < comparison.joints.size(); ++j) {
+    all.push_back(j);
     for (const Tolerated& quantity : quantities) {
       const Tolerance& t = *quantity.tolerance;
       if (t.common) continue;
@@ -55,8 +55,8 @@ std::vector<Nuisance> make_nuisances(const Problem& problem) {
       const double deviation = nominal.tree.joints[j].prismatic
                                    ? t.sliding * tolerances.*t.deviation
                                    : tolerances.*t.deviation;
-      out.push_back(make(quantity, std::string(t.name) + " of " + problem.joints[j], deviation,
-                         {static_cast<int>(j)}, std::move(direction)));
+      out.push_back(make(quantity, std::string(t.name) + " of " + comparison.joints[j], deviation,
+                         {j}, std::move(direction)));
     }
   }
   for (const Tolerated& quantity : quantities) {
@@ -72,7 +72,7 @@ bool at_null(const CandidateParameter& p, double value) {
   return std::abs(value - p.null) <= 1e-6 * std::max(p.typical, p.high - p.low);
 }
 
-bool Model::has(int candidate) const {
+bool Model::has(std::size_t candidate) const {
   return std::any_of(effects.begin(), effects.end(),
                      [&](const Chosen& c) { return c.candidate == candidate; });
 }
@@ -81,8 +81,7 @@ void Library::apply(const Model& model, SimParams& params) const {
   for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
     if (model.nuisance[i] != 0.0) nuisances[i].apply(params, model.nuisance[i]);
   }
-  for (const Chosen& c : model.effects)
-    candidates[static_cast<std::size_t>(c.candidate)].apply(params, c.theta);
+  for (const Chosen& c : model.effects) candidates[c.candidate].apply(params, c.theta);
 }
 
 std::string Candidate::title() const {

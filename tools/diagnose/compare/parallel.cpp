@@ -11,10 +11,8 @@ files::StopRequest stop;
 void request_stop() { stop.request(); }
 bool stop_requested() { return stop.requested(); }
 
-void parallel_for(int count, const std::function<void(int)>& task) {
-  const auto pieces = static_cast<std::size_t>(count < 0 ? 0 : count);
-  const auto work = [&](std::size_t i) { task(static_cast<int>(i)); };
-  files::parallel_for(pieces, files::all_cores(), work, &stop);
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& task) {
+  files::parallel_for(count, files::all_cores(), task, &stop);
 }
 
 }  // namespace sanso::diagnose

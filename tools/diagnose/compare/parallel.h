@@ -2,6 +2,7 @@
 // threads: every task writes its own slot.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 #include "shared/files/parallel.h"
@@ -13,7 +14,7 @@ using Interrupted = files::Stopped;
 
 /// Runs task(0) .. task(count - 1) on all cores and waits. The first exception is rethrown. Throws
 /// Interrupted.
-void parallel_for(int count, const std::function<void(int)>& task);
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& task);
 
 /// Asks running searches to end at the next task. Safe inside a signal handler.
 void request_stop();

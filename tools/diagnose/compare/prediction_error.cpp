@@ -28,10 +28,10 @@ struct Pass {
 struct Batch {
   std::size_t source, begin, end;
 };
-std::vector<Batch> by_source(const Problem& problem) {
+std::vector<Batch> by_source(const Comparison& comparison) {
   std::vector<Batch> out;
-  for (std::size_t i = 0; i < problem.shots.size(); ++i) {
-    const auto source = static_cast<std::size_t>(problem.shots[i].source);
+  for (std::size_t i = 0; i < comparison.shots.size(); ++i) {
+    const std::size_t source = comparison.shots[i].source;
     if (out.empty() || out.back().source != source) out.push_back({source, i, i});
     out.back().end = i + 1;
   }
@@ -39,13 +39,13 @@ std::vector<Batch> by_source(const Problem& problem) {
 }
 
 /// The commands of one recording as they were received; empty when none of `lost` is its own.
-std::optional<Drive> drive_with_lost(const Drive& drive, int source,
+std::optional<Drive> drive_with_lost(const Drive& drive, std::size_t source,
                                      const std::vector<LostCommand>& lost) {
   std::optional<Drive> out;
   for (const LostCommand& l : lost) {
     if (l.source != source) continue;
     if (!out) out = drive;
-    std::vector<double>& command = out->joints[static_cast<std::size_t>(l.joint)].command;
+    std::vector<double>& command = out->joints[l.joint].command;
     // switched off: nothing to hold
     if (std::isnan(command[l.row]) || std::isnan(command[l.row - 1])) continue;
     // in order: of two lost in a row the last one received stays
@@ -61,28 +61,27 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
   for (std::size_t i = batch.begin; i < batch.end; ++i) {
     if (!pass.wanted_shots.empty() && pass.wanted_shots[i] == 0) continue;
     shots.push_back(i);
-    windows.push_back(problem.shots[i].window);
+    windows.push_back(problem->shots[i].window);
     pass.move_start(windows.back());
   }
   if (shots.empty()) return;
-  const Source& source = problem.sources[batch.source];
-  const std::optional<Drive> held =
-      drive_with_lost(source.drive, static_cast<int>(batch.source), pass.lost);
+  const Source& source = problem->sources[batch.source];
+  const std::optional<Drive> held = drive_with_lost(source.drive, batch.source, pass.lost);
   SimParams params = source.nominal;
   library.apply(model, params);
   SimOptions options;
   options.motion = &source.motion;
-  options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem.settings.fitting.search_step;
+  options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem->settings.fitting.search_step;
   options.wanted = pass.wanted;
   if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
   std::vector<Prediction> predictions =
       simulate(params, held ? *held : source.drive, windows, options);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
-    const Shot& shot = problem.shots[shots[i]];
+    const Shot& shot = problem->shots[shots[i]];
     if (pass.seed != 0)
-      add_reading_jitter(params, Random(pass.seed, problem.sources.size() + shots[i]).bits(),
+      add_reading_jitter(params, Random(pass.seed, problem->sources.size() + shots[i]).bits(),
                          predictions[i]);
-    whitened_residual(problem, shot, predictions[i], pass.wanted, r.data() + shot.offset);
+    whiten_residual(problem, shot, predictions[i], pass.wanted, r);
   }
 }
 
@@ -90,26 +89,26 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
 /// own shots, so the result does not depend on the number of threads.
 void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
               Eigen::VectorXd& r) {
-  const std::vector<Batch> batches = by_source(problem);
-  parallel_for(static_cast<int>(batches.size()), [&](int i) {
-    simulate_batch(problem, library, model, pass, batches[static_cast<std::size_t>(i)], r);
+  const std::vector<Batch> batches = by_source(*problem);
+  parallel_for(batches.size(), [&](std::size_t i) {
+    simulate_batch(problem, library, model, pass, batches[i], r);
   });
 }
 
 /// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when
 /// `joints` is.
-std::vector<char> branches_with(const Problem& problem, const std::vector<int>& joints) {
+std::vector<char> branches_with(const Comparison& comparison,
+                                const std::vector<std::size_t>& joints) {
   if (joints.empty()) return {};
-  const std::vector<TreeJoint>& tree = problem.sources.front().nominal.tree.joints;
-  const auto root = [&](int j) {
-    while (tree[static_cast<std::size_t>(j)].parent >= 0)
-      j = tree[static_cast<std::size_t>(j)].parent;
+  const std::vector<TreeJoint>& tree = comparison.sources.front().nominal.tree.joints;
+  const auto root = [&](std::size_t j) {
+    while (tree[j].parent >= 0) j = tree[j].parent;
     return j;
   };
   std::vector<char> wanted(tree.size(), 0);
   for (std::size_t j = 0; j < tree.size(); ++j) {
     wanted[j] = std::any_of(joints.begin(), joints.end(),
-                            [&](int i) { return root(i) == root(static_cast<int>(j)); });
+                            [&](std::size_t i) { return root(i) == root(j); });
   }
   return wanted;
 }
@@ -118,7 +117,7 @@ std::vector<char> branches_with(const Problem& problem, const std::vector<int>& 
 
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
                                  const Model& model) {
-  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  Eigen::VectorXd r(problem->size);
   one_pass(problem, library, model, {}, r);
   return r;
 }
@@ -127,18 +126,18 @@ Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& li
                                        const Model& model, std::uint64_t seed) {
   Pass pass;
   pass.seed = seed;
-  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  Eigen::VectorXd r(problem->size);
   one_pass(problem, library, model, pass, r);
   return r;
 }
 
 Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
                                       const Model& model, const Eigen::VectorXd& base,
-                                      const std::vector<int>& joints) {
+                                      const std::vector<std::size_t>& joints) {
   Pass pass;
-  SimParams params = problem.sources.front().nominal;
+  SimParams params = problem->sources.front().nominal;
   library.apply(model, params);
-  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);
   Eigen::VectorXd r = base;
   one_pass(problem, library, model, pass, r);
   return r;
@@ -148,64 +147,62 @@ bool LostCommand::operator<(const LostCommand& other) const {
   return std::tie(source, joint, row) < std::tie(other.source, other.joint, other.row);
 }
 
-void hold(Problem& problem, std::vector<LostCommand> lost) {
+Problem with_lost(const Problem& problem, std::vector<LostCommand> lost) {
   std::sort(lost.begin(), lost.end());
-  for (std::size_t i = 0; i < problem.sources.size(); ++i) {
-    Drive& drive = problem.sources[i].drive;
-    if (std::optional<Drive> held = drive_with_lost(drive, static_cast<int>(i), lost))
-      drive = std::move(*held);
+  Comparison out = *problem;
+  for (std::size_t i = 0; i < out.sources.size(); ++i) {
+    Drive& drive = out.sources[i].drive;
+    if (std::optional<Drive> held = drive_with_lost(drive, i, lost)) drive = std::move(*held);
   }
+  return {std::make_shared<const Comparison>(std::move(out)), problem.scales, problem.correction};
 }
 
 Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library& library,
                                            const Model& model, const Eigen::VectorXd& base,
                                            std::vector<LostCommand> lost,
                                            const std::vector<char>& wanted_shots,
-                                           const std::vector<int>& joints) {
+                                           const std::vector<std::size_t>& joints) {
   Pass pass;
   std::sort(lost.begin(), lost.end());
   pass.lost = std::move(lost);
   pass.wanted_shots = wanted_shots;
-  SimParams params = problem.sources.front().nominal;
+  SimParams params = problem->sources.front().nominal;
   library.apply(model, params);
-  if (params.supply_resistance == 0.0) pass.wanted = branches_with(problem, joints);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);
   Eigen::VectorXd r = base;
   one_pass(problem, library, model, pass, r);
   return r;
 }
 
-void correct_step(Problem& problem, const Library& library, const Model& model) {
-  problem.step_error.clear();
-  const FittingSettings& steps = problem.settings.fitting;
+Problem step_corrected(const Problem& problem, const Library& library, const Model& model) {
+  Problem out{problem.comparison, problem.scales};
+  const FittingSettings& steps = out->settings.fitting;
   const double coarse = steps.search_step, fine = std::min(steps.fine_step, 0.5 * coarse);
-  Eigen::VectorXd at_coarse(static_cast<Eigen::Index>(problem.size)), at_fine = at_coarse;
-  parallel_for(2, [&](int i) {
+  Eigen::VectorXd at_coarse(out->size), at_fine = at_coarse;
+  parallel_for(2, [&](std::size_t i) {
     Pass pass;
     pass.step_s = i == 0 ? fine : coarse;
-    one_pass(problem, library, model, pass, i == 0 ? at_fine : at_coarse);
+    one_pass(out, library, model, pass, i == 0 ? at_fine : at_coarse);
   });
   // r = measured - predicted: r(coarse) - r(0) = -(error per second of step) coarse, linear in the
   // step
-  const Eigen::VectorXd error = (at_fine - at_coarse) * (coarse / (coarse - fine));
-  problem.step_error.assign(problem.size, 0.0);
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      for (std::size_t k = 0; k < shot.rows; ++k) {
-        const std::size_t at = shot.offset + c * shot.rows + k;
-        problem.step_error[at] = error[static_cast<Eigen::Index>(at)] * problem.channels[c].sigma;
-      }
-    }
+  out.correction.error = (at_fine - at_coarse) * (coarse / (coarse - fine));
+  for (const Shot& shot : out->shots) {
+    for (std::size_t c = 0; c < out->channels.size(); ++c)
+      rows_of(out.correction.error, shot, c) *= out.scales.sigma[c];
   }
+  return out;
 }
 
 Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library,
-                                                  const Model& model, int joint, double dq0,
+                                                  const Model& model,
+                                                  std::optional<std::size_t> joint, double dq0,
                                                   double ddq0) {
-  Eigen::VectorXd r(static_cast<Eigen::Index>(problem.size));
+  Eigen::VectorXd r(problem->size);
   Pass pass;
   pass.move_start = [&](Window& w) {
     for (std::size_t j = 0; j < w.q.size(); ++j) {
-      if (joint >= 0 && static_cast<std::size_t>(joint) != j) continue;
+      if (joint && *joint != j) continue;
       w.q[j] += dq0;
       w.dq[j] += ddq0;
     }

@@ -49,7 +49,8 @@ enum class Unit {
   per_angle,
   current,
   length,
-  force
+  force,
+  reach
 };
 
 /// Null of limits (speed, current): not switched on. Finite so that files and fits can hold it;
@@ -216,6 +217,7 @@ std::vector<std::string_view> documented_twins(std::string_view truth);
 /// How a joint compares with the library's servo; all 1 for the XM430-W350.
 struct JointScale {
   double torque = 1.0, speed = 1.0, inertia = 1.0, angle = 1.0, current = 1.0, length = 1.0;
+  double reach = 1.0;  // how far from its joint a link's mass lies and others can be put on
   double of(Unit unit) const;
 };
 

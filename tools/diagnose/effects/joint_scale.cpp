@@ -49,6 +49,25 @@ Seen seen_in(std::span<const Drive> drives, std::size_t j) {
   return seen;
 }
 
+/// Distance from the joint to the middle of the link, m: by its centre of mass, by its radius of
+/// gyration about the joint, and by the next joint. Of a uniform rod all three say half its length;
+/// a counterweight hides it from the first, a short link of unknown inertia from the others.
+double half_reach(const RobotTree& tree, std::size_t j) {
+  const auto square = [](const Vec3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const BodyInertia& body = tree.joints[j].body;
+  double reach = std::sqrt(square(body.com));
+  if (body.mass > 0.0) {
+    const double trace = body.about_com[0] + body.about_com[4] + body.about_com[8];
+    const double gyration = std::sqrt(0.5 * trace / body.mass + square(body.com));
+    reach = std::max(reach, std::sqrt(0.75) * gyration);
+  }
+  for (const TreeJoint& next : tree.joints) {
+    if (next.parent == static_cast<int>(j))
+      reach = std::max(reach, 0.5 * std::sqrt(square(next.p_parent_joint)));
+  }
+  return reach;
+}
+
 double stall_torque(const JointSettings& s) { return s.torque_constant * s.voltage / s.resistance; }
 
 }  // namespace
@@ -98,6 +117,7 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
     const Vec3& c = joint.body.com;
     const double arm = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
     scale.length = std::max(arm, 0.01) / kLength;
+    scale.reach = std::max(half_reach(params.tree, j), 0.01) / kLength;
     scales.push_back(scale);
   }
   return scales;

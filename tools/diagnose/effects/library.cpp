@@ -133,6 +133,8 @@ double JointScale::of(Unit unit) const {
       return length;
     case Unit::force:
       return torque / length;
+    case Unit::reach:
+      return reach;
   }
   return 1.0;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tools/diagnose/explain/losses.h"
 #include "tools/diagnose/explain/scatter.h"
@@ -12,18 +13,6 @@
 
 namespace sanso::diagnose {
 namespace {
-
-/// Errors in noise levels, divided as the search divides them.
-Eigen::VectorXd in_search_levels(const Problem& problem, Eigen::VectorXd r) {
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                static_cast<Eigen::Index>(shot.rows)) *=
-          problem.channels[c].floor / problem.channels[c].sigma;
-    }
-  }
-  return r;
-}
 
 bool stands_in(const Candidate& other, const Candidate& own) {
   const bool known = std::find(own.confounders.begin(), own.confounders.end(), other.effect) !=
@@ -40,7 +29,7 @@ void drop_stand_ins(SearchState& state, const Candidate& own) {
     const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
     const HeldoutGain gain = compare(state.decisions(), energy, found.final_heldout);
     if (!stands_in(state.accepted(i), own) ||
-        (gain.lower > 0.0 && gain.total > state.practical())) {
+        (gain.beyond_chance() && gain.removed() > state.practical())) {
       ++i;
       continue;
     }
@@ -59,7 +48,7 @@ void accept_random(SearchState& state, const ScatterScore& score) {
   theta.front() = score.size;
   Model model = found.final.model;
   model.effects.push_back({score.candidate, theta});
-  resmooth(state.problem, jitter_of(state.problem, state.library, model));
+  state.problem = resmoothed(state.problem, jitter_of(*state.problem, state.library, model));
   found.around = make_surroundings(state.problem, state.library, model);
   found.final = fit(*found.around, model, 4);
   found.final_heldout = heldout_energy(*found.around, found.final);
@@ -92,8 +81,9 @@ std::string refused_by(const SearchState& state, const LossScore& found) {
 /// Lost commands, one by one: named when what they explain matters and no more than noise is left
 /// with them. True when they were.
 bool judge_losses(SearchState& state) {
-  const LossScore found = find_losses(*state.found.around, state.found.final);
-  if (found.candidate < 0) return false;
+  const std::optional<LossScore> losses = find_losses(*state.found.around, state.found.final);
+  if (!losses) return false;
+  const LossScore& found = *losses;
   const std::string refused = refused_by(state, found);
   state.say(fmt::format(
       "lost commands: {}: {} found, {} of {} that would show: {:.3g} [{:.3g}, {:.3g}], p {:.3g}, "
@@ -110,9 +100,9 @@ bool judge_losses(SearchState& state) {
   s.p_family = found.p_family;
   accept_random(state, s);
   const Eigen::VectorXd projected = state.found.around->starts.project(state.found.final.r);
-  state.found.expected_scatter +=
-      (projected.cwiseAbs2() - in_search_levels(state.problem, found.repaired).cwiseAbs2())
-          .cwiseMax(0.0);
+  const Eigen::VectorXd repaired =
+      rescaled(*state.problem, found.repaired, floors(*state.problem), state.problem.scales);
+  state.found.expected_scatter += (projected.cwiseAbs2() - repaired.cwiseAbs2()).cwiseMax(0.0);
   return true;
 }
 

@@ -2,45 +2,45 @@
 #include "tools/diagnose/explain/commands.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sanso::diagnose {
 
-Commands::Commands(const Problem& problem, const SimParams& params) : problem_(problem) {
+Commands::Commands(std::shared_ptr<const Comparison> comparison, const SimParams& params)
+    : comparison_(std::move(comparison)) {
   for (const JointParams& p : params.joints) {
     delay_.push_back(p.nominal.command_delay_s + p.command_delay + p.nominal.sensor_delay_s +
                      p.sensor_delay);
   }
 }
 
-const std::vector<double>& Commands::of(int source, int joint) const {
-  return problem_.sources[static_cast<std::size_t>(source)]
-      .drive.joints[static_cast<std::size_t>(joint)]
-      .command;
+const std::vector<double>& Commands::of(std::size_t source, std::size_t joint) const {
+  return comparison_->sources[source].drive.joints[joint].command;
 }
 
-std::size_t Commands::first_row(const Shot& shot, int joint) const {
-  const std::vector<double>& t = problem_.sources[static_cast<std::size_t>(shot.source)].drive.t;
-  const double early = delay_[static_cast<std::size_t>(joint)];
+std::size_t Commands::first_row(const Shot& shot, std::size_t joint) const {
+  const std::vector<double>& t = comparison_->sources[shot.source].drive.t;
+  const double early = delay_[joint];
   std::size_t row = shot.window.first;
   while (row > 1 && t[row] > t[shot.window.first] - early) --row;
   return std::max<std::size_t>(row, 1);
 }
 
-bool Commands::changes(int source, int joint, std::size_t row) const {
+bool Commands::changes(std::size_t source, std::size_t joint, std::size_t row) const {
   const std::vector<double>& u = of(source, joint);
   return row < u.size() && std::isfinite(u[row]) && std::isfinite(u[row - 1]) &&
          u[row] != u[row - 1];
 }
 
-double Commands::jump(int source, int joint, std::size_t row) const {
+double Commands::jump(std::size_t source, std::size_t joint, std::size_t row) const {
   const std::vector<double>& u = of(source, joint);
   return u[row] - u[row - 1];
 }
 
-double Commands::count(const std::vector<int>& joints) const {
+double Commands::count(const std::vector<std::size_t>& joints) const {
   double sum = 0.0;
-  for (const int joint : joints) {
-    for (const Shot& shot : problem_.shots) {
+  for (const std::size_t joint : joints) {
+    for (const Shot& shot : comparison_->shots) {
       for (std::size_t row = first_row(shot, joint); row < shot.window.last; ++row)
         sum += changes(shot.source, joint, row) ? 1.0 : 0.0;
     }
@@ -48,7 +48,8 @@ double Commands::count(const std::vector<int>& joints) const {
   return sum;
 }
 
-void put(std::vector<LostCommand>& lost, const Shot& shot, int joint, const Change& change) {
+void put(std::vector<LostCommand>& lost, const Shot& shot, std::size_t joint,
+         const Change& change) {
   for (std::size_t k = 0; k < change.run; ++k) {
     const LostCommand one{shot.source, joint, change.row + k};
     const auto at = std::lower_bound(lost.begin(), lost.end(), one);
@@ -58,8 +59,8 @@ void put(std::vector<LostCommand>& lost, const Shot& shot, int joint, const Chan
   }
 }
 
-std::vector<LostCommand> between(const std::vector<LostCommand>& lost, int source, int joint,
-                                 std::size_t from, std::size_t until) {
+std::vector<LostCommand> between(const std::vector<LostCommand>& lost, std::size_t source,
+                                 std::size_t joint, std::size_t from, std::size_t until) {
   const auto first = std::lower_bound(lost.begin(), lost.end(), LostCommand{source, joint, from});
   return {first, std::lower_bound(first, lost.end(), LostCommand{source, joint, until})};
 }

@@ -2,31 +2,32 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "tools/diagnose/compare/comparison.h"
 #include "tools/diagnose/compare/prediction_error.h"
-#include "tools/diagnose/compare/problem.h"
 
 namespace sanso::diagnose {
 
-/// Commands of a problem's recordings, as a model with `params` receives them.
+/// Commands of what is compared, as a model with `params` receives them.
 class Commands {
  public:
-  Commands(const Problem& problem, const SimParams& params);
+  Commands(std::shared_ptr<const Comparison> comparison, const SimParams& params);
 
   /// Command by row [rad]; NaN: none.
-  const std::vector<double>& of(int source, int joint) const;
+  const std::vector<double>& of(std::size_t source, std::size_t joint) const;
   /// First row whose command acts in a shot: those still under way at its start count.
-  std::size_t first_row(const Shot& shot, int joint) const;
+  std::size_t first_row(const Shot& shot, std::size_t joint) const;
   /// What the servo does not notice when it is lost is no event.
-  bool changes(int source, int joint, std::size_t row) const;
+  bool changes(std::size_t source, std::size_t joint, std::size_t row) const;
   /// Size of a change, rad.
-  double jump(int source, int joint, std::size_t row) const;
+  double jump(std::size_t source, std::size_t joint, std::size_t row) const;
   /// Commands at these joints whose loss would be noticed, in all shots together.
-  double count(const std::vector<int>& joints) const;
+  double count(const std::vector<std::size_t>& joints) const;
 
  private:
-  const Problem& problem_;
+  std::shared_ptr<const Comparison> comparison_;
   std::vector<double> delay_;  // by joint, s: from command to reading
 };
 
@@ -40,11 +41,11 @@ struct Change {
 };
 
 /// Puts a change of one shot into sorted losses.
-void put(std::vector<LostCommand>& lost, const Shot& shot, int joint, const Change& change);
+void put(std::vector<LostCommand>& lost, const Shot& shot, std::size_t joint, const Change& change);
 
 /// Of sorted losses those of one joint, in the rows [from, until) of a recording.
-std::vector<LostCommand> between(const std::vector<LostCommand>& lost, int source, int joint,
-                                 std::size_t from, std::size_t until);
+std::vector<LostCommand> between(const std::vector<LostCommand>& lost, std::size_t source,
+                                 std::size_t joint, std::size_t from, std::size_t until);
 
 bool holds(const std::vector<LostCommand>& lost, const LostCommand& command);
 

@@ -12,9 +12,10 @@ namespace sanso::diagnose {
 bool is_effort(Signal signal);
 
 /// (measured - given) / floor of the effort channels, the servo following the recorded positions
-/// and velocities as the sensors saw them. Layout of Problem; entries of the other channels, and
+/// and velocities as the sensors saw them. Layout of Comparison; entries of the other channels, and
 /// rows without a measurement, are 0. A model whose simulated motion drifts is not blamed for its
 /// drift here.
-Eigen::VectorXd effort_error(const Problem& problem, const Library& library, const Model& model);
+Eigen::VectorXd effort_error(const Comparison& comparison, const Library& library,
+                             const Model& model);
 
 }  // namespace sanso::diagnose

@@ -1,6 +1,7 @@
 // Shots whose position error stands far above the joint's other shots: mean square m by shot,
 //
-//   event where m >= shot_outlier^2 max(1, median m);   excess = (m - max(1, median m)) rows
+//   event where m >= shot_outlier^2 u;   excess = (m - u) rows
+//   u = max(1, median m, what a tolerated model scatters there)
 #include "tools/diagnose/explain/events.h"
 
 #include <algorithm>
@@ -14,29 +15,41 @@ namespace {
 /// Mean square of a channel's errors in a shot, in units of the channel's floor.
 double mean_square(const Problem& problem, std::size_t channel, const Shot& shot,
                    const Eigen::VectorXd& r) {
-  const Observed& c = problem.channels[channel];
-  const double unit = c.sigma * c.sigma / (c.floor * c.floor);
-  const auto from = static_cast<Eigen::Index>(shot.offset + channel * shot.rows);
-  return unit * r.segment(from, static_cast<Eigen::Index>(shot.rows)).squaredNorm() /
-         static_cast<double>(shot.rows);
+  const Observed& c = problem->channels[channel];
+  const double sigma = problem.scales.sigma[channel];
+  const double unit = sigma * sigma / (c.floor * c.floor);
+  return unit * rows_of(r, shot, channel).squaredNorm() / static_cast<double>(shot.rows);
 }
 
 }  // namespace
 
-std::vector<Event> find_events(const Problem& problem, const Eigen::VectorXd& projected) {
+Eigen::MatrixXd mean_squares(const Problem& problem, const Eigen::VectorXd& projected) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(problem->channels.size(), problem->shots.size());
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    if (problem->channels[c].signal != Signal::q) continue;
+    for (std::size_t s = 0; s < problem->shots.size(); ++s)
+      out(c, s) = mean_square(problem, c, problem->shots[s], projected);
+  }
+  return out;
+}
+
+std::vector<Event> find_events(const Problem& problem, const Eigen::VectorXd& projected,
+                               const Eigen::MatrixXd& tolerated) {
   std::vector<Event> out;
-  const double outlier = problem.settings.decisions.shot_outlier;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    if (problem.channels[c].signal != Signal::q) continue;
+  const double outlier = problem->settings.decisions.shot_outlier;
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    if (problem->channels[c].signal != Signal::q) continue;
     std::vector<double> squares;
-    for (const Shot& shot : problem.shots)
+    for (const Shot& shot : problem->shots)
       squares.push_back(mean_square(problem, c, shot, projected));
     const double usual = std::max(1.0, median(squares));
     for (std::size_t s = 0; s < squares.size(); ++s) {
-      if (squares[s] < outlier * outlier * usual) continue;
-      const double rows = static_cast<double>(problem.shots[s].rows);
+      double level = usual;
+      if (tolerated.size() > 0) level = std::max(level, tolerated(c, s));
+      if (squares[s] < outlier * outlier * level) continue;
+      const double rows = static_cast<double>(problem->shots[s].rows);
       out.push_back(
-          {s, problem.channels[c].joint, std::sqrt(squares[s]), (squares[s] - usual) * rows});
+          {s, problem->channels[c].joint, std::sqrt(squares[s]), (squares[s] - level) * rows});
     }
   }
   std::stable_sort(out.begin(), out.end(),
@@ -56,12 +69,12 @@ RepeatedEvents repeated(const std::vector<Event>& events) {
   return out;
 }
 
-std::vector<double> instants_of(const Problem& problem, const std::vector<Event>& events,
+std::vector<double> instants_of(const Comparison& comparison, const std::vector<Event>& events,
                                 std::size_t limit) {
   std::vector<double> out;
   for (const Event& e : events) {
-    const Shot& shot = problem.shots[e.shot];
-    const std::vector<double>& t = problem.sources[static_cast<std::size_t>(shot.source)].drive.t;
+    const Shot& shot = comparison.shots[e.shot];
+    const std::vector<double>& t = comparison.sources[shot.source].drive.t;
     const double from = t[shot.window.first], length = t[shot.window.last] - from;
     const bool known = std::any_of(out.begin(), out.end(),
                                    [&](double x) { return std::abs(x - from) < 0.5 * length; });

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "tools/diagnose/explain/steps.h"
 
@@ -32,23 +33,42 @@ void say_judged(SearchState& state, int step, const Alternative& a, bool bounds_
                 const std::string& refused) {
   const HeldoutGain gain =
       state.gain_of(a.fit.model.effects.back(), state.found.final_heldout, a.heldout);
-  state.say(fmt::format("step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}){}{}",
-                        step + 1, state.candidate(a.candidate).title(),
-                        100 * gain.total / state.whole(), 100 * gain.lower / state.whole(),
-                        bounds_allowed ? ", ends at a bound" : "",
-                        refused.empty() ? ", accepted" : ", refused: " + refused));
+  state.say(fmt::format(
+      "step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}; bounded {:.1f}, at least "
+      "{:.1f}){}{}",
+      step + 1, state.candidate(a.candidate).title(), 100 * gain.removed() / state.whole(),
+      100 * gain.energy.lower / state.whole(), 100 * gain.bounded.total / gain.whole,
+      100 * gain.bounded.lower / gain.whole, bounds_allowed ? ", ends at a bound" : "",
+      refused.empty() ? ", accepted" : ", refused: " + refused));
+}
+
+/// What stands against a name: its gates, then the residual that it should have changed.
+struct Objections {
+  std::string gate, residual;
+};
+
+Objections objections_to(const SearchState& state, const Alternative& a) {
+  Objections out;
+  out.gate = refused_by(state, a);
+  if (out.gate.empty()) out.residual = state.residual_against(state.found.final, a.fit);
+  return out;
 }
 
 /// First those inside their bounds that no residual contradicts; one of two missing effects may
 /// look contradicted.
 bool accept_first(SearchState& state, int step, std::vector<Alternative> fitted,
                   const Screening& screening) {
+  std::vector<std::optional<Objections>> judged(fitted.size());
   for (const auto& [bounds_allowed, refutable] :
        {std::pair{false, true}, {false, false}, {true, true}}) {
     for (std::size_t i = 0; i < fitted.size(); ++i) {
       if (at_bound(state.library, fitted[i]) != bounds_allowed) continue;
-      const std::string refused = refused_by(state, fitted[i], refutable);
-      say_judged(state, step, fitted[i], bounds_allowed, refused);
+      const bool first_time = !judged[i];
+      if (first_time) judged[i] = objections_to(state, fitted[i]);
+      const std::string& refused =
+          judged[i]->gate.empty() && refutable ? judged[i]->residual : judged[i]->gate;
+      if (first_time || refused.empty())
+        say_judged(state, step, fitted[i], bounds_allowed, refused);
       if (!refused.empty()) continue;
       accept(state, std::move(fitted), i, screening);
       return true;
@@ -67,9 +87,9 @@ bool forward(SearchState& state, int step) {
                                      Random(state.options.seed, 10 + step), &found.first,
                                      found.final.J.leftCols(found.final.parameters));
   if (step > 0) state.calibrate(screening);
-  const std::vector<int> which =
-      rivals(state.problem.settings, state.library, screening,
-             std::max(state.practical(), state.decisions().minimum_share * state.whole()));
+  const std::vector<std::size_t> which = rivals(
+      state.problem->settings, state.library, screening,
+      std::max(state.practical(), state.decisions().minimum_share * found.final_heldout.sum()));
   if (which.empty()) {
     state.say(fmt::format(
         "step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,

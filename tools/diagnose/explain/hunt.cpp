@@ -15,26 +15,25 @@
 namespace sanso::diagnose {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 
 /// The same comparison in noise levels (or trust floors): the search's own levels grew with what is
 /// to be found here.
-Problem in_noise_levels(Problem problem) {
-  for (Observed& channel : problem.channels) channel.sigma = channel.floor;
-  return problem;
+Problem in_noise_levels(const Problem& problem) {
+  return {problem.comparison, floors(*problem), problem.correction};
 }
 
 SimParams params_of(const Problem& problem, const Library& library, const Model& model) {
-  SimParams params = problem.sources.front().nominal;
+  SimParams params = problem->sources.front().nominal;
   library.apply(model, params);
   return params;
 }
 
-Price price_of(const Problem& problem, const Commands& commands, const std::vector<int>& joints) {
-  const double level = problem.settings.decisions.family_wise;
+Price price_of(const Comparison& comparison, const Commands& commands,
+               const std::vector<std::size_t>& joints) {
+  const double level = comparison.settings.decisions.family_wise;
   const double tried =
-      (1.0 + commands.count(joints)) * static_cast<double>(problem.settings.chance.loss_runs);
+      (1.0 + commands.count(joints)) * static_cast<double>(comparison.settings.chance.loss_runs);
   return {2.0 * std::log(tried / level), 2.0 * std::log(2.0 / level)};
 }
 
@@ -49,33 +48,30 @@ double Price::of(const std::vector<LostCommand>& lost) const {
   return sum;
 }
 
-Hunt::Hunt(const Surroundings& around, const Model& model, const std::vector<int>& joints)
+Hunt::Hunt(const Surroundings& around, const Model& model, const std::vector<std::size_t>& joints)
     : library_(*around.library),
       model_(model),
-      problem_(in_noise_levels(*around.problem)),
+      problem_(in_noise_levels(around.problem)),
       starts_(problem_, library_, model_),
-      commands_(problem_, params_of(problem_, library_, model_)),
-      price_(price_of(problem_, commands_, joints)),
+      commands_(problem_.comparison, params_of(problem_, library_, model_)),
+      price_(price_of(*problem_, commands_, joints)),
       state_{{}, prediction_error(problem_, library_, model_)},
       first_(state_.r) {}
 
 /// Shots in which the joint's error is more than noise, worst first.
-std::vector<std::size_t> Hunt::outstanding(int joint) const {
+std::vector<std::size_t> Hunt::outstanding(std::size_t joint) const {
   const VectorXd projected = starts_.project(state_.r);
   std::vector<std::pair<double, std::size_t>> excess;
-  for (std::size_t s = 0; s < problem_.shots.size(); ++s) {
-    const Shot& shot = problem_.shots[s];
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
     double energy = 0.0, freedom = 0.0;
-    for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
-      const Observed& channel = problem_.channels[c];
+    for (std::size_t c = 0; c < problem_->channels.size(); ++c) {
+      const Observed& channel = problem_->channels[c];
       if (channel.joint != joint) continue;
-      energy += projected
-                    .segment(static_cast<Index>(shot.offset + c * shot.rows),
-                             static_cast<Index>(shot.rows))
-                    .squaredNorm();
+      energy += rows_of(projected, shot, c).squaredNorm();
       freedom += static_cast<double>(shot.rows) * std::pow(channel.noise / channel.floor, 2.0);
     }
-    if (chi_square_tail(energy, std::max(freedom, 3.0)) < problem_.settings.decisions.family_wise)
+    if (chi_square_tail(energy, std::max(freedom, 3.0)) < problem_->settings.decisions.family_wise)
       excess.emplace_back(energy, s);
   }
   std::stable_sort(excess.begin(), excess.end(),
@@ -86,18 +82,18 @@ std::vector<std::size_t> Hunt::outstanding(int joint) const {
 }
 
 std::vector<LostCommand> Hunt::lost_in(const std::vector<LostCommand>& lost, const Shot& shot,
-                                       int joint) const {
+                                       std::size_t joint) const {
   return between(lost, shot.source, joint, commands_.first_row(shot, joint), shot.window.last);
 }
 
 /// Every row and run whose loss would change what a shot receives, or a loss that is taken back.
-std::vector<Change> Hunt::all_changes(const Shot& shot, int joint) const {
+std::vector<Change> Hunt::all_changes(const Shot& shot, std::size_t joint) const {
   std::vector<Change> out;
   for (std::size_t row = commands_.first_row(shot, joint); row < shot.window.last; ++row) {
     if (!commands_.changes(shot.source, joint, row) &&
         !holds(state_.lost, {shot.source, joint, row - 1}))
       continue;
-    for (int k = 0; k < problem_.settings.chance.loss_runs; ++k) {
+    for (int k = 0; k < problem_->settings.chance.loss_runs; ++k) {
       const std::size_t run = std::size_t{1} << k;
       if (row + run <= shot.window.last) out.push_back({row, run});
     }
@@ -107,9 +103,9 @@ std::vector<Change> Hunt::all_changes(const Shot& shot, int joint) const {
 
 /// What was second best to the change just made, and what lets its run grow.
 std::vector<Change> Hunt::promising_after(const std::vector<Change>& sorted, const Shot& shot,
-                                          int joint) const {
+                                          std::size_t joint) const {
   const std::size_t kept =
-      std::min(sorted.size(), static_cast<std::size_t>(problem_.settings.chance.promising));
+      std::min(sorted.size(), static_cast<std::size_t>(problem_->settings.chance.promising));
   std::vector<Change> out(sorted.begin() + 1, sorted.begin() + static_cast<std::ptrdiff_t>(kept));
   const std::size_t row = sorted.front().row, end = row + sorted.front().run;
   if (row > commands_.first_row(shot, joint)) out.push_back({row - 1, 1});
@@ -118,18 +114,17 @@ std::vector<Change> Hunt::promising_after(const std::vector<Change>& sorted, con
 }
 
 /// Gains of changes, tried one at a time in every shot: pass p tries the p-th of each.
-void Hunt::try_out(int joint, const std::vector<Hunted>& hunted,
+void Hunt::try_out(std::size_t joint, const std::vector<Hunted>& hunted,
                    std::vector<std::vector<Change>>& of) const {
   std::size_t passes = 0;
   for (const std::vector<Change>& one : of) passes = std::max(passes, one.size());
   const VectorXd before = starts_.energy_by_shot(state_.r);
-  parallel_for(static_cast<int>(passes), [&](int p) {
-    const auto pass = static_cast<std::size_t>(p);
+  parallel_for(passes, [&](std::size_t pass) {
     std::vector<LostCommand> lost = state_.lost;
-    std::vector<char> wanted(problem_.shots.size(), 0);
+    std::vector<char> wanted(problem_->shots.size(), 0);
     for (std::size_t i = 0; i < of.size(); ++i) {
       if (pass >= of[i].size()) continue;
-      put(lost, problem_.shots[hunted[i].shot], joint, of[i][pass]);
+      put(lost, problem_->shots[hunted[i].shot], joint, of[i][pass]);
       wanted[hunted[i].shot] = 1;
     }
     const VectorXd r =
@@ -138,8 +133,8 @@ void Hunt::try_out(int joint, const std::vector<Hunted>& hunted,
     for (std::size_t i = 0; i < of.size(); ++i) {
       if (pass >= of[i].size()) continue;
       Change& c = of[i][pass];
-      const Shot& shot = problem_.shots[hunted[i].shot];
-      const auto s = static_cast<Index>(hunted[i].shot);
+      const Shot& shot = problem_->shots[hunted[i].shot];
+      const std::size_t s = hunted[i].shot;
       c.energy = before[s] - after[s];
       const std::vector<LostCommand> had = lost_in(state_.lost, shot, joint);
       std::vector<LostCommand> has = had;
@@ -150,7 +145,7 @@ void Hunt::try_out(int joint, const std::vector<Hunted>& hunted,
   });
 }
 
-void Hunt::note_responses(int joint, int source, const std::vector<Change>& tried) {
+void Hunt::note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried) {
   for (const Change& c : tried) {
     if (c.run != 1 || !commands_.changes(source, joint, c.row)) continue;
     const double jump = commands_.jump(source, joint, c.row);
@@ -160,18 +155,18 @@ void Hunt::note_responses(int joint, int source, const std::vector<Change>& trie
 
 /// The best change of every shot under way, where it pays. Returns the shots that stay under way;
 /// `moved`: those whose losses are others now.
-std::vector<Hunted> Hunt::round(int joint, const std::vector<Hunted>& hunted,
+std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hunted,
                                 std::vector<char>& moved) {
   std::vector<std::vector<Change>> of;
   for (const Hunted& h : hunted) {
-    of.push_back(h.promising.empty() ? all_changes(problem_.shots[h.shot], joint) : h.promising);
+    of.push_back(h.promising.empty() ? all_changes(problem_->shots[h.shot], joint) : h.promising);
   }
   try_out(joint, hunted, of);
   std::vector<Hunted> again;
   for (std::size_t i = 0; i < hunted.size(); ++i) {
     std::stable_sort(of[i].begin(), of[i].end(),
                      [](const Change& a, const Change& b) { return a.gain > b.gain; });
-    const Shot& shot = problem_.shots[hunted[i].shot];
+    const Shot& shot = problem_->shots[hunted[i].shot];
     const bool pays = !of[i].empty() && of[i].front().gain > 0.0;
     if (hunted[i].promising.empty()) note_responses(joint, shot.source, of[i]);
     if (!pays && hunted[i].promising.empty()) continue;  // nothing of all there is pays
@@ -189,12 +184,12 @@ std::vector<Hunted> Hunt::round(int joint, const std::vector<Hunted>& hunted,
 
 /// Takes the losses of these shots, the best change at a time, as long as they pay. Returns how
 /// many shots had one.
-std::size_t Hunt::take(int joint, const std::vector<std::size_t>& shots) {
+std::size_t Hunt::take(std::size_t joint, const std::vector<std::size_t>& shots) {
   std::vector<Hunted> hunted;
   for (const std::size_t s : shots) hunted.push_back({s});
   std::set<std::size_t> with;
-  for (int n = 0; n < problem_.settings.chance.loss_changes && !hunted.empty(); ++n) {
-    std::vector<char> moved(problem_.shots.size(), 0);
+  for (int n = 0; n < problem_->settings.chance.loss_changes && !hunted.empty(); ++n) {
+    std::vector<char> moved(problem_->shots.size(), 0);
     hunted = round(joint, hunted, moved);
     for (std::size_t s = 0; s < moved.size(); ++s) {
       if (moved[s] != 0) with.insert(s);
@@ -203,18 +198,18 @@ std::size_t Hunt::take(int joint, const std::vector<std::size_t>& shots) {
   return with.size();
 }
 
-bool Hunt::lost_some(int joint) {
+bool Hunt::lost_some(std::size_t joint) {
   std::vector<std::size_t> worst = outstanding(joint);
   if (worst.empty()) return false;
   worst.resize(
-      std::min(worst.size(), static_cast<std::size_t>(problem_.settings.chance.worst_shots)));
+      std::min(worst.size(), static_cast<std::size_t>(problem_->settings.chance.worst_shots)));
   const Repaired before = state_;
   if (2 * take(joint, worst) >= worst.size()) return true;
   state_ = before;
   return false;
 }
 
-void Hunt::take_all(int joint) { take(joint, outstanding(joint)); }
+void Hunt::take_all(std::size_t joint) { take(joint, outstanding(joint)); }
 
 void Hunt::forget_nuisances() {
   model_.nuisance.assign(library_.nuisances.size(), 0.0);
@@ -222,8 +217,7 @@ void Hunt::forget_nuisances() {
 }
 
 void Hunt::refit() {
-  Problem known = problem_;
-  hold(known, state_.lost);
+  const Problem known = with_lost(problem_, state_.lost);
   Surroundings around = make_surroundings(known, library_, model_);
   around.set_shot_scale(around.starts.energy_by_shot(prediction_error(known, library_, model_)));
   model_ = fit(around, model_, 3).model;
@@ -231,12 +225,12 @@ void Hunt::refit() {
   state_.r = prediction_error(known, library_, model_);
 }
 
-std::vector<std::vector<Change>> Hunt::taken_back(int joint) const {
+std::vector<std::vector<Change>> Hunt::taken_back(std::size_t joint) const {
   std::vector<Hunted> hunted;
   std::vector<std::vector<Change>> back;
-  for (std::size_t s = 0; s < problem_.shots.size(); ++s) {
+  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
     std::vector<Change> own;
-    for (const LostCommand& l : lost_in(state_.lost, problem_.shots[s], joint))
+    for (const LostCommand& l : lost_in(state_.lost, problem_->shots[s], joint))
       own.push_back({l.row, 1});
     if (own.empty()) continue;
     hunted.push_back({s});

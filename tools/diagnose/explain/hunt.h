@@ -37,21 +37,19 @@ struct Repaired {
 class Hunt {
  public:
   /// `joints`: where commands may have been lost. `model`: all else that is known.
-  Hunt(const Surroundings& around, const Model& model, const std::vector<int>& joints);
-  Hunt(const Hunt&) = delete;  // commands() refers to problem()
-  Hunt& operator=(const Hunt&) = delete;
+  Hunt(const Surroundings& around, const Model& model, const std::vector<std::size_t>& joints);
 
   /// Whether losses explain most of the joint's shots that are farthest from noise; if not, none of
   /// them is kept.
-  bool lost_some(int joint);
+  bool lost_some(std::size_t joint);
   /// Takes losses out of every shot of the joint whose error is more than noise.
-  void take_all(int joint);
+  void take_all(std::size_t joint);
   /// What losses do on average was taken for a lag within tolerance: nuisances at their null.
   void forget_nuisances();
   /// Nuisances were fitted to motions with the losses in them: once more, with the losses known.
   void refit();
   /// Of each loss, alone taken back again; by shot of the joint that has one.
-  std::vector<std::vector<Change>> taken_back(int joint) const;
+  std::vector<std::vector<Change>> taken_back(std::size_t joint) const;
 
   const Problem& problem() const { return problem_; }  // in noise levels
   const Library& library() const { return library_; }
@@ -66,17 +64,18 @@ class Hunt {
   const std::vector<double>& responses() const { return responses_; }
 
  private:
-  std::vector<std::size_t> outstanding(int joint) const;
+  std::vector<std::size_t> outstanding(std::size_t joint) const;
   std::vector<LostCommand> lost_in(const std::vector<LostCommand>& lost, const Shot& shot,
-                                   int joint) const;
-  std::vector<Change> all_changes(const Shot& shot, int joint) const;
+                                   std::size_t joint) const;
+  std::vector<Change> all_changes(const Shot& shot, std::size_t joint) const;
   std::vector<Change> promising_after(const std::vector<Change>& sorted, const Shot& shot,
-                                      int joint) const;
-  void try_out(int joint, const std::vector<Hunted>& hunted,
+                                      std::size_t joint) const;
+  void try_out(std::size_t joint, const std::vector<Hunted>& hunted,
                std::vector<std::vector<Change>>& of) const;
-  void note_responses(int joint, int source, const std::vector<Change>& tried);
-  std::vector<Hunted> round(int joint, const std::vector<Hunted>& hunted, std::vector<char>& moved);
-  std::size_t take(int joint, const std::vector<std::size_t>& shots);
+  void note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried);
+  std::vector<Hunted> round(std::size_t joint, const std::vector<Hunted>& hunted,
+                            std::vector<char>& moved);
+  std::size_t take(std::size_t joint, const std::vector<std::size_t>& shots);
 
   const Library& library_;
   Model model_;  // refit() moves its nuisances

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -42,9 +43,12 @@ const char* words(Signal signal) {
 ///
 ///   slope     = sum_s d_s'r_s / sum_s d_s'd_s       1: as promised, 0: did not happen
 ///   predicted = sqrt(sum_s d_s'd_s)                 noise levels
-///   low, high = slope -+ 1.96 sqrt(sum_s (d_s'r_s - slope d_s'd_s)^2) / sum_s d_s'd_s
+///   low, high = slope -+ 1.96 sqrt(sum_s (d_s'r_s - slope d_s'd_s)^2 / (1 - h_s)^2)
+///                              / sum_s d_s'd_s,     h_s = d_s'd_s / sum d'd
 ///
-/// A shot is one observation: errors of neighbouring rows are not independent.
+/// A shot is one observation: errors of neighbouring rows are not independent. Without h (the
+/// jackknife's, MacKinnon and White 1985) a shot that holds most of the promise would seem to be
+/// certain of it.
 IncidenceRow row_of(const Sums& sums) {
   IncidenceRow row;
   row.residual = sums.residual;
@@ -53,8 +57,9 @@ IncidenceRow row_of(const Sums& sums) {
   row.predicted = std::sqrt(dd);
   row.slope = dd > 0.0 ? dr / dd : 0.0;
   double square = 0.0;
-  for (std::size_t s = 0; s < sums.dd.size(); ++s) {
-    const double e = sums.dr[s] - row.slope * sums.dd[s];
+  for (std::size_t s = 0; s < sums.dd.size() && dd > 0.0; ++s) {
+    const double leverage = sums.dd[s] / dd;
+    const double e = (sums.dr[s] - row.slope * sums.dd[s]) / std::max(1.0 - leverage, 1e-3);
     square += e * e;
   }
   const double half = dd > 0.0 ? 1.96 * std::sqrt(square) / dd : 0.0;
@@ -76,31 +81,29 @@ Model less_the_effect(const Model& without, const Model& with) {
 void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without,
                                           const Model& with, Eigen::VectorXd& measured,
                                           Eigen::VectorXd& promised) {
-  const Problem& problem = *around.problem;
-  const Eigen::VectorXd error = effort_error(problem, *around.library, without);
-  const Eigen::VectorXd change = error - effort_error(problem, *around.library, with);
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      if (!is_effort(problem.channels[c].signal)) continue;
-      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
-      const auto rows = static_cast<Eigen::Index>(shot.rows);
-      measured.segment(from, rows) = error.segment(from, rows);
-      promised.segment(from, rows) = change.segment(from, rows);
+  const Comparison& comparison = *around.problem;
+  const Eigen::VectorXd error = effort_error(comparison, *around.library, without);
+  const Eigen::VectorXd change = error - effort_error(comparison, *around.library, with);
+  for (const Shot& shot : comparison.shots) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
+      if (!is_effort(comparison.channels[c].signal)) continue;
+      rows_of(measured, shot, c) = rows_of(error, shot, c);
+      rows_of(promised, shot, c) = rows_of(change, shot, c);
     }
   }
 }
 
 /// Adds one shot of one channel to the residuals in which it counts.
-void add_shot(const Problem& problem, const Regimes& regimes, std::size_t s, std::size_t c,
+void add_shot(const Comparison& comparison, const Regimes& regimes, std::size_t s, std::size_t c,
               const Eigen::VectorXd& r, const Eigen::VectorXd& d, Table& table) {
-  const Shot& shot = problem.shots[s];
-  const Observed& channel = problem.channels[c];
+  const Shot& shot = comparison.shots[s];
+  const Observed& channel = comparison.channels[c];
   const auto sums_in = [&](const std::string& regime) {
     const ErrorPart residual{channel.signal, regime};
     Sums& sums = table.residuals[to_string(residual)];
     sums.residual = residual;
-    sums.dr.resize(problem.shots.size(), 0.0);
-    sums.dd.resize(problem.shots.size(), 0.0);
+    sums.dr.resize(comparison.shots.size(), 0.0);
+    sums.dd.resize(comparison.shots.size(), 0.0);
     return &sums;
   };
   const auto add = [s](Sums& sums, double dr, double dd) {
@@ -113,24 +116,24 @@ void add_shot(const Problem& problem, const Regimes& regimes, std::size_t s, std
   if (channel.signal == Signal::q) {
     for (const std::string& regime : regimes.names) by_regime.push_back(sums_in(regime));
   }
+  const auto there = rows_of(r, shot, c), promised = rows_of(d, shot, c);
   for (std::size_t k = 0; k < shot.rows; ++k) {
-    const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
-    const double dr = d[i] * r[i], dd = d[i] * d[i];
+    const double dr = promised[k] * there[k], dd = promised[k] * promised[k];
     if (!is_effort(channel.signal)) table.total += dd;
     add(whole, dr, dd);
-    const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
+    const std::size_t row = recorded_row(shot, k);
     for (std::size_t g = 0; g < by_regime.size(); ++g) {
       if (regimes.in(shot.source, channel.joint, g, row)) add(*by_regime[g], dr, dd);
     }
   }
 }
 
-Table sums_of(const Problem& problem, const Regimes& regimes, const Eigen::VectorXd& r,
+Table sums_of(const Comparison& comparison, const Regimes& regimes, const Eigen::VectorXd& r,
               const Eigen::VectorXd& d) {
   Table table;
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c)
-      add_shot(problem, regimes, s, c, r, d, table);
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c)
+      add_shot(comparison, regimes, s, c, r, d, table);
   }
   return table;
 }
@@ -144,13 +147,12 @@ std::string to_string(const ErrorPart& residual) {
 
 std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes,
                                     const FitResult& without, const FitResult& with) {
-  const Problem& problem = *around.problem;
   // r: the error that is there; d: the change of it that the explanation promises
   Eigen::VectorXd r = around.starts.project(without.r);
   Eigen::VectorXd d = around.starts.project(without.r - with.r);
   judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model),
                                        with.model, r, d);
-  const Table table = sums_of(problem, regimes, r, d);
+  const Table table = sums_of(*around.problem, regimes, r, d);
   std::vector<IncidenceRow> out;
   for (const auto& [name, sums] : table.residuals) {
     const IncidenceRow row = row_of(sums);

@@ -17,7 +17,6 @@
 namespace sanso::diagnose {
 namespace {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Commands whose loss would change the motion alike much.
@@ -35,37 +34,34 @@ bool loses(const Candidate& c, const SimParams& params) {
   if (!c.random) return false;
   SimParams with = params;
   c.apply(with, c.probes.front());
-  return std::all_of(c.joints.begin(), c.joints.end(), [&](int j) {
-    return with.joints[static_cast<std::size_t>(j)].loss >
-           params.joints[static_cast<std::size_t>(j)].loss;
-  });
+  return std::all_of(c.joints.begin(), c.joints.end(),
+                     [&](std::size_t j) { return with.joints[j].loss > params.joints[j].loss; });
 }
 
 /// Candidates that lose commands, and that the model does not have.
-std::vector<int> losing_candidates(const Surroundings& around, const Model& model) {
+std::vector<std::size_t> losing_candidates(const Surroundings& around, const Model& model) {
   const Library& library = *around.library;
   SimParams params = around.problem->sources.front().nominal;
   library.apply(model, params);
-  std::vector<int> out;
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-    if (!model.has(static_cast<int>(i)) && loses(library.candidates[i], params))
-      out.push_back(static_cast<int>(i));
+    if (!model.has(i) && loses(library[i], params)) out.push_back(i);
   }
   return out;
 }
 
-/// The smallest of the candidates that loses commands at all of these joints; -1: none does.
-int smallest_at(const Library& library, const std::vector<int>& candidates,
-                const std::vector<int>& losing) {
-  int best = -1;
-  for (const int i : candidates) {
-    const std::vector<int>& own = library.candidates[static_cast<std::size_t>(i)].joints;
-    const bool all = std::all_of(losing.begin(), losing.end(), [&](int j) {
+/// The smallest of the candidates that loses commands at all of these joints, if one does.
+std::optional<std::size_t> smallest_at(const Library& library,
+                                       const std::vector<std::size_t>& candidates,
+                                       const std::vector<std::size_t>& losing) {
+  std::optional<std::size_t> best;
+  for (const std::size_t i : candidates) {
+    const std::vector<std::size_t>& own = library[i].joints;
+    const bool all = std::all_of(losing.begin(), losing.end(), [&](std::size_t j) {
       return std::find(own.begin(), own.end(), j) != own.end();
     });
     if (!all) continue;
-    if (best < 0 || own.size() < library.candidates[static_cast<std::size_t>(best)].joints.size())
-      best = i;
+    if (!best || own.size() < library[*best].joints.size()) best = i;
   }
   return best;
 }
@@ -86,9 +82,9 @@ double run_effect(const std::vector<LostCommand>& lost) {
 
 /// A command is lost or it is not; what merely looks like holds wants a little more here and half
 /// as much there.
-double misfit(const Hunt& hunt, const std::vector<int>& losing) {
+double misfit(const Hunt& hunt, const std::vector<std::size_t>& losing) {
   std::vector<double> out;
-  for (const int joint : losing) {
+  for (const std::size_t joint : losing) {
     for (const std::vector<Change>& of_shot : hunt.taken_back(joint)) {
       for (const Change& c : of_shot) {
         if (c.made > hunt.price().first)
@@ -99,15 +95,12 @@ double misfit(const Hunt& hunt, const std::vector<int>& losing) {
   return out.empty() ? INFINITY : median(out);
 }
 
-double position_energy(const Problem& problem, const VectorXd& projected) {
+double position_energy(const Comparison& comparison, const VectorXd& projected) {
   double sum = 0.0;
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      if (problem.channels[c].signal != Signal::q) continue;
-      sum += projected
-                 .segment(static_cast<Index>(shot.offset + c * shot.rows),
-                          static_cast<Index>(shot.rows))
-                 .squaredNorm();
+  for (const Shot& shot : comparison.shots) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
+      if (comparison.channels[c].signal != Signal::q) continue;
+      sum += rows_of(projected, shot, c).squaredNorm();
     }
   }
   return sum;
@@ -115,17 +108,18 @@ double position_energy(const Problem& problem, const VectorXd& projected) {
 
 /// Commands of a candidate's joints, and those lost, by whether the loss of one would show: what it
 /// would change, from the median response of those tried, is more than its price.
-void count(const Hunt& hunt, const std::vector<int>& joints, Showing& showing, Showing& hidden) {
+void count(const Hunt& hunt, const std::vector<std::size_t>& joints, Showing& showing,
+           Showing& hidden) {
   const Commands& commands = hunt.commands();
   const double response = median(hunt.responses());
-  const auto place = [&](int source, int joint, std::size_t row) -> Showing& {
+  const auto place = [&](std::size_t source, std::size_t joint, std::size_t row) -> Showing& {
     const double jump = commands.jump(source, joint, row);
     const bool shows =
         commands.changes(source, joint, row) && response * jump * jump > hunt.price().first;
     return shows ? showing : hidden;
   };
-  for (const Shot& shot : hunt.problem().shots) {
-    for (const int joint : joints) {
+  for (const Shot& shot : hunt.problem()->shots) {
+    for (const std::size_t joint : joints) {
       for (std::size_t row = commands.first_row(shot, joint); row < shot.window.last; ++row) {
         if (commands.changes(shot.source, joint, row)) ++place(shot.source, joint, row).commands;
       }
@@ -134,14 +128,15 @@ void count(const Hunt& hunt, const std::vector<int>& joints, Showing& showing, S
   for (const LostCommand& l : hunt.repaired().lost) ++place(l.source, l.joint, l.row).lost;
 }
 
-LossScore score_of(const Hunt& hunt, int candidate, const std::vector<int>& losing) {
+LossScore score_of(const Hunt& hunt, std::size_t candidate,
+                   const std::vector<std::size_t>& losing) {
   const Library& library = hunt.library();
   const Problem& problem = hunt.problem();
   LossScore out;
   out.candidate = candidate;
   out.lost = hunt.repaired().lost;
   Showing showing, hidden;
-  count(hunt, library.candidates[static_cast<std::size_t>(candidate)].joints, showing, hidden);
+  count(hunt, library[candidate].joints, showing, hidden);
   out.seen = showing.lost;
   out.visible = showing.commands;
   const Interval interval = showing.interval(run_effect(out.lost));
@@ -151,12 +146,12 @@ LossScore score_of(const Hunt& hunt, int candidate, const std::vector<int>& losi
   out.blind = hidden.interval(1.0).low <= showing.interval(1.0).high;
   out.misfit = misfit(hunt, losing);
   out.p_family =
-      std::min(1.0, problem.settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));
+      std::min(1.0, problem->settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));
   const StartElimination& starts = hunt.starts();
   out.repaired = starts.project(hunt.repaired().r);
-  out.energy = position_energy(problem, starts.project(hunt.error_before())) -
-               position_energy(problem, out.repaired);
-  Surroundings around{&problem, &library, starts, {}};
+  out.energy = position_energy(*problem, starts.project(hunt.error_before())) -
+               position_energy(*problem, out.repaired);
+  Surroundings around{problem, &library, starts, {}};
   around.set_shot_scale(starts.energy_by_shot(hunt.repaired().r));
   out.left = position_error_level(around, hunt.repaired().r, {});
   return out;
@@ -164,30 +159,34 @@ LossScore score_of(const Hunt& hunt, int candidate, const std::vector<int>& losi
 
 }  // namespace
 
-LossScore find_losses(const Surroundings& around, const FitResult& final) {
+std::optional<LossScore> find_losses(const Surroundings& around, const FitResult& final) {
   const Library& library = *around.library;
-  const std::vector<int> candidates = losing_candidates(around, final.model);
-  std::vector<int> joints, losing;
-  for (const int i : candidates) {
-    const Candidate& c = library.candidates[static_cast<std::size_t>(i)];
+  const std::vector<std::size_t> candidates = losing_candidates(around, final.model);
+  std::vector<std::size_t> joints, losing;
+  for (const std::size_t i : candidates) {
+    const Candidate& c = library[i];
     if (c.joints.size() == 1) joints.push_back(c.joints.front());
   }
-  if (joints.empty()) return {};
+  if (joints.empty()) return std::nullopt;
   Hunt hunt(around, final.model, joints);
-  for (const int joint : joints) {
+  for (const std::size_t joint : joints) {
     if (hunt.lost_some(joint)) losing.push_back(joint);
   }
-  if (losing.empty()) return {};
+  if (losing.empty()) return std::nullopt;
+  const std::optional<std::size_t> candidate = smallest_at(library, candidates, losing);
+  if (!candidate) return std::nullopt;
+  // what merely looks like holds shows in the worst shots already: no need to look through the rest
+  if (misfit(hunt, losing) > 2.0 * around.settings().decisions.standard_errors)
+    return score_of(hunt, *candidate, losing);
   hunt.forget_nuisances();
-  for (const int joint : losing) hunt.take_all(joint);
+  for (const std::size_t joint : losing) hunt.take_all(joint);
   for (int pass = 0; pass < around.settings().chance.loss_refits; ++pass) {
     hunt.refit();
     const std::size_t before = hunt.repaired().lost.size();
-    for (const int joint : losing) hunt.take_all(joint);
+    for (const std::size_t joint : losing) hunt.take_all(joint);
     if (hunt.repaired().lost.size() == before) break;
   }
-  const int candidate = smallest_at(library, candidates, losing);
-  return candidate < 0 ? LossScore{} : score_of(hunt, candidate, losing);
+  return score_of(hunt, *candidate, losing);
 }
 
 }  // namespace sanso::diagnose

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "tools/diagnose/fit/fit.h"
@@ -13,7 +14,7 @@ namespace sanso::diagnose {
 
 /// What is said about the lost commands of one candidate (an effect that sets JointParams::loss).
 struct LossScore {
-  int candidate = -1;
+  std::size_t candidate = 0;
   std::vector<LostCommand> lost;  // those found, in order
   // losses found among the commands whose loss would show
   int seen = 0, visible = 0;
@@ -36,8 +37,7 @@ struct LossScore {
 /// Looks for lost commands at every joint where a candidate of the library could have lost some.
 /// Shots whose error is noise are not tried. A hold is believed when its likelihood ratio beats the
 /// number of holds tried at the family-wise level: for two fixed hypotheses P(ratio > x) <= 1 / x,
-/// whatever the size of what the hold changes. `candidate` -1:
-/// none found.
-LossScore find_losses(const Surroundings& around, const FitResult& final);
+/// whatever the size of what the hold changes. Empty: none found.
+std::optional<LossScore> find_losses(const Surroundings& around, const FitResult& final);
 
 }  // namespace sanso::diagnose

@@ -12,7 +12,7 @@ namespace sanso::diagnose {
 
 /// Errors against time, shifted: every recording's rows of a channel by the same number, around its
 /// end. Colour and size stay.
-Eigen::VectorXd shifted(const Problem& problem, const std::vector<Piece>& pieces,
+Eigen::VectorXd shifted(const Comparison& comparison, const std::vector<Piece>& pieces,
                         const Eigen::VectorXd& x, Random& random);
 
 /// Errors that the fitted model's own readings would have: noise, and the quantisation of the

@@ -39,10 +39,11 @@ void backward(SearchState& state, std::size_t just_judged) {
       continue;
     }
     FitResult reduced = state.without(i);
-    const HeldoutGain gain = state.gain_of(
-        found.final.model.effects[i], heldout_energy(*found.around, reduced), found.final_heldout);
-    const bool needed = gain.lower > 0.0 && gain.total > state.practical() &&
-                        gain.total > state.decisions().minimum_share * state.whole();
+    const Eigen::VectorXd without = heldout_energy(*found.around, reduced);
+    const HeldoutGain gain =
+        state.gain_of(found.final.model.effects[i], without, found.final_heldout);
+    const bool needed = gain.beyond_chance() && gain.removed() > state.practical() &&
+                        gain.removed() > state.decisions().minimum_share * without.sum();
     if (needed) {
       ++i;
       continue;
@@ -77,7 +78,7 @@ void drop_refuted(SearchState& state) {
     }
     const std::string title = state.accepted(i).title();
     const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
-    if (compare(state.decisions(), energy, found.final_heldout).total >
+    if (compare(state.decisions(), energy, found.final_heldout).removed() >
         state.decisions().stand_in_share * energy.sum()) {
       state.say("contradicted, kept as a description: " + title + ", " + refuted);
       found.accepted[i].contradicted = refuted;

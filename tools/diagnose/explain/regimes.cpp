@@ -44,7 +44,7 @@ class JointRegimes {
     mask.assign(names.size(), std::vector<char>(rows_.size(), 0));
     const auto set = [&](const char* name, std::size_t row, bool value) {
       const auto at = std::find(names.begin(), names.end(), name);
-      if (value) mask[static_cast<std::size_t>(at - names.begin())][row] = 1;
+      if (value) mask[at - names.begin()][row] = 1;
     };
     mark_reversals(scale, set);
     mark_standstill(scale, set);
@@ -156,7 +156,7 @@ JointScale scale_of(const std::vector<JointRegimes>& recordings) {
 
 }  // namespace
 
-Regimes find_regimes(const Problem& problem) {
+Regimes find_regimes(const Comparison& comparison) {
   Regimes out;
   out.names = {"reversal",   "standstill",   "breakaway",
                "low speed",  "middle speed", "high speed",
@@ -165,19 +165,18 @@ Regimes find_regimes(const Problem& problem) {
                "low load",   "high load",    "near a limit",
                "torque off", "low voltage",  "high voltage",
                "cold",       "hot",          "first minute"};
-  const std::size_t sources = problem.sources.size(), n = problem.joints.size();
+  const std::size_t sources = comparison.sources.size(), n = comparison.joints.size();
   out.mask.assign(sources, std::vector<std::vector<std::vector<char>>>(n));
   std::vector<ReplayTorques> torques(sources);
-  parallel_for(static_cast<int>(sources), [&](int s) {
-    const Source& source = problem.sources[static_cast<std::size_t>(s)];
-    torques[static_cast<std::size_t>(s)] =
-        replay_torques(source.nominal, source.drive, source.motion);
+  parallel_for(sources, [&](std::size_t s) {
+    const Source& source = comparison.sources[s];
+    torques[s] = replay_torques(source.nominal, source.drive, source.motion);
   });
-  parallel_for(static_cast<int>(n), [&](int j) {
-    const auto joint = static_cast<std::size_t>(j);
+  parallel_for(n, [&](std::size_t joint) {
     std::vector<JointRegimes> recordings;
     for (std::size_t s = 0; s < sources; ++s)
-      recordings.emplace_back(problem.sources[s], joint, torques[s], problem.settings.regimes);
+      recordings.emplace_back(comparison.sources[s], joint, torques[s],
+                              comparison.settings.regimes);
     const JointScale scale = scale_of(recordings);
     for (std::size_t s = 0; s < sources; ++s)
       recordings[s].fill(scale, out.mask[s][joint], out.names);

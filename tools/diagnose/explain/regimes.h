@@ -12,14 +12,13 @@ namespace sanso::diagnose {
 struct Regimes {
   std::vector<std::string> names;
   std::vector<std::vector<std::vector<std::vector<char>>>> mask;  // [source][joint][regime][row]
-  bool in(int source, int joint, std::size_t regime, std::size_t row) const {
-    return mask[static_cast<std::size_t>(source)][static_cast<std::size_t>(joint)][regime][row] !=
-           0;
+  bool in(std::size_t source, std::size_t joint, std::size_t regime, std::size_t row) const {
+    return mask[source][joint][regime][row] != 0;
   }
 };
 
 /// Regimes of every row from the smoothed motion, the commands and the torques that the nominal
 /// model replays.
-Regimes find_regimes(const Problem& problem);
+Regimes find_regimes(const Comparison& comparison);
 
 }  // namespace sanso::diagnose

@@ -1,8 +1,9 @@
 // Full fits of candidates for one place of the model, and their order:
 //
 //   tried     p < family_wise and linear_reach z^2 > least energy, the best of every cluster
-//   behind    E(candidate) - E(best) on held-out groups, with its paired standard error
-//   best      fewest parameters among behind <= max(standard error + unit, what matters)
+//   behind    what the best gains over it on held-out groups (HeldoutGain)
+//   best      fewest parameters among those not beaten: gain <= standard errors + unit, or energy
+//             removed <= what matters
 #include "tools/diagnose/explain/rivals.h"
 
 #include <algorithm>
@@ -14,21 +15,18 @@
 namespace sanso::diagnose {
 namespace {
 
-const Candidate& candidate(const Library& library, int i) {
-  return library.candidates[static_cast<std::size_t>(i)];
-}
-
 int free_parameters(const Candidate& c) {
   return static_cast<int>(std::count_if(c.parameters.begin(), c.parameters.end(),
                                         [](const CandidateParameter& p) { return !p.structural; }));
 }
 
 /// Of every cluster of `significant` (strongest first) the strongest.
-std::vector<int> cluster_leaders(const Screening& screening, const std::vector<int>& significant,
-                                 double same_signature) {
-  std::vector<int> leaders;
-  for (const int c : significant) {
-    const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](int other) {
+std::vector<std::size_t> cluster_leaders(const Screening& screening,
+                                         const std::vector<std::size_t>& significant,
+                                         double same_signature) {
+  std::vector<std::size_t> leaders;
+  for (const std::size_t c : significant) {
+    const bool new_cluster = std::none_of(leaders.begin(), leaders.end(), [&](std::size_t other) {
       return screening.similarity(c, other) > same_signature;
     });
     if (new_cluster) leaders.push_back(c);
@@ -36,7 +34,7 @@ std::vector<int> cluster_leaders(const Screening& screening, const std::vector<i
   return leaders;
 }
 
-const Alternative* find(const std::vector<Alternative>& all, int c) {
+const Alternative* find(const std::vector<Alternative>& all, std::size_t c) {
   const auto it =
       std::find_if(all.begin(), all.end(), [c](const Alternative& a) { return a.candidate == c; });
   return it == all.end() ? nullptr : &*it;
@@ -44,11 +42,22 @@ const Alternative* find(const std::vector<Alternative>& all, int c) {
 
 /// An earlier fit that was far behind, judged again without fitting it.
 Alternative as_it_was(const Surroundings& around, Alternative a) {
-  a.fit.r = prediction_error(*around.problem, *around.library, a.fit.model);
+  a.fit.r = prediction_error(around.problem, *around.library, a.fit.model);
   // too good for it by what its fit has learned
   a.heldout = around.bounded(around.starts.energy_by_shot(a.fit.r));
   a.fit.objective = a.heldout.sum();
   return a;
+}
+
+/// A tolerance that went to its bound on the way may hold a fit where it is: once more from the
+/// same effects with the tolerances at their null, and what is better.
+FitResult freed(const Surroundings& around, FitResult found) {
+  const auto nuisances = found.fixed.begin() + found.parameters;
+  if (std::find(nuisances, found.fixed.end(), 1) == found.fixed.end()) return found;
+  const FittingSettings& fitting = around.settings().fitting;
+  FitResult again = fit(around, Model{found.model.effects, {}}, fitting.first_iterations);
+  if (again.objective >= found.objective) return found;
+  return resume(around, std::move(again), fitting.iterations - fitting.first_iterations);
 }
 
 /// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it
@@ -56,7 +65,7 @@ Alternative as_it_was(const Surroundings& around, Alternative a) {
 template <class F>
 bool any_parameter(const Library& library, const Alternative& a, const F& f) {
   const std::vector<double> sigma = parameter_sigmas(a.fit, library);
-  const std::vector<CandidateParameter>& parameters = candidate(library, a.candidate).parameters;
+  const std::vector<CandidateParameter>& parameters = library[a.candidate].parameters;
   const std::size_t first = sigma.size() - parameters.size();
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].structural) continue;
@@ -69,54 +78,57 @@ bool any_parameter(const Library& library, const Alternative& a, const F& f) {
 
 }  // namespace
 
-double practical_energy(const Problem& problem) {
-  const double size = problem.settings.decisions.practical_size;
-  return std::max(kNoiseUnit, size * size * rows_of_a_joint(problem));
+bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical) {
+  return behind.certainty() > settings.standard_errors && behind.removed() > practical;
 }
 
-std::vector<int> rivals(const Settings& settings, const Library& library,
-                        const Screening& screening, double least_energy) {
+double practical_energy(const Comparison& comparison) {
+  const double size = comparison.settings.decisions.practical_size;
+  return std::max(kNoiseUnit, size * size * rows_of_a_joint(comparison));
+}
+
+std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
+                                const Screening& screening, double least_energy) {
   const DecisionSettings& decisions = settings.decisions;
-  std::vector<int> significant, chosen;
-  for (const int c : screening.ranking()) {
-    if (candidate(library, c).random) continue;  // judged by scatter
+  std::vector<std::size_t> significant, chosen;
+  for (const std::size_t c : screening.ranking()) {
+    if (library[c].random) continue;  // judged by scatter
     const ProbeScore& best = *screening.best(c);
     // what a fit can remove is the squared score, as far as the model is linear
     const bool worth = settings.fitting.linear_reach * best.score * best.score > least_energy;
     if (best.p_family < decisions.family_wise && worth) significant.push_back(c);
   }
-  const std::vector<int> leaders =
+  const std::vector<std::size_t> leaders =
       cluster_leaders(screening, significant, decisions.same_signature);
-  const auto add = [&](int c) {
-    if (static_cast<int>(chosen.size()) < decisions.rivals &&
-        std::find(chosen.begin(), chosen.end(), c) == chosen.end())
+  const auto most = static_cast<std::size_t>(decisions.rivals);
+  const auto add = [&](std::size_t c) {
+    if (chosen.size() < most && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
       chosen.push_back(c);
   };
-  for (const int leader : leaders) {
-    int simplest = leader;
-    for (const int c : significant) {
+  for (const std::size_t leader : leaders) {
+    std::size_t simplest = leader;
+    for (const std::size_t c : significant) {
       const bool member = screening.similarity(c, leader) > decisions.same_signature;
       const bool nearly = screening.best(c)->score > 0.8 * screening.best(leader)->score;
-      if (member && nearly &&
-          free_parameters(candidate(library, c)) < free_parameters(candidate(library, simplest)))
+      if (member && nearly && free_parameters(library[c]) < free_parameters(library[simplest]))
         simplest = c;
     }
     add(simplest);
     if (leader == leaders.front()) add(leader);
   }
-  for (const int leader : leaders) add(leader);
-  for (const int c : significant) add(c);
+  for (const std::size_t leader : leaders) add(leader);
+  for (const std::size_t c : significant) add(c);
   return chosen;
 }
 
-std::vector<int> replacements(const DecisionSettings& settings, const Library& library,
-                              const Screening& first, const Model& model, int accepted,
-                              const std::vector<Alternative>& fitted) {
-  std::vector<std::pair<double, int>> order;
-  const Candidate& own = candidate(library, accepted);
-  for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-    const int c = static_cast<int>(i);
-    const Candidate& other = candidate(library, c);
+std::vector<std::size_t> replacements(const DecisionSettings& settings, const Library& library,
+                                      const Screening& first, const Model& model,
+                                      std::size_t accepted,
+                                      const std::vector<Alternative>& fitted) {
+  std::vector<std::pair<double, std::size_t>> order;
+  const Candidate& own = library[accepted];
+  for (std::size_t c = 0; c < library.candidates.size(); ++c) {
+    const Candidate& other = library[c];
     if (model.has(c) || other.random) continue;
     const double similarity = first.similarity(accepted, c);
     const bool same_place =
@@ -128,21 +140,22 @@ std::vector<int> replacements(const DecisionSettings& settings, const Library& l
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<int> out;
+  const auto most = static_cast<std::size_t>(settings.rivals);
+  std::vector<std::size_t> out;
   for (const auto& [score, c] : order) {
-    if (static_cast<int>(out.size()) < settings.rivals) out.push_back(c);
+    if (out.size() < most) out.push_back(c);
   }
   return out;
 }
 
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
-                                 double base_objective, const std::vector<int>& which,
+                                 double base_objective, const std::vector<std::size_t>& which,
                                  const Screening& screening,
                                  const std::vector<Alternative>& known) {
   std::vector<Alternative> out(which.size());
-  parallel_for(static_cast<int>(which.size()), [&](int i) {
-    Alternative& a = out[static_cast<std::size_t>(i)];
-    a.candidate = which[static_cast<std::size_t>(i)];
+  parallel_for(which.size(), [&](std::size_t i) {
+    Alternative& a = out[i];
+    a.candidate = which[i];
     const Alternative* before = find(known, a.candidate);
     const bool same_base =
         base.effects.empty() && before != nullptr && before->fit.model.effects.size() == 1;
@@ -162,14 +175,15 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
   for (const Alternative& a : out) best = std::min(best, a.fit.objective);
   const double near =
       best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);
-  parallel_for(static_cast<int>(which.size()), [&](int i) {
-    Alternative& a = out[static_cast<std::size_t>(i)];
+  parallel_for(which.size(), [&](std::size_t i) {
+    Alternative& a = out[i];
     if (a.far_behind) return;
     a.far_behind = a.fit.objective > near;
     if (!a.fit.converged && !a.far_behind)
       a.fit =
           resume(around, std::move(a.fit),
                  around.settings().fitting.iterations - around.settings().fitting.first_iterations);
+    if (!a.far_behind) a.fit = freed(around, std::move(a.fit));
     a.heldout = heldout_energy(around, a.fit);
   });
   return out;
@@ -177,22 +191,20 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
 
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all) {
   if (all.empty()) return;
-  std::stable_sort(all.begin(), all.end(), [](const Alternative& a, const Alternative& b) {
-    return a.heldout.sum() < b.heldout.sum();
+  const DecisionSettings& decisions = problem->settings.decisions;
+  double unit = INFINITY;
+  for (const Alternative& a : all) unit = std::min(unit, typical_energy(a.heldout));
+  std::stable_sort(all.begin(), all.end(), [unit](const Alternative& a, const Alternative& b) {
+    return bounded_energy(a.heldout, unit) < bounded_energy(b.heldout, unit);
   });
   const Eigen::VectorXd best = all.front().heldout;
-  for (Alternative& a : all) {
-    const HeldoutGain g = compare(problem.settings.decisions, a.heldout, best);
-    a.behind = g.total;
-    a.behind_se = g.standard_error;
-  }
+  for (Alternative& a : all) a.behind = compare(decisions, a.heldout, best);
   std::size_t pick = 0;
   for (std::size_t i = 1; i < all.size(); ++i) {
-    // a name with more parameters has to be better by something that matters
-    const bool close =
-        all[i].behind <= std::max(all[i].behind_se + kNoiseUnit, practical_energy(problem));
-    if (close && free_parameters(candidate(library, all[i].candidate)) <
-                     free_parameters(candidate(library, all[pick].candidate)))
+    // a name with more parameters has to be better beyond chance, by something that matters
+    const bool close = !beaten(decisions, all[i].behind, practical_energy(*problem));
+    if (close &&
+        free_parameters(library[all[i].candidate]) < free_parameters(library[all[pick].candidate]))
       pick = i;
   }
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
@@ -200,7 +212,7 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
 }
 
 bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a) {
-  const std::vector<CandidateParameter>& all = candidate(library, a.candidate).parameters;
+  const std::vector<CandidateParameter>& all = library[a.candidate].parameters;
   if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; }))
     return true;
   const double width = settings.standard_errors;

@@ -11,32 +11,35 @@ namespace sanso::diagnose {
 
 /// A candidate that was fitted fully at one place of the model, with everything else refitted.
 struct Alternative {
-  int candidate = 0;
+  std::size_t candidate = 0;
   FitResult fit;
   Eigen::VectorXd heldout;  // energy by shot
   bool far_behind = false;  // after the first steps of its fit: not polished
-  double behind = 0.0;      // held-out energy above the best alternative's
-  double behind_se = 0.0;   // standard error of that difference
+  HeldoutGain behind = {};  // what the best alternative gains over it
   double similarity = 0.0;  // of its signature to the chosen one's
 };
+
+/// The best alternative predicts better than this one by more than `standard_errors` and by more
+/// than what matters.
+bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical);
 
 /// A difference of this many energy units is one unit of log-likelihood.
 inline constexpr double kNoiseUnit = 2.0;
 
 /// Energy that an effect of the smallest size that matters removes, at one joint alone.
-double practical_energy(const Problem& problem);
+double practical_energy(const Comparison& comparison);
 
 /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
 /// strongest, then the strongest members, then the rest by score. `least_energy`: what promises
 /// less is not tried.
-std::vector<int> rivals(const Settings& settings, const Library& library,
-                        const Screening& screening, double least_energy);
+std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
+                                const Screening& screening, double least_energy);
 
 /// Which candidates to try in place of an accepted one of `model`: its cluster, its known
 /// confounders, what was fitted beside it.
-std::vector<int> replacements(const DecisionSettings& settings, const Library& library,
-                              const Screening& first, const Model& model, int accepted,
-                              const std::vector<Alternative>& fitted);
+std::vector<std::size_t> replacements(const DecisionSettings& settings, const Library& library,
+                                      const Screening& first, const Model& model,
+                                      std::size_t accepted, const std::vector<Alternative>& fitted);
 
 /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of
 /// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
@@ -44,12 +47,12 @@ std::vector<int> replacements(const DecisionSettings& settings, const Library& l
 /// Candidates far behind after the first steps (by what the best removes of `base_objective`) are
 /// not polished.
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
-                                 double base_objective, const std::vector<int>& which,
+                                 double base_objective, const std::vector<std::size_t>& which,
                                  const Screening& screening,
                                  const std::vector<Alternative>& known = {});
 
-/// Best first. Among those within one standard error of the best (one-SE rule) or a difference that
-/// does not matter, the one with fewest parameters.
+/// Best first, in the measure of HeldoutGain. Among those that the best does not beat beyond chance
+/// or by something that matters, the one with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
 /// Of the last effect of a fit: its interval excludes the null; a parameter was stopped at a bound.

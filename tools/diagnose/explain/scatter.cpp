@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
+#include <optional>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/explain/null_errors.h"
@@ -23,22 +23,20 @@ using Eigen::VectorXd;
 struct Expected {
   VectorXd rough, whole;
 };
-Expected scatter_of(const Surroundings& around, const Model& model, int candidate, double size,
-                    int draws, Random random) {
-  const Problem& problem = *around.problem;
+Expected scatter_of(const Surroundings& around, const Model& model, std::size_t candidate,
+                    double size, int draws, Random random) {
+  const Problem& problem = around.problem;
   Model with = model;
-  std::vector<double> theta =
-      around.library->candidates[static_cast<std::size_t>(candidate)].probes.front();
+  std::vector<double> theta = (*around.library)[candidate].probes.front();
   theta.front() = size;
   with.effects.push_back({candidate, std::move(theta)});
   std::vector<std::uint64_t> seeds;
   for (int m = 0; m < draws; ++m) seeds.push_back(random.bits() | 1U);
   std::vector<VectorXd> rough(seeds.size()), whole(seeds.size());
-  parallel_for(draws, [&](int m) {
-    const auto k = static_cast<std::size_t>(m);
-    const VectorXd r = drawn_prediction_error(problem, *around.library, with, seeds[k]);
-    rough[k] = rough_part(problem, r);
-    whole[k] = around.starts.project(r);
+  parallel_for(draws, [&](std::size_t m) {
+    const VectorXd r = drawn_prediction_error(problem, *around.library, with, seeds[m]);
+    rough[m] = rough_part(*problem, r);
+    whole[m] = around.starts.project(r);
   });
   const auto variance = [draws](const std::vector<VectorXd>& all) {
     VectorXd sum = VectorXd::Zero(all.front().size()), square = sum;
@@ -48,13 +46,10 @@ Expected scatter_of(const Surroundings& around, const Model& model, int candidat
   return {variance(rough), variance(whole)};
 }
 
-/// What a candidate is measured on: the search's shots and fit, or the same begun and fitted anew.
-struct Ground {
-  std::shared_ptr<Problem> own_problem;
-  std::shared_ptr<Surroundings> own_around;
-  const Surroundings* around = nullptr;
-  const FitResult* final = nullptr;
-  std::shared_ptr<FitResult> own_final = nullptr;
+/// The search's shots, begun and fitted anew.
+struct Anew {
+  Surroundings around;
+  FitResult final;
 };
 
 class Judge {
@@ -78,9 +73,9 @@ class Judge {
   std::vector<ScatterScore> all() {
     const std::vector<Candidate>& candidates = around_.library->candidates;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!candidates[i].random || final_.model.has(static_cast<int>(i))) continue;
+      if (!candidates[i].random || final_.model.has(i)) continue;
       ScatterScore s;
-      s.candidate = static_cast<int>(i);
+      s.candidate = i;
       expected_.push_back(scatter_of(around_, final_.model, s.candidate,
                                      candidates[i].probes.front().front(), draws_,
                                      Random(random_.bits(), i)));
@@ -110,23 +105,23 @@ class Judge {
   }
 
   std::vector<double> maxima(int draws, const std::function<VectorXd(Random&)>& draw) {
-    std::vector<double> out(static_cast<std::size_t>(draws));
+    std::vector<double> out(draws);
     const std::uint64_t key = random_.bits();
-    parallel_for(draws, [&](int i) {
+    parallel_for(draws, [&](std::size_t i) {
       Random own(key, static_cast<std::uint64_t>(i));
-      out[static_cast<std::size_t>(i)] = largest(draw(own));
+      out[i] = largest(draw(own));
     });
     return out;
   }
 
   void family_wise() {
-    const Problem& problem = *around_.problem;
+    const Problem& problem = around_.problem;
     const std::vector<double> shifts =
         maxima(around_.settings().decisions.null_draws,
-               [&](Random& r) { return shifted(problem, pieces_, squares_, r); });
+               [&](Random& r) { return shifted(*problem, pieces_, squares_, r); });
     const std::vector<double> readings = maxima(chance().parametric_draws, [&](Random& r) {
-      return capped(problem, pieces_,
-                    rough_part(problem, simulated_error(problem, final_.r, r)).cwiseAbs2());
+      return capped(*problem, pieces_,
+                    rough_part(*problem, simulated_error(problem, final_.r, r)).cwiseAbs2());
     });
     const auto p = [](const std::vector<double>& null, double score) {
       const auto above =
@@ -146,46 +141,38 @@ class Judge {
       return size_at_unit_share(sizes, all);
     }
   };
-  Sized sized(const Ground& ground, int candidate, int draws, std::uint64_t key) const {
+  Sized sized(const Surroundings& around, const FitResult& final, std::size_t candidate, int draws,
+              std::uint64_t key) const {
     const double largest = candidate_of(candidate).parameters.front().high;
-    const VectorXd squares = rough_part(*ground.around->problem, ground.final->r).cwiseAbs2();
+    const VectorXd squares = rough_part(*around.problem, final.r).cwiseAbs2();
     Sized out;
     const int sizes = chance().sizes;
     for (int i = 0; i < sizes; ++i) {
       out.sizes.push_back(largest *
                           std::pow(12.0, static_cast<double>(i - sizes + 1) / (sizes - 1)));
-      const Expected e = scatter_of(*ground.around, ground.final->model, candidate,
-                                    out.sizes.back(), draws, Random(key));
-      out.share.push_back(scatter_share(*ground.around->problem, pieces_, squares, e.rough, draws));
+      const Expected e =
+          scatter_of(around, final.model, candidate, out.sizes.back(), draws, Random(key));
+      out.share.push_back(scatter_share(*around.problem, pieces_, squares, e.rough, draws));
     }
     return out;
   }
-  const Candidate& candidate_of(int i) const {
-    return around_.library->candidates[static_cast<std::size_t>(i)];
-  }
+  const Candidate& candidate_of(std::size_t i) const { return (*around_.library)[i]; }
 
   /// The same shots, from where they begin when a candidate of that size says how well readings are
-  /// known.
-  Ground ground_with(int candidate, double size) const {
+  /// known; empty: where they begin already.
+  std::optional<Anew> anew_with(std::size_t candidate, double size) const {
     Model model = final_.model;
     model.effects.push_back({candidate, candidate_of(candidate).probes.front()});
     model.effects.back().theta.front() = size;
     const std::vector<double> jitter = jitter_of(*around_.problem, *around_.library, model);
-    if (jitter == jitter_of(*around_.problem, *around_.library, final_.model))
-      return {nullptr, nullptr, &around_, &final_};
-    Ground out;
-    out.own_problem = std::make_shared<Problem>(*around_.problem);
-    resmooth(*out.own_problem, jitter);
-    out.own_around = std::make_shared<Surroundings>(Surroundings{
-        out.own_problem.get(), around_.library,
-        StartElimination(*out.own_problem, *around_.library, final_.model), around_.A});
-    const VectorXd r = prediction_error(*out.own_problem, *around_.library, final_.model);
-    out.own_around->set_shot_scale(out.own_around->starts.energy_by_shot(r));
-    out.own_final =
-        std::make_shared<FitResult>(fit(*out.own_around, final_.model, chance().steps_anew));
-    out.around = out.own_around.get();
-    out.final = out.own_final.get();
-    return out;
+    if (jitter == jitter_of(*around_.problem, *around_.library, final_.model)) return std::nullopt;
+    const Problem problem = resmoothed(around_.problem, jitter);
+    Surroundings around{problem, around_.library,
+                        StartElimination(problem, *around_.library, final_.model), around_.A};
+    const VectorXd r = prediction_error(problem, *around_.library, final_.model);
+    around.set_shot_scale(around.starts.energy_by_shot(r));
+    FitResult fitted = fit(around, final_.model, chance().steps_anew);
+    return Anew{std::move(around), std::move(fitted)};
   }
 
   /// Size, interval and expected energy of a candidate that stands out. A few draws first: most
@@ -198,25 +185,26 @@ class Judge {
       return;
     std::vector<std::size_t> shots(around_.problem->shots.size());
     for (std::size_t i = 0; i < shots.size(); ++i) shots[i] = i;
-    Ground ground{nullptr, nullptr, &around_, &final_};
+    std::optional<Anew> anew;
+    const auto around = [&]() -> const Surroundings& { return anew ? anew->around : around_; };
+    const auto final = [&]() -> const FitResult& { return anew ? anew->final : final_; };
     const auto expect = [&](const Sized& tried, int draws) {
       s.size = tried.size_of(shots);
       s.beyond = tried.share.back().over(shots) > chance().beyond;
-      if (ground.own_problem == nullptr) ground = ground_with(s.candidate, s.size);
+      if (!anew) anew = anew_with(s.candidate, s.size);
       s.expected =
-          scatter_of(*ground.around, final_.model, s.candidate, s.size, draws, Random(key)).whole;
+          scatter_of(around(), final_.model, s.candidate, s.size, draws, Random(key)).whole;
       s.energy = s.expected.sum();
-      s.left = position_error_level(*ground.around, ground.final->r, s.expected);
+      s.left = position_error_level(around(), final().r, s.expected);
     };
-    expect(sized(ground, s.candidate, chance().least_draws, key), chance().least_draws);
+    expect(sized(around(), final(), s.candidate, chance().least_draws, key), chance().least_draws);
     if (s.left > chance().margin * around_.settings().decisions.adequate) return;
-    const Sized tried = sized(ground, s.candidate, 2 * draws_, key);
+    const Sized tried = sized(around(), final(), s.candidate, 2 * draws_, key);
     expect(tried, draws_);
     std::vector<double> resampled;
     for (int b = 0; b < around_.settings().decisions.bootstrap; ++b) {
       std::vector<std::size_t> drawn = shots;
-      for (std::size_t& i : drawn)
-        i = static_cast<std::size_t>(random_.below(static_cast<int>(shots.size())));
+      for (std::size_t& i : drawn) i = random_.below(static_cast<int>(shots.size()));
       resampled.push_back(tried.size_of(drawn));
     }
     s.low = quantile(resampled, 0.025);
@@ -236,8 +224,9 @@ class Judge {
 
 }  // namespace
 
-std::vector<double> jitter_of(const Problem& problem, const Library& library, const Model& model) {
-  SimParams params = problem.sources.front().nominal;
+std::vector<double> jitter_of(const Comparison& comparison, const Library& library,
+                              const Model& model) {
+  SimParams params = comparison.sources.front().nominal;
   library.apply(model, params);
   std::vector<double> out;
   for (const JointParams& joint : params.joints) out.push_back(joint.jitter);

@@ -15,7 +15,7 @@ namespace sanso::diagnose {
 
 /// What one random effect (Effect::random) says about the scatter that a fitted model leaves.
 struct ScatterScore {
-  int candidate = 0;
+  std::size_t candidate = 0;
   double size = 0.0, low = 0.0, high = 0.0;  // of its first parameter, 95 % interval over shots
   // more scatter than the largest size of the library makes: something else
   bool beyond = false;
@@ -39,6 +39,7 @@ std::vector<ScatterScore> judge_scatter(const Surroundings& around, const FitRes
                                         double least_energy, Random random);
 
 /// Standard deviation of the instants of readings in a model, s, by joint.
-std::vector<double> jitter_of(const Problem& problem, const Library& library, const Model& model);
+std::vector<double> jitter_of(const Comparison& comparison, const Library& library,
+                              const Model& model);
 
 }  // namespace sanso::diagnose

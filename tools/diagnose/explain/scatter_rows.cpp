@@ -13,13 +13,19 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// The rows of a piece in a stacked vector.
+template <class Stacked>
+auto rows_of(Stacked&& stacked, const Comparison& comparison, const Piece& piece) {
+  return diagnose::rows_of(stacked, comparison.shots[piece.shot], piece.channel);
+}
+
 /// Mean of a channel's entries, by channel.
-std::vector<double> means(const Problem& problem, const std::vector<Piece>& pieces,
+std::vector<double> means(const Comparison& comparison, const std::vector<Piece>& pieces,
                           const VectorXd& x) {
-  std::vector<double> sum(problem.channels.size(), 0.0), count(problem.channels.size(), 0.0);
+  std::vector<double> sum(comparison.channels.size(), 0.0), count(comparison.channels.size(), 0.0);
   for (const Piece& p : pieces) {
-    sum[p.channel] += x.segment(p.from, p.rows).sum();
-    count[p.channel] += static_cast<double>(p.rows);
+    sum[p.channel] += rows_of(x, comparison, p).sum();
+    count[p.channel] += static_cast<double>(comparison.shots[p.shot].rows);
   }
   for (std::size_t c = 0; c < sum.size(); ++c) sum[c] /= std::max(count[c], 1.0);
   return sum;
@@ -27,57 +33,53 @@ std::vector<double> means(const Problem& problem, const std::vector<Piece>& piec
 
 }  // namespace
 
-std::vector<Piece> pieces_of(const Problem& problem) {
+std::vector<Piece> pieces_of(const Comparison& comparison) {
   std::vector<Piece> out;
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Shot& shot = problem.shots[s];
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      out.push_back(
-          {static_cast<Index>(shot.offset + c * shot.rows), static_cast<Index>(shot.rows), c, s});
-    }
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c) out.push_back({s, c});
   }
   return out;
 }
 
-VectorXd rough_part(const Problem& problem, const VectorXd& x) {
+VectorXd rough_part(const Comparison& comparison, const VectorXd& x) {
   VectorXd out = VectorXd::Zero(x.size());
-  for (const Piece& p : pieces_of(problem)) {
-    if (p.rows < 3) continue;
-    const Index inner = p.rows - 2;
-    out.segment(p.from + 1, inner) =
-        x.segment(p.from + 1, inner) -
-        0.5 * (x.segment(p.from, inner) + x.segment(p.from + 2, inner));
+  for (const Piece& p : pieces_of(comparison)) {
+    const auto rows = rows_of(x, comparison, p);
+    if (rows.size() < 3) continue;
+    const Index inner = rows.size() - 2;
+    rows_of(out, comparison, p).segment(1, inner) =
+        rows.segment(1, inner) - 0.5 * (rows.head(inner) + rows.tail(inner));
   }
   return out;
 }
 
-VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces, const VectorXd& x) {
+VectorXd capped(const Comparison& comparison, const std::vector<Piece>& pieces, const VectorXd& x) {
   VectorXd out = x;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+  for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
     std::vector<double> values;
     for (const Piece& p : pieces) {
-      if (p.channel == c)
-        values.insert(values.end(), x.data() + p.from, x.data() + p.from + p.rows);
+      const auto rows = rows_of(x, comparison, p);
+      if (p.channel == c) values.insert(values.end(), rows.begin(), rows.end());
     }
-    const double cap = quantile(values, 1.0 - problem.settings.chance.capped_share);
+    const double cap = quantile(values, 1.0 - comparison.settings.chance.capped_share);
     for (const Piece& p : pieces) {
-      if (p.channel == c) out.segment(p.from, p.rows) = out.segment(p.from, p.rows).cwiseMin(cap);
+      if (p.channel == c) rows_of(out, comparison, p) = rows_of(out, comparison, p).cwiseMin(cap);
     }
   }
   return out;
 }
 
-double scatter_score(const Problem& problem, const std::vector<Piece>& pieces,
+double scatter_score(const Comparison& comparison, const std::vector<Piece>& pieces,
                      const VectorXd& squares, const VectorXd& expected) {
-  const std::vector<double> square = means(problem, pieces, squares),
-                            scatter = means(problem, pieces, expected);
+  const std::vector<double> square = means(comparison, pieces, squares),
+                            scatter = means(comparison, pieces, expected);
   double covariance = 0.0, variance = 0.0;
   for (const Piece& p : pieces) {
     const double mean = square[p.channel];
     if (!(mean > 0.0)) continue;
-    const auto v = expected.segment(p.from, p.rows).array() - scatter[p.channel];
+    const auto v = rows_of(expected, comparison, p).array() - scatter[p.channel];
     // a channel counts by its precision: scatter of a noisy channel says little
-    covariance += (v * (squares.segment(p.from, p.rows).array() / mean - 1.0)).sum() / mean;
+    covariance += (v * (rows_of(squares, comparison, p).array() / mean - 1.0)).sum() / mean;
     variance += 2.0 * v.square().sum() / (mean * mean);
   }
   return variance > 0.0 ? covariance / std::sqrt(variance) : 0.0;
@@ -89,22 +91,22 @@ double ScatterShare::over(const std::vector<std::size_t>& shots) const {
   return below > 0.0 ? above / below : 0.0;
 }
 
-ScatterShare scatter_share(const Problem& problem, const std::vector<Piece>& pieces,
+ScatterShare scatter_share(const Comparison& comparison, const std::vector<Piece>& pieces,
                            const VectorXd& squares, const VectorXd& expected, int draws) {
-  const std::vector<double> square = means(problem, pieces, squares),
-                            scatter = means(problem, pieces, expected);
-  ScatterShare out{std::vector<double>(problem.shots.size(), 0.0),
-                   std::vector<double>(problem.shots.size(), 0.0)};
+  const std::vector<double> square = means(comparison, pieces, squares),
+                            scatter = means(comparison, pieces, expected);
+  ScatterShare out{std::vector<double>(comparison.shots.size(), 0.0),
+                   std::vector<double>(comparison.shots.size(), 0.0)};
   for (const Piece& p : pieces) {
     const double mean = square[p.channel];
     if (!(mean > 0.0)) continue;
-    const auto v = expected.segment(p.from, p.rows).array() - scatter[p.channel];
+    const auto v = rows_of(expected, comparison, p).array() - scatter[p.channel];
     out.covariance[p.shot] +=
-        (v * (squares.segment(p.from, p.rows).array() - mean)).sum() / (mean * mean);
+        (v * (rows_of(squares, comparison, p).array() - mean)).sum() / (mean * mean);
     // squares of a variance from few draws are too large by (draws + 1) / (draws - 1)
     const double centre = scatter[p.channel], honest = (draws - 1.0) / (draws + 1.0);
-    out.variance[p.shot] += (honest * expected.segment(p.from, p.rows).squaredNorm() -
-                             static_cast<double>(p.rows) * centre * centre) /
+    out.variance[p.shot] += (honest * rows_of(expected, comparison, p).squaredNorm() -
+                             static_cast<double>(comparison.shots[p.shot].rows) * centre * centre) /
                             (mean * mean);
   }
   return out;

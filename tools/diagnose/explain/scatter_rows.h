@@ -17,27 +17,25 @@
 
 namespace sanso::diagnose {
 
-/// The stretches in which rows follow each other: [from, from + rows) of one channel of one
-/// recording's shot.
+/// A stretch in which rows follow each other: one channel of one shot.
 struct Piece {
-  Eigen::Index from, rows;
-  std::size_t channel, shot;
+  std::size_t shot, channel;
 };
-std::vector<Piece> pieces_of(const Problem& problem);
+std::vector<Piece> pieces_of(const Comparison& comparison);
 
 /// Second differences within every shot and channel, (x[k] - (x[k-1] + x[k+1]) / 2); 0 at a piece's
 /// ends. Slow errors of a model vanish in it.
-Eigen::VectorXd rough_part(const Problem& problem, const Eigen::VectorXd& x);
+Eigen::VectorXd rough_part(const Comparison& comparison, const Eigen::VectorXd& x);
 
 /// No single row decides: a jump of the command that is simulated a fraction of a millisecond off
 /// makes a large error where nearly every effect scatters most. Caps at
 /// ChanceSettings::capped_share of the channel's rows from above.
-Eigen::VectorXd capped(const Problem& problem, const std::vector<Piece>& pieces,
+Eigen::VectorXd capped(const Comparison& comparison, const std::vector<Piece>& pieces,
                        const Eigen::VectorXd& x);
 
 /// Sum over channels of the covariance between squared error and expected scatter, each channel in
 /// units of its own mean square, over its deviation for independent normal errors.
-double scatter_score(const Problem& problem, const std::vector<Piece>& pieces,
+double scatter_score(const Comparison& comparison, const std::vector<Piece>& pieces,
                      const Eigen::VectorXd& squares, const Eigen::VectorXd& expected);
 
 /// Numerator and denominator of A, by shot.
@@ -47,7 +45,7 @@ struct ScatterShare {
   double over(const std::vector<std::size_t>& shots) const;
 };
 /// `expected` is a variance over `draws` draws; its own error is taken out of the denominator.
-ScatterShare scatter_share(const Problem& problem, const std::vector<Piece>& pieces,
+ScatterShare scatter_share(const Comparison& comparison, const std::vector<Piece>& pieces,
                            const Eigen::VectorXd& squares, const Eigen::VectorXd& expected,
                            int draws);
 

@@ -12,11 +12,12 @@ namespace {
 /// What acts at one instant only has to explain that instant: any blow takes something from any
 /// jerk.
 bool settles_its_event(const SearchState& state, const Alternative& a) {
-  const std::vector<int> occurrence = state.occurrences(a.fit.model.effects.back());
+  const std::vector<std::optional<std::size_t>> occurrence =
+      state.occurrences(a.fit.model.effects.back());
   const auto energy = [&](const Eigen::VectorXd& r) {
     double sum = 0.0;
     for (const Event& e : find_events(state.problem, state.found.around->starts.project(r)))
-      sum += occurrence[e.shot] >= 0 ? e.excess : 0.0;
+      sum += occurrence[e.shot] ? e.excess : 0.0;
     return sum;
   };
   return energy(a.fit.r) <= state.decisions().minimum_share * energy(state.found.final.r);
@@ -24,10 +25,10 @@ bool settles_its_event(const SearchState& state, const Alternative& a) {
 
 }  // namespace
 
-std::vector<int> SearchState::open() const {
-  std::vector<int> out;
+std::vector<std::size_t> SearchState::open() const {
+  std::vector<std::size_t> out;
   for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-    if (!found.final.model.has(static_cast<int>(i))) out.push_back(static_cast<int>(i));
+    if (!found.final.model.has(i)) out.push_back(i);
   }
   return out;
 }
@@ -44,13 +45,12 @@ void SearchState::say(const std::string& text) {
 }
 
 void SearchState::calibrate(const Screening& screening) {
-  for (std::size_t c = 0; c < problem.channels.size(); ++c)
-    problem.channels[c].sigma = screening.channel_sigma[c];
+  problem.scales = screening.scales;
   relinearise();
 }
 
 void SearchState::relinearise() {
-  correct_step(problem, library, found.final.model);
+  problem = step_corrected(problem, library, found.final.model);
   found.around = make_surroundings(problem, library, found.final.model);
   found.around->set_shot_scale(
       found.around->starts.energy_by_shot(prediction_error(problem, library, found.final.model)));
@@ -74,14 +74,14 @@ void SearchState::drop(std::size_t index, FitResult reduced) {
   relinearise();
 }
 
-std::vector<int> SearchState::occurrences(const Chosen& effect) const {
+std::vector<std::optional<std::size_t>> SearchState::occurrences(const Chosen& effect) const {
   const Candidate& c = candidate(effect.candidate);
-  std::vector<int> out(problem.shots.size(), -1);
+  std::vector<std::optional<std::size_t>> out(problem->shots.size());
   for (std::size_t p = 0; p < c.parameters.size(); ++p) {
     if (c.parameters[p].role != Role::event) continue;
     for (std::size_t s = 0; s < out.size(); ++s) {
-      const Shot& shot = problem.shots[s];
-      if (near_instant(problem, shot, effect.theta[p])) out[s] = shot.source;
+      const Shot& shot = problem->shots[s];
+      if (near_instant(*problem, shot, effect.theta[p])) out[s] = shot.source;
     }
   }
   return out;
@@ -96,28 +96,27 @@ std::string SearchState::residual_against(const FitResult& without, const FitRes
   return refuted_by(incidence(*found.around, regimes, without, with));
 }
 
-std::string refused_by(const SearchState& state, const Alternative& a, bool refutable) {
+std::string refused_by(const SearchState& state, const Alternative& a) {
   const Selection& found = state.found;
   const HeldoutGain gain =
       state.gain_of(a.fit.model.effects.back(), found.final_heldout, a.heldout);
-  if (gain.lower <= 0.0) return "held-out gain not beyond chance";
-  if (gain.total < state.practical()) return "changes predictions by less than what matters";
-  if (gain.total < state.decisions().minimum_share * state.whole())
-    return "removes less than 1 % of the error";
+  if (!gain.beyond_chance()) return "held-out gain not beyond chance";
+  if (gain.removed() < state.practical()) return "changes predictions by less than what matters";
+  if (gain.removed() < state.decisions().minimum_share * found.final_heldout.sum())
+    return "removes less than 1 % of what is left";
   if (!leaves_null(state.decisions(), state.library, a)) return "interval contains the null";
   if (!holds_on_conditions(state, a)) return "worse on conditions left out";
   if (!settles_its_event(state, a)) return "leaves errors far above noise at its instant";
-  if (refutable) return state.residual_against(found.final, a.fit);
   return "";
 }
 
 bool holds_on_conditions(const SearchState& state, const Alternative& a) {
-  if (state.problem.conditions < 2) return true;
+  if (state.problem->conditions < 2) return true;
   const Surroundings& around = *state.found.around;
   const HeldoutGain gain =
       compare(state.decisions(), heldout_energy(around, state.found.final, true),
               heldout_energy(around, a.fit, true));
-  return gain.total > -gain.standard_error;
+  return gain.bounded.total > -gain.bounded.standard_error;
 }
 
 }  // namespace sanso::diagnose

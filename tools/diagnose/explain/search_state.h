@@ -2,6 +2,7 @@
 // was found on the way. The steps of the search (steps.h) are functions of it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,26 +18,24 @@ namespace sanso::diagnose {
 ///   found.final, nominal  fitted there, with and without effects
 ///   found.*_heldout       their energies by shot, each from fits without the shot's group
 struct SearchState {
-  SearchState(Problem& problem_, const Library& library_, const SelectOptions& options_)
-      : problem(problem_), library(library_), options(options_), regimes(find_regimes(problem_)) {}
+  SearchState(const Problem& problem_, const Library& library_, const SelectOptions& options_)
+      : problem(problem_), library(library_), options(options_), regimes(find_regimes(*problem_)) {}
 
-  Problem& problem;  // its scales and step errors follow the model
+  Problem problem;  // its scales, correction and starts follow the model
   const Library& library;
   const SelectOptions& options;
   const Regimes regimes;  // of the recorded motion
   Selection found;
 
-  const DecisionSettings& decisions() const { return problem.settings.decisions; }
-  const Candidate& candidate(int i) const {
-    return library.candidates[static_cast<std::size_t>(i)];
-  }
+  const DecisionSettings& decisions() const { return problem->settings.decisions; }
+  const Candidate& candidate(std::size_t i) const { return library[i]; }
   /// The candidate that is accepted at place i.
   const Candidate& accepted(std::size_t i) const { return candidate(found.accepted[i].candidate); }
   /// Candidates that the model does not have.
-  std::vector<int> open() const;
+  std::vector<std::size_t> open() const;
 
   /// Energy that an effect of the smallest size that matters removes.
-  double practical() const { return practical_energy(problem); }
+  double practical() const { return practical_energy(*problem); }
   /// Held-out energy of the nominal model: the whole that shares are taken of.
   double whole() const;
   /// Noise levels in the position error, `scatter` explained by chance.
@@ -53,8 +52,8 @@ struct SearchState {
   void drop(std::size_t index, FitResult reduced);
 
   /// By shot: which occurrence of an effect that acts at one instant it belongs to, one a
-  /// recording; -1: none.
-  std::vector<int> occurrences(const Chosen& effect) const;
+  /// recording; or none.
+  std::vector<std::optional<std::size_t>> occurrences(const Chosen& effect) const;
   /// What `effect` removes on held-out shots.
   HeldoutGain gain_of(const Chosen& effect, const Eigen::VectorXd& without,
                       const Eigen::VectorXd& with) const;
@@ -63,8 +62,7 @@ struct SearchState {
 };
 
 /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
-/// `refutable`: also the residual that it should have changed.
-std::string refused_by(const SearchState& state, const Alternative& a, bool refutable);
+std::string refused_by(const SearchState& state, const Alternative& a);
 
 /// Conditions left out as a whole are predicted no worse than by the current model.
 bool holds_on_conditions(const SearchState& state, const Alternative& a);

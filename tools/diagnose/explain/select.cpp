@@ -18,9 +18,10 @@ namespace {
 
 std::string error_levels(const Problem& problem) {
   std::string text;
-  for (const Observed& c : problem.channels) {
-    text += fmt::format("{}{}:{} {:.2g}", text.empty() ? "" : ", ", to_string(c.signal),
-                        problem.joints[static_cast<std::size_t>(c.joint)], c.sigma);
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    const Observed& channel = problem->channels[c];
+    text += fmt::format("{}{}:{} {:.2g}", text.empty() ? "" : ", ", to_string(channel.signal),
+                        problem->joints[channel.joint], problem.scales.sigma[c]);
   }
   return text;
 }
@@ -28,9 +29,9 @@ std::string error_levels(const Problem& problem) {
 /// The first screening, of the nominal model; channels to the error levels that it finds.
 void start(SearchState& state) {
   Selection& found = state.found;
-  correct_step(state.problem, state.library, Model{});
+  state.problem = step_corrected(state.problem, state.library, Model{});
   found.around = make_surroundings(state.problem, state.library, Model{});
-  const std::vector<int> all = state.open();
+  const std::vector<std::size_t> all = state.open();
   const Eigen::VectorXd r = prediction_error(state.problem, state.library, Model{});
   found.around->set_shot_scale(found.around->starts.energy_by_shot(r));
   found.first = screen(*found.around, Model{}, r, all, Random(state.options.seed, 1), nullptr, {},
@@ -72,10 +73,10 @@ void finish(SearchState& state) {
 
 }  // namespace
 
-Selection select(Problem& problem, const Library& library, const SelectOptions& options) {
+Selection select(const Problem& problem, const Library& library, const SelectOptions& options) {
   SearchState state(problem, library, options);
   start(state);
-  for (int step = 0; step < problem.settings.decisions.maximum_effects; ++step) {
+  for (int step = 0; step < problem->settings.decisions.maximum_effects; ++step) {
     if (!forward(state, step)) break;
     if (state.found.accepted.size() > 1) backward(state, 1);
     untie(state);

@@ -15,7 +15,7 @@
 namespace sanso::diagnose {
 
 struct Accepted {
-  int candidate = 0;
+  std::size_t candidate = 0;
   double p_family = 1.0;
   HeldoutGain gain;           // with it against without it, everything else refitted
   std::vector<double> sigma;  // of its parameters
@@ -47,7 +47,8 @@ struct SelectOptions {
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
-/// Sets the channels' scales (Observed::sigma) in `problem` to the error levels that it finds.
-Selection select(Problem& problem, const Library& library, const SelectOptions& options);
+/// Selection::around holds the problem as the search left it: scales are the error levels that it
+/// found, starts those of the motion that it believes.
+Selection select(const Problem& problem, const Library& library, const SelectOptions& options);
 
 }  // namespace sanso::diagnose

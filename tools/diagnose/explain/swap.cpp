@@ -15,7 +15,8 @@ bool better(const SearchState& state, const std::vector<Alternative>& tried,
   const Alternative& best = tried.front();
   return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
          leaves_null(state.decisions(), state.library, best) &&
-         self.heldout.sum() - best.heldout.sum() > kNoiseUnit && holds_on_conditions(state, best);
+         compare(state.decisions(), self.heldout, best.heldout).bounded.total > kNoiseUnit &&
+         holds_on_conditions(state, best);
 }
 
 /// Puts the best of those tried in the place of the i-th effect.
@@ -41,15 +42,13 @@ std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
   std::vector<Alternative> others;
   for (Alternative& a : tried) {
     if (a.candidate == entry.candidate) continue;
-    const HeldoutGain g =
-        state.gain_of(found.final.model.effects[i], a.heldout, found.final_heldout);
-    a.behind = g.total;
-    a.behind_se = g.standard_error;
+    a.behind = state.gain_of(found.final.model.effects[i], a.heldout, found.final_heldout);
     a.similarity = found.first.similarity(a.candidate, entry.candidate);
     others.push_back(std::move(a));
   }
-  std::stable_sort(others.begin(), others.end(),
-                   [](const Alternative& a, const Alternative& b) { return a.behind < b.behind; });
+  std::stable_sort(others.begin(), others.end(), [](const Alternative& a, const Alternative& b) {
+    return a.behind.bounded.total < b.behind.bounded.total;
+  });
   for (Alternative& a : others) a.fit.J.resize(0, 0);
   return others;
 }
@@ -62,7 +61,7 @@ void swap_for_better(SearchState& state) {
     Accepted& entry = found.accepted[i];
     Model base = found.final.model;
     base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
-    const std::vector<int> which =
+    const std::vector<std::size_t> which =
         replacements(state.decisions(), state.library, found.first, found.final.model,
                      entry.candidate, entry.alternatives);
     std::vector<Alternative> tried =

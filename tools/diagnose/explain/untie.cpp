@@ -12,14 +12,10 @@
 namespace sanso::diagnose {
 namespace {
 
-const Candidate& candidate(const Library& library, const Chosen& chosen) {
-  return library.candidates[static_cast<std::size_t>(chosen.candidate)];
-}
-
 /// At some of the other's joints, not at all of them.
 bool inside(const Candidate& part, const Candidate& whole) {
   return !part.joints.empty() && part.joints.size() < whole.joints.size() &&
-         std::all_of(part.joints.begin(), part.joints.end(), [&](int j) {
+         std::all_of(part.joints.begin(), part.joints.end(), [&](std::size_t j) {
            return std::find(whole.joints.begin(), whole.joints.end(), j) != whole.joints.end();
          });
 }
@@ -28,13 +24,14 @@ bool of_a_kind(const Candidate& tied, const Candidate& inside) {
   return tied.effect == inside.effect || documented_twin(inside.effect, tied.effect);
 }
 
-/// Index of an effect at one joint alone; -1: not in the library.
-int at_joint(const Library& library, const std::string& effect, int joint) {
+/// Index of an effect at one joint alone, if it is in the library.
+std::optional<std::size_t> at_joint(const Library& library, const std::string& effect,
+                                    std::size_t joint) {
   for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-    const Candidate& c = library.candidates[i];
-    if (c.effect == effect && c.joints == std::vector<int>{joint}) return static_cast<int>(i);
+    const Candidate& c = library[i];
+    if (c.effect == effect && c.joints == std::vector<std::size_t>{joint}) return i;
   }
-  return -1;
+  return std::nullopt;
 }
 
 std::vector<double> within_bounds(std::vector<double> theta,
@@ -46,38 +43,37 @@ std::vector<double> within_bounds(std::vector<double> theta,
 
 /// Appends the tied effect at each of its joints; false where the library does not place it there.
 bool append_singles(const Library& library, const Chosen& tied, Model& model) {
-  const Candidate& whole = candidate(library, tied);
-  for (const int joint : whole.joints) {
-    const int single = at_joint(library, whole.effect, joint);
-    if (single < 0) return false;
-    const std::vector<CandidateParameter>& parameters =
-        library.candidates[static_cast<std::size_t>(single)].parameters;
-    model.effects.push_back({single, within_bounds(tied.theta, parameters)});
+  const Candidate& whole = library[tied];
+  for (const std::size_t joint : whole.joints) {
+    const std::optional<std::size_t> single = at_joint(library, whole.effect, joint);
+    if (!single) return false;
+    const std::vector<CandidateParameter>& parameters = library[*single].parameters;
+    model.effects.push_back({*single, within_bounds(tied.theta, parameters)});
   }
   return true;
 }
 
 /// By more than the groups' spread and than what matters.
 bool worse(const Surroundings& around, const HeldoutGain& lost) {
-  return lost.total > std::max(lost.standard_error + kNoiseUnit, practical_energy(*around.problem));
+  return lost.certainty() > 1.0 && lost.removed() > practical_energy(*around.problem);
 }
 
 }  // namespace
 
-std::vector<Untied> untied(const Library& library, const Model& model, int most) {
+std::vector<Untied> untied(const Library& library, const Model& model, std::size_t most) {
   std::vector<Untied> out;
   for (std::size_t t = 0; t < model.effects.size(); ++t) {
-    const Candidate& tied = candidate(library, model.effects[t]);
+    const Candidate& tied = library[model.effects[t]];
     Untied u;
     u.model.nuisance = model.nuisance;
     for (std::size_t i = 0; i < model.effects.size(); ++i) {
-      const Candidate& other = candidate(library, model.effects[i]);
+      const Candidate& other = library[model.effects[i]];
       const bool goes = i == t || (inside(other, tied) && of_a_kind(tied, other));
       (goes ? u.replaced : u.stay).push_back(i);
       if (!goes) u.model.effects.push_back(model.effects[i]);
     }
     if (u.replaced.size() < 2 || !append_singles(library, model.effects[t], u.model)) continue;
-    if (u.model.effects.size() <= static_cast<std::size_t>(most)) out.push_back(std::move(u));
+    if (u.model.effects.size() <= most) out.push_back(std::move(u));
   }
   return out;
 }

@@ -20,7 +20,7 @@ struct Untied {
 /// One, of no more than `most` effects, for every effect of `model` over several joints
 /// beside which the same effect, or a documented twin of it, stands at some of these joints. Each
 /// joint begins at the tied parameters.
-std::vector<Untied> untied(const Library& library, const Model& model, int most);
+std::vector<Untied> untied(const Library& library, const Model& model, std::size_t most);
 
 /// Its fit, when it explains the groups seen and predicts groups left out as well as `tied` does:
 /// within one standard error or a difference that does not matter. For the second, both are fitted

@@ -8,6 +8,7 @@
 #include "tools/diagnose/compare/candidate.h"
 #include "tools/diagnose/compare/problem.h"
 #include "tools/diagnose/explain/events.h"
+#include "tools/diagnose/fit/fit.h"
 
 namespace sanso::diagnose {
 
@@ -23,7 +24,7 @@ class WholeTime {
   WholeTime(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
             const ProblemOptions& search, const Settings& settings);
 
-  const Problem& problem() const { return problem_; }
+  const Comparison& comparison() const { return *problem_; }
   /// Of the calibrated nominal model.
   const EventsLeft& nominal() const { return nominal_; }
   /// The nominal model's events repeat, and are more than what matters.
@@ -32,7 +33,7 @@ class WholeTime {
   /// compared in every recording.
   ProblemOptions with_instants(ProblemOptions search) const;
 
-  EventsLeft left_by(const Library& library, const Model& model);
+  EventsLeft left_by(const Library& library, const Model& model) const;
 
  private:
   Problem problem_;

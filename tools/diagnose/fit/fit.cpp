@@ -16,18 +16,17 @@
 namespace sanso::diagnose {
 
 Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model) {
-  Surroundings s{&problem, &library, StartElimination(problem, library, model), {}};
-  const auto count = static_cast<int>(library.nuisances.size());
-  s.A.resize(static_cast<Eigen::Index>(problem.size), count);
+  Surroundings s{problem, &library, StartElimination(problem, library, model), {}};
+  const std::size_t count = library.nuisances.size();
+  s.A.resize(problem->size, count);
   const Eigen::VectorXd base = prediction_error(problem, library, model);
-  parallel_for(count, [&](int i) {
+  parallel_for(count, [&](std::size_t i) {
     Model moved = model;
     moved.nuisance.resize(library.nuisances.size(), 0.0);
-    const double step = library.nuisances[static_cast<std::size_t>(i)].tolerance;
-    moved.nuisance[static_cast<std::size_t>(i)] += step;
-    s.A.col(i) = prediction_error_near(problem, library, moved, base,
-                                       library.nuisances[static_cast<std::size_t>(i)].joints) -
-                 base;
+    const double step = library.nuisances[i].tolerance;
+    moved.nuisance[i] += step;
+    s.A.col(i) =
+        prediction_error_near(problem, library, moved, base, library.nuisances[i].joints) - base;
   });
   return s;
 }
@@ -36,7 +35,7 @@ void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
   std::vector<double> mean_square;
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
     const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
-    mean_square.push_back(energy_by_shot[static_cast<Eigen::Index>(s)] / rows);
+    mean_square.push_back(energy_by_shot[s] / rows);
   }
   const double outlier = settings().decisions.shot_outlier;
   shot_scale = outlier * outlier * std::max(1.0, median(mean_square));
@@ -47,7 +46,7 @@ Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) con
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
     const Shot& shot = problem->shots[s];
     const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
-    double& e = out[static_cast<Eigen::Index>(s)];
+    double& e = out[s];
     if (scale > 0.0) e = scale * std::log1p(std::max(e, 0.0) / scale);
     if (shot.group == left_out) e = 0.0;
   }
@@ -59,9 +58,8 @@ Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) con
   for (std::size_t s = 0; s < problem->shots.size(); ++s) {
     const Shot& shot = problem->shots[s];
     const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
-    double& weight = out[static_cast<Eigen::Index>(s)];
-    if (scale > 0.0)
-      weight = 1.0 / (1.0 + std::max(energy_by_shot[static_cast<Eigen::Index>(s)], 0.0) / scale);
+    double& weight = out[s];
+    if (scale > 0.0) weight = 1.0 / (1.0 + std::max(energy_by_shot[s], 0.0) / scale);
     if (shot.group == left_out) weight = 0.0;
   }
   return out;
@@ -78,24 +76,17 @@ class Coordinates {
     const Library& library = *library_;
     shape_.nuisance.resize(library.nuisances.size(), 0.0);
     for (const Chosen& c : shape_.effects) {
-      for (const CandidateParameter& p :
-           library.candidates[static_cast<std::size_t>(c.candidate)].parameters) {
+      for (const CandidateParameter& p : library[c].parameters) {
         parameters_.push_back(p);
-        joints_.push_back(&library.candidates[static_cast<std::size_t>(c.candidate)].joints);
+        joints_.push_back(&library[c].joints);
       }
     }
   }
-  Eigen::Index effects() const { return static_cast<Eigen::Index>(parameters_.size()); }
-  Eigen::Index size() const {
-    return effects() + static_cast<Eigen::Index>(library_->nuisances.size());
-  }
-  const CandidateParameter& parameter(Eigen::Index i) const {
-    return parameters_[static_cast<std::size_t>(i)];
-  }
+  Eigen::Index effects() const { return parameters_.size(); }
+  Eigen::Index size() const { return effects() + library_->nuisances.size(); }
+  const CandidateParameter& parameter(Eigen::Index i) const { return parameters_[i]; }
   /// The joints that effect parameter i acts on; empty: the whole robot.
-  const std::vector<int>& joints(Eigen::Index i) const {
-    return *joints_[static_cast<std::size_t>(i)];
-  }
+  const std::vector<std::size_t>& joints(Eigen::Index i) const { return *joints_[i]; }
 
   Eigen::VectorXd of(const Model& model) const {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
@@ -134,7 +125,7 @@ class Coordinates {
   double reach_;
   Model shape_;
   std::vector<CandidateParameter> parameters_;
-  std::vector<const std::vector<int>*> joints_;
+  std::vector<const std::vector<std::size_t>*> joints_;
 };
 
 /// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
@@ -143,7 +134,7 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
   const double length = around.settings().fitting.derivative_step;
-  parallel_for(static_cast<int>(coordinates.effects()), [&](int i) {
+  parallel_for(coordinates.effects(), [&](std::size_t i) {
     if (coordinates.parameter(i).structural) {
       J.col(i).setZero();
       return;
@@ -151,7 +142,7 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
     Eigen::VectorXd moved = x;
     const double step = x[i] + length <= coordinates.high(i) ? length : -length;
     moved[i] += step;
-    J.col(i) = (prediction_error_near(*around.problem, *around.library, coordinates.model(moved), r,
+    J.col(i) = (prediction_error_near(around.problem, *around.library, coordinates.model(moved), r,
                                       coordinates.joints(i)) -
                 r) /
                step;
@@ -211,7 +202,7 @@ namespace {
 /// `derived`.
 FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x,
                 Eigen::VectorXd r, FitResult out, bool derived, int iterations) {
-  out.parameters = static_cast<int>(c.effects());
+  out.parameters = c.effects();
   out.converged = false;
   double damping = 1e-4;
   Normal normal;
@@ -223,7 +214,7 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
     for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
       const Eigen::VectorXd trial = c.inside(x + step_inside(c, normal, x, damping));
       const Eigen::VectorXd r_trial =
-          prediction_error(*around.problem, *around.library, c.model(trial));
+          prediction_error(around.problem, *around.library, c.model(trial));
       const double objective = objective_at(around, c, trial, r_trial);
       if (objective < normal.objective) {
         improved = true;
@@ -241,13 +232,13 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
   out.model = c.model(x);
   out.objective = normal.objective;
   out.r = std::move(r);
-  out.fixed.assign(static_cast<std::size_t>(c.size()), 0);
+  out.fixed.assign(c.size(), 0);
   Eigen::MatrixXd H = normal.H;
   for (Eigen::Index i = 0; i < c.size(); ++i) {
     const double width = c.high(i) - c.low(i);
     const bool structural = i < c.effects() && c.parameter(i).structural;
     if (!structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
-    out.fixed[static_cast<std::size_t>(i)] = 1;
+    out.fixed[i] = 1;
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   return out;
@@ -258,7 +249,7 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
 FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   const Coordinates c(around, start);
   const Eigen::VectorXd x = c.inside(c.of(start));
-  return go_on(around, c, x, prediction_error(*around.problem, *around.library, c.model(x)), {},
+  return go_on(around, c, x, prediction_error(around.problem, *around.library, c.model(x)), {},
                false, iterations);
 }
 
@@ -269,38 +260,59 @@ FitResult resume(const Surroundings& around, FitResult from, int iterations) {
   return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
 }
 
+Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta) {
+  const Coordinates c(around, model);
+  return c.model(c.inside(c.of(model) + delta));
+}
+
+Eigen::MatrixXd room_to_move(const Surroundings& around, const Model& model) {
+  const Coordinates c(around, model);
+  const Eigen::VectorXd x = c.of(model);
+  Eigen::MatrixXd out(c.size(), 2);
+  for (Eigen::Index i = 0; i < c.size(); ++i) out.row(i) << c.low(i) - x[i], c.high(i) - x[i];
+  return out;
+}
+
+double prior_energy(const Surroundings& around, const Model& model) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < model.nuisance.size(); ++k) {
+    const double x = model.nuisance[k] / around.library->nuisances[k].tolerance;
+    sum += around.settings().tolerances.precision * x * x;
+  }
+  return sum;
+}
+
 double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
                             const Eigen::VectorXd& expected_scatter) {
-  const Problem& problem = *around.problem;
+  const Problem& problem = around.problem;
   const Eigen::VectorXd projected = around.starts.project(r);
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
   double square = 0.0, rows = 0.0;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    const Observed& channel = problem.channels[c];
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    const Observed& channel = problem->channels[c];
     if (channel.signal != Signal::q) continue;
-    const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
-    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-      const Shot& shot = problem.shots[s];
-      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
-      const auto count = static_cast<Eigen::Index>(shot.rows);
-      const double weight = weights[static_cast<Eigen::Index>(s)];
-      Eigen::ArrayXd squares = unit * projected.segment(from, count).array().square();
+    const double sigma = problem.scales.sigma[c];
+    const double unit = sigma * sigma / (channel.floor * channel.floor);
+    for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+      const Shot& shot = problem->shots[s];
+      const double weight = weights[s];
+      Eigen::ArrayXd squares = unit * rows_of(projected, shot, c).array().square();
       if (expected_scatter.size() > 0)
-        squares /= 1.0 + unit * expected_scatter.segment(from, count).array().max(0.0);
+        squares /= 1.0 + unit * rows_of(expected_scatter, shot, c).array().max(0.0);
       square += weight * squares.sum();
-      rows += weight * static_cast<double>(count);
+      rows += weight * static_cast<double>(shot.rows);
     }
   }
   return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
 }
 
-std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected) {
+std::vector<double> overdispersion(const Comparison& comparison, const Eigen::VectorXd& projected) {
   std::vector<double> out;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
+  for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
     std::vector<double> values;
-    for (const Shot& shot : problem.shots) {
-      const std::span<const double> piece(projected.data() + shot.offset + c * shot.rows,
-                                          shot.rows);
+    for (const Shot& shot : comparison.shots) {
+      const auto rows = rows_of(projected, shot, c);
+      const std::span<const double> piece(rows.data(), shot.rows);
       const double mean_square = rms(piece) * rms(piece);
       if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
     }
@@ -313,8 +325,7 @@ std::vector<double> parameter_sigmas(const FitResult& result, const Library& lib
   std::vector<double> out;
   Eigen::Index i = 0;
   for (const Chosen& chosen : result.model.effects) {
-    for (const CandidateParameter& p :
-         library.candidates[static_cast<std::size_t>(chosen.candidate)].parameters) {
+    for (const CandidateParameter& p : library[chosen].parameters) {
       out.push_back(p.typical * std::sqrt(std::max(0.0, result.covariance(i, i))));
       ++i;
     }

@@ -6,20 +6,22 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "tools/diagnose/compare/prediction_error.h"
+#include "tools/diagnose/compare/start_elimination.h"
 
 namespace sanso::diagnose {
 
 /// What all fits around one model share: start elimination and nuisance derivatives.
 struct Surroundings {
-  const Problem* problem = nullptr;
+  Problem problem;
   const Library* library = nullptr;
   StartElimination starts;
   Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
   double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
-  int left_out = -1;        // held-out group that fits do not see; -1: none
+  std::optional<std::size_t> left_out = {};  // held-out group that fits do not see
 
   const Settings& settings() const { return problem->settings; }
   /// c from the errors of a reference model: shot_outlier^2 times the median shot's mean square.
@@ -60,7 +62,7 @@ double position_error_level(const Surroundings& around, const Eigen::VectorXd& r
 /// Overdispersion of a projected error by channel: median over shots of mean square x
 /// autocorrelation time. Errors that are correlated or larger than the noise carry less information
 /// than their number says.
-std::vector<double> overdispersion(const Problem& problem, const Eigen::VectorXd& projected);
+std::vector<double> overdispersion(const Comparison& comparison, const Eigen::VectorXd& projected);
 
 /// Covariance that does not trust the error model. The data count 1 / `inflation` (what is left
 /// projects on the other candidates' signatures with this mean square where noise gives 1); and no
@@ -72,8 +74,19 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& f
 /// Standard deviations of the effect parameters, natural units.
 std::vector<double> parameter_sigmas(const FitResult& fit, const Library& library);
 
+/// `model` with its coordinates (those of FitResult::J) moved by `delta`, kept inside the bounds.
+Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta);
+
+/// How far every coordinate (those of FitResult::J) may move from `model`, down and up: n x 2.
+Eigen::MatrixXd room_to_move(const Surroundings& around, const Model& model);
+
+/// What the tolerances add to a model's objective.
+double prior_energy(const Surroundings& around, const Model& model);
+
 /// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one
-/// Gauss-Newton step from the full fit, exact where the model is linear. `by_condition`: leaves out
+/// Gauss-Newton step from the full fit, kept inside the bounds and simulated there, shorter where
+/// the other shots do not gain from it: dry friction that sticks a moment later has derivatives
+/// that promise any error. `by_condition`: leaves out
 /// whole conditions instead of groups.
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
                                bool by_condition = false);
@@ -83,20 +96,45 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
 /// two parameters that look alike.
 Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit);
 
-/// Paired comparison of two models' held-out energies.
-struct HeldoutGain {
-  double total = 0.0;           // energy removed
+/// A gain summed over shots.
+struct Paired {
+  double total = 0.0;
   double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
-  double lower = 0.0;           // bound of `total` at gain_level, moving-block bootstrap over shots
-  double concentration = 0.0;   // share of the gain that comes from the three best shots
+  double lower = 0.0;           // bound of `total` at half of gain_level, moving-block bootstrap
+};
+
+/// Paired comparison of two models' held-out energies b (before) and a (after) by shot, in two
+/// measures. Where friction sticks or slips a few shots hold most of the energy, and a sum of
+/// squares has no power; where a small difference is everywhere, it has the most:
+///
+///   energy    b - a
+///   bounded   k log((k + b) / (k + a)),   k = median of (b + a) / 2
+///
+/// Bounded is the fall of the likelihood when every shot's error has a scale of its own: b - a for
+/// shots like the others (half of it at k), saturated for those far above. Two looks share one
+/// level.
+struct HeldoutGain {
+  Paired energy, bounded;
+  double whole = 0.0;          // bounded gain of a model that leaves nothing: a = 0
+  double concentration = 0.0;  // share of the energy removed that the three best shots give
+
+  double removed() const { return energy.total; }
+  bool beyond_chance() const { return energy.lower > 0.0 || bounded.lower > 0.0; }
+  /// The gain in standard errors, less a unit of log-likelihood: the more certain measure's.
+  double certainty() const;
 };
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after);
+/// Median over shots of an energy, the unit k for several models compared at once; never 0.
+double typical_energy(const Eigen::VectorXd& energy);
+/// k log((k + e) / k) summed over shots: the measure above against a model that leaves nothing.
+double bounded_energy(const Eigen::VectorXd& energy, double unit);
 /// The same for an effect that acts only now and then. `occurrence`: by shot, which of its
-/// occurrences the shot belongs to, -1: none. Bound and error are those over occurrences and over
+/// occurrences the shot belongs to, if any. Bound and error are those over occurrences and over
 /// the other shots, added: resampling all shots alike would ask whether the effect acts, not
 /// whether the name explains it.
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
-                    const Eigen::VectorXd& after, const std::vector<int>& occurrence);
+                    const Eigen::VectorXd& after,
+                    const std::vector<std::optional<std::size_t>>& occurrence);
 
 }  // namespace sanso::diagnose

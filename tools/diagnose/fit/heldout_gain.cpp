@@ -3,7 +3,10 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <numeric>
+#include <optional>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/fit.h"
@@ -15,18 +18,56 @@
 namespace sanso::diagnose {
 namespace {
 
-int group_of(const Shot& shot) { return shot.group; }
-int condition_of(const Shot& shot) { return shot.condition; }
+std::size_t group_of(const Shot& shot) { return shot.group; }
+std::size_t condition_of(const Shot& shot) { return shot.condition; }
+
+/// A fit without one part of the shots: one Gauss-Newton step from the full fit, shorter where the
+/// shots that are left do not gain from it.
+struct Without {
+  Eigen::VectorXd step;    // from the full fit
+  Eigen::VectorXd energy;  // by shot, not bounded
+};
+
+Without refit_without(const Surroundings& around, const FitResult& result,
+                      const Eigen::VectorXd& delta,
+                      const std::function<bool(const Shot&)>& left_out) {
+  const Problem& problem = around.problem;
+  const auto cost = [&](const Model& model, const Eigen::VectorXd& energy) {
+    double sum = prior_energy(around, model);
+    const Eigen::VectorXd bounded = around.bounded(energy);
+    for (std::size_t s = 0; s < problem->shots.size(); ++s)
+      sum += left_out(problem->shots[s]) ? 0.0 : bounded[s];
+    return sum;
+  };
+  Without none{Eigen::VectorXd::Zero(delta.size()), around.starts.energy_by_shot(result.r)};
+  const double least = cost(result.model, none.energy);
+  for (const double share : {1.0, 0.5, 0.25}) {
+    const Model model = moved(around, result.model, share * delta);
+    Eigen::VectorXd energy =
+        around.starts.energy_by_shot(prediction_error(problem, *around.library, model));
+    if (cost(model, energy) <= least) return {share * delta, std::move(energy)};
+  }
+  return none;
+}
 
 /// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the
 /// model is linear.
 class LeaveOneOut {
  public:
-  LeaveOneOut(const Surroundings& around, const FitResult& result, int parts,
-              int (*part_of)(const Shot&))
-      : around_(around), result_(result), n_(result.J.cols()) {
+  LeaveOneOut(const Surroundings& around, const FitResult& result, std::size_t parts,
+              std::size_t (*part_of)(const Shot&))
+      : around_(around),
+        result_(result),
+        room_(room_to_move(around, result.model)),
+        part_of_(part_of),
+        n_(result.J.cols()) {
     grams_ = around.starts.gram_by(with_error(result.J, result.r), parts, part_of,
                                    around.weights(around.starts.energy_by_shot(result.r)));
+  }
+
+  Without without(std::size_t part) const {
+    return refit_without(around_, result_, delta(part),
+                         [&](const Shot& shot) { return part_of_(shot) == part; });
   }
 
   /// J' M J of all shots.
@@ -36,34 +77,35 @@ class LeaveOneOut {
     return sum;
   }
 
-  /// Change of the parameters without this part.
+  /// Change of the parameters without this part: coordinates that would leave their bounds stop
+  /// there, and the others take up what they leave.
   Eigen::VectorXd delta(std::size_t part) const {
     const Eigen::MatrixXd& G = grams_[part];
     Eigen::MatrixXd rest = gram() - G.topLeftCorner(n_, n_);
+    for (Eigen::Index i = 0; i < n_; ++i) rest(i, i) += prior(around_, result_.parameters, i);
     // of the part alone; the whole gradient is zero
-    Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
-    for (Eigen::Index i = 0; i < n_; ++i) {
-      rest(i, i) += prior(around_, result_.parameters, i);
-      if (!result_.fixed[static_cast<std::size_t>(i)]) continue;
-      rest.row(i).setZero();
-      rest.col(i).setZero();
-      rest(i, i) = 1.0;
-      gradient[i] = 0.0;
+    const Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
+    std::vector<char> held = result_.fixed;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n_);
+    for (Eigen::Index round = 0; round <= n_; ++round) {
+      step = solve_with_held(rest, gradient, held, step);
+      if (!hold_at_bounds(step, held)) break;
     }
-    return rest.ldlt().solve(gradient);
+    return step;
   }
 
   /// Delete-one-group variance, widened to Student's 95 % half-width for so few groups over the
   /// normal's (Tukey 1958).
   Eigen::VectorXd jackknife_variance() const {
     const auto parts = static_cast<double>(grams_.size());
+    if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
+    std::vector<Eigen::VectorXd> steps(grams_.size());
+    parallel_for(grams_.size(), [&](std::size_t part) { steps[part] = without(part).step; });
     Eigen::VectorXd sum = Eigen::VectorXd::Zero(n_), square = sum;
-    for (std::size_t part = 0; part < grams_.size(); ++part) {
-      const Eigen::VectorXd d = delta(part);
+    for (const Eigen::VectorXd& d : steps) {
       sum += d;
       square += d.cwiseAbs2();
     }
-    if (parts < 2.0) return Eigen::VectorXd::Zero(n_);
     const double freedom = parts - 1.0;
     // t / 1.96 at 95 %: within 5 % from 2 up
     const double student = 1.0 + 1.4 / freedom + 2.0 / (freedom * freedom);
@@ -71,8 +113,40 @@ class LeaveOneOut {
   }
 
  private:
+  /// H step = g with the entries of `step` that are held kept as they are.
+  static Eigen::VectorXd solve_with_held(Eigen::MatrixXd H, Eigen::VectorXd g,
+                                         const std::vector<char>& held,
+                                         const Eigen::VectorXd& step) {
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      if (held[i]) g -= H.col(i) * step[i];
+    }
+    for (Eigen::Index i = 0; i < g.size(); ++i) {
+      if (!held[i]) continue;
+      H.row(i).setZero();
+      H.col(i).setZero();
+      H(i, i) = 1.0;
+      g[i] = step[i];
+    }
+    return H.ldlt().solve(g);
+  }
+
+  /// Stops what leaves its bounds there; false: nothing does.
+  bool hold_at_bounds(Eigen::VectorXd& step, std::vector<char>& held) const {
+    bool any = false;
+    for (Eigen::Index i = 0; i < step.size(); ++i) {
+      const double inside = std::clamp(step[i], room_(i, 0), room_(i, 1));
+      if (held[i] || inside == step[i]) continue;
+      step[i] = inside;
+      held[i] = 1;
+      any = true;
+    }
+    return any;
+  }
+
   const Surroundings& around_;
   const FitResult& result_;
+  Eigen::MatrixXd room_;  // n x 2: how far a coordinate may move
+  std::size_t (*part_of_)(const Shot&);
   Eigen::Index n_;
   std::vector<Eigen::MatrixXd> grams_;
 };
@@ -109,83 +183,123 @@ Eigen::MatrixXd robust_covariance(const Surroundings& around, const FitResult& r
 
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& result,
                                bool by_condition) {
-  const Problem& problem = *around.problem;
-  const int parts = by_condition ? problem.conditions : problem.groups;
+  const Problem& problem = around.problem;
+  const std::size_t parts = by_condition ? problem->conditions : problem->groups;
   const auto part_of = by_condition ? condition_of : group_of;
   const LeaveOneOut left_out(around, result, parts, part_of);
-  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.shots.size()));
-  for (int part = 0; part < parts; ++part) {
-    const Eigen::VectorXd delta = left_out.delta(static_cast<std::size_t>(part));
-    const Eigen::VectorXd energy = around.starts.energy_by_shot(result.r + result.J * delta);
-    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-      if (part_of(problem.shots[s]) == part)
-        heldout[static_cast<Eigen::Index>(s)] = energy[static_cast<Eigen::Index>(s)];
+  Eigen::VectorXd heldout = Eigen::VectorXd::Zero(problem->shots.size());
+  parallel_for(parts, [&](std::size_t part) {
+    const Eigen::VectorXd energy = left_out.without(part).energy;
+    for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+      if (part_of(problem->shots[s]) == part) heldout[s] = energy[s];
     }
-  }
+  });
   return around.bounded(heldout);
 }
 
 Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& result) {
-  const Problem& problem = *around.problem;
-  std::vector<Eigen::VectorXd> energy(static_cast<std::size_t>(problem.groups));
-  parallel_for(problem.groups, [&](int group) {
+  const Problem& problem = around.problem;
+  std::vector<Eigen::VectorXd> energy(problem->groups);
+  parallel_for(problem->groups, [&](std::size_t group) {
     Surroundings rest = around;
     rest.left_out = group;
     const FitResult fitted = fit(rest, result.model, around.settings().fitting.first_iterations);
-    energy[static_cast<std::size_t>(group)] =
-        around.bounded(around.starts.energy_by_shot(fitted.r));
+    energy[group] = around.bounded(around.starts.energy_by_shot(fitted.r));
   });
-  Eigen::VectorXd heldout(static_cast<Eigen::Index>(problem.shots.size()));
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const auto i = static_cast<Eigen::Index>(s);
-    heldout[i] = energy[static_cast<std::size_t>(problem.shots[s].group)][i];
+  Eigen::VectorXd heldout(problem->shots.size());
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    heldout[s] = energy[problem->shots[s].group][s];
   }
   return heldout;
 }
 
 namespace {
-double lower_bound(const DecisionSettings& settings, const std::vector<double>& values) {
+
+using Values = std::vector<double>;
+
+double sum(const Values& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
+
+/// Two measures are looked at: each at half of the level.
+Paired paired(const DecisionSettings& settings, const Values& x) {
   constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
-  return moving_block_lower_bound(values, settings.gain_level, settings.gain_draws, Random(kSeed));
+  return {
+      sum(x),
+      standard_deviation(x) * std::sqrt(static_cast<double>(x.size()) * autocorrelation_time(x)),
+      moving_block_lower_bound(x, 0.5 * settings.gain_level, settings.gain_draws, Random(kSeed))};
 }
-double standard_error(const std::vector<double>& values) {
-  return standard_deviation(values) *
-         std::sqrt(static_cast<double>(values.size()) * autocorrelation_time(values));
+
+/// The same with shots of one occurrence taken together, and apart from all others.
+Paired paired(const DecisionSettings& settings, const Values& x,
+              const std::vector<std::optional<std::size_t>>& occurrence) {
+  std::map<std::size_t, double> there;
+  Values rest, occurrences;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (occurrence[i]) there[*occurrence[i]] += x[i];
+    if (!occurrence[i]) rest.push_back(x[i]);
+  }
+  if (there.empty()) return paired(settings, x);
+  for (const auto& [which, gained] : there) occurrences.push_back(gained);
+  const Paired a = paired(settings, occurrences), b = paired(settings, rest);
+  return {a.total + b.total, std::hypot(a.standard_error, b.standard_error), a.lower + b.lower};
 }
+
+Values differences(const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
+  const Eigen::VectorXd d = before - after;
+  return {d.data(), d.data() + d.size()};
+}
+
+Values bounded_differences(const Eigen::VectorXd& before, const Eigen::VectorXd& after,
+                           double unit) {
+  Values out;
+  for (Eigen::Index i = 0; i < before.size(); ++i)
+    out.push_back(unit * std::log((unit + before[i]) / (unit + after[i])));
+  return out;
+}
+
+/// Share of a sum that its three largest entries give.
+double concentration(Values removed) {
+  const double total = sum(removed);
+  std::sort(removed.rbegin(), removed.rend());
+  double best = 0.0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(3, removed.size()); ++i)
+    best += std::max(0.0, removed[i]);
+  return total > 0.0 ? std::min(1.0, best / total) : 0.0;
+}
+
 }  // namespace
 
+double HeldoutGain::certainty() const {
+  constexpr double kUnit = 2.0;  // of energy: one of log-likelihood
+  const auto of = [](const Paired& p) {
+    return (p.total - kUnit) / std::max(p.standard_error, 1e-9);
+  };
+  return std::max(of(energy), of(bounded));
+}
+
+double typical_energy(const Eigen::VectorXd& energy) {
+  return std::max(median(Values(energy.data(), energy.data() + energy.size())), 1e-9);
+}
+
+double bounded_energy(const Eigen::VectorXd& energy, double unit) {
+  return unit * ((energy.array() + unit) / unit).log().sum();
+}
+
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
-                    const Eigen::VectorXd& after, const std::vector<int>& occurrence) {
-  HeldoutGain gain = compare(settings, before, after);
-  std::map<int, double> there;
-  std::vector<double> rest;
-  for (Eigen::Index i = 0; i < before.size(); ++i) {
-    const int which = occurrence[static_cast<std::size_t>(i)];
-    if (which < 0) rest.push_back(before[i] - after[i]);
-    if (which >= 0) there[which] += before[i] - after[i];
-  }
-  if (there.empty()) return gain;
-  std::vector<double> occurrences;
-  for (const auto& [which, removed] : there) occurrences.push_back(removed);
-  gain.lower = lower_bound(settings, occurrences) + lower_bound(settings, rest);
-  gain.standard_error = std::hypot(standard_error(occurrences), standard_error(rest));
+                    const Eigen::VectorXd& after,
+                    const std::vector<std::optional<std::size_t>>& occurrence) {
+  const double unit = typical_energy(0.5 * (before + after));
+  const Values removed = differences(before, after);
+  HeldoutGain gain;
+  gain.energy = paired(settings, removed, occurrence);
+  gain.bounded = paired(settings, bounded_differences(before, after, unit), occurrence);
+  gain.whole = bounded_energy(before, unit);
+  gain.concentration = concentration(removed);
   return gain;
 }
 
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) {
-  HeldoutGain gain;
-  const Eigen::VectorXd d = before - after;
-  std::vector<double> values(d.data(), d.data() + d.size());
-  gain.total = d.sum();
-  gain.standard_error = standard_error(values);
-  gain.lower = lower_bound(settings, values);
-  std::sort(values.rbegin(), values.rend());
-  double best = 0.0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, values.size()); ++i)
-    best += std::max(0.0, values[i]);
-  gain.concentration = gain.total > 0.0 ? std::min(1.0, best / gain.total) : 0.0;
-  return gain;
+  return compare(settings, before, after, std::vector<std::optional<std::size_t>>(before.size()));
 }
 
 }  // namespace sanso::diagnose

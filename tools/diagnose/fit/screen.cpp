@@ -23,16 +23,13 @@ Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& kn
   Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
   columns.leftCols(nuisances) = known.cast<float>();
   columns.rightCols(1) = r.cast<float>();
-  parallel_for(static_cast<int>(probes.size()), [&](int i) {
-    const ProbeScore& probe = probes[static_cast<std::size_t>(i)];
+  parallel_for(probes.size(), [&](std::size_t i) {
+    const ProbeScore& probe = probes[i];
+    const Candidate& candidate = (*around.library)[probe.candidate];
     Model with = model;
-    with.effects.push_back(
-        {probe.candidate, around.library->candidates[static_cast<std::size_t>(probe.candidate)]
-                              .probes[static_cast<std::size_t>(probe.probe)]});
-    const std::vector<int>& joints =
-        around.library->candidates[static_cast<std::size_t>(probe.candidate)].joints;
+    with.effects.push_back({probe.candidate, candidate.probes[probe.probe]});
     columns.col(nuisances + i) =
-        (prediction_error_near(*around.problem, *around.library, with, r, joints) - r)
+        (prediction_error_near(around.problem, *around.library, with, r, candidate.joints) - r)
             .cast<float>();
   });
   return columns;
@@ -53,7 +50,7 @@ BoxedNuisances boxed_nuisances(const Surroundings& around, const Eigen::MatrixXd
   BoxedNuisances out{Eigen::VectorXd::Zero(n), {}};
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   for (std::size_t i = 0; i < model.nuisance.size(); ++i) {
-    x[static_cast<Eigen::Index>(i)] = model.nuisance[i] / library.nuisances[i].tolerance;
+    x[i] = model.nuisance[i] / library.nuisances[i].tolerance;
   }
   const int sweeps = around.settings().fitting.nuisance_sweeps;
   constexpr double kEdge = 1e-6;
@@ -87,9 +84,9 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eige
   const auto n = static_cast<Eigen::Index>(at.free.size());
   Eigen::MatrixXd H(n, n), cross(n, probes);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Index row = at.free[static_cast<std::size_t>(i)];
+    const Eigen::Index row = at.free[i];
     for (Eigen::Index j = 0; j < n; ++j)
-      H(i, j) = gram(row, at.free[static_cast<std::size_t>(j)]) + (i == j ? precision : 0.0);
+      H(i, j) = gram(row, at.free[j]) + (i == j ? precision : 0.0);
     cross.row(i) = gram.block(row, nuisances, 1, probes);
   }
   // the free nuisances are at their optimum: they contribute no gradient of their own
@@ -100,12 +97,10 @@ Eliminated eliminate(const Eigen::MatrixXd& gram, const BoxedNuisances& at, Eige
 }
 
 /// Every shot's entries times its weight.
-Eigen::VectorXd by_shot(const Problem& problem, const Eigen::VectorXd& weights, Eigen::VectorXd r) {
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Shot& shot = problem.shots[s];
-    const auto entries = static_cast<Eigen::Index>(shot.rows * problem.channels.size());
-    r.segment(static_cast<Eigen::Index>(shot.offset), entries) *=
-        weights[static_cast<Eigen::Index>(s)];
+Eigen::VectorXd by_shot(const Comparison& comparison, const Eigen::VectorXd& weights,
+                        Eigen::VectorXd r) {
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+    rows_of(r, comparison.shots[s], 0, comparison.channels.size()) *= weights[s];
   }
   return r;
 }
@@ -118,10 +113,9 @@ std::vector<double> saturated_overdispersion(const Surroundings& around,
                                              const Eigen::MatrixXf& columns,
                                              const Eigen::VectorXd& weights) {
   const Eigen::Index a = known.cols(), k = columns.cols() - a - 1;
-  std::vector<double> energy(static_cast<std::size_t>(k)), score(energy.size());
-  parallel_for(static_cast<int>(k), [&](int c) {
-    energy[static_cast<std::size_t>(c)] =
-        around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
+  std::vector<double> energy(k), score(energy.size());
+  parallel_for(k, [&](std::size_t c) {
+    energy[c] = around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
   });
   const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
   Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
@@ -138,10 +132,9 @@ std::vector<double> saturated_overdispersion(const Surroundings& around,
     left = around.starts.project(r - taken * H.ldlt().solve(gram.topRightCorner(taken.cols(), 1)));
     if (round == pursuit) break;
     const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
-    parallel_for(static_cast<int>(k), [&](int c) {
+    parallel_for(k, [&](std::size_t c) {
       const double b = columns.col(a + c).cast<double>().dot(weighted);
-      score[static_cast<std::size_t>(c)] =
-          b * b / std::max(energy[static_cast<std::size_t>(c)], 1e-12);
+      score[c] = b * b / std::max(energy[c], 1e-12);
     });
     const auto best = std::max_element(score.begin(), score.end()) - score.begin();
     if (k == 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
@@ -152,19 +145,14 @@ std::vector<double> saturated_overdispersion(const Surroundings& around,
   return overdispersion(*around.problem, left);
 }
 
-/// Divides every channel's rows by the square root of its overdispersion; the scale never falls
-/// below the channel's floor.
-void rescale(const Problem& problem, const std::vector<double>& phi, Eigen::MatrixXf& columns,
-             std::vector<double>& sigma) {
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    const Observed& channel = problem.channels[c];
-    sigma.push_back(std::max(channel.floor, channel.sigma * std::sqrt(phi[c])));
-    for (const Shot& shot : problem.shots) {
-      columns.middleRows(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                         static_cast<Eigen::Index>(shot.rows)) *=
-          static_cast<float>(channel.sigma / sigma.back());
-    }
+/// Signatures told in `from` (by channel), told in `to`.
+Eigen::MatrixXf rescaled(const Comparison& comparison, Eigen::MatrixXf columns, const Scales& from,
+                         const Scales& to) {
+  for (const Shot& shot : comparison.shots) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c)
+      block_of(columns, shot, c) *= static_cast<float>(from.sigma[c] / to.sigma[c]);
   }
+  return columns;
 }
 
 /// Square root: draws with this covariance are root * standard normals. Cholesky is much faster
@@ -194,48 +182,80 @@ void family_wise(const DecisionSettings& settings, Screening& out,
   for (std::size_t i = 0; i < out.probes.size(); ++i) {
     statistic[i] = out.probes[i].score;
     // what cannot be seen cannot be mistaken for something either
-    if (out.probes[i].signature == 0.0) draws.row(static_cast<Eigen::Index>(i)).setZero();
-    if (one_sided_probe[i] == 0)
-      draws.row(static_cast<Eigen::Index>(i)) = draws.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+    if (out.probes[i].signature == 0.0) draws.row(i).setZero();
+    if (one_sided_probe[i] == 0) draws.row(i) = draws.row(i).cwiseAbs();
   }
   const std::vector<double> p =
       step_down_max_t(statistic, settings.null_draws, [&](int b, std::span<double> draw) {
-        for (Eigen::Index i = 0; i < k; ++i) draw[static_cast<std::size_t>(i)] = draws(i, b);
+        for (Eigen::Index i = 0; i < k; ++i) draw[i] = draws(i, b);
       });
   for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
   for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
   out.critical = quantile(maxima, 1.0 - settings.family_wise);
 }
 
+/// Every probe of the candidates; of those screened earlier two of each.
+std::vector<ProbeScore> probes_of(const Library& library, const std::vector<std::size_t>& which,
+                                  const Screening* earlier) {
+  std::vector<ProbeScore> out;
+  for (const std::size_t candidate : which) {
+    const std::vector<std::size_t> again =
+        earlier != nullptr ? earlier->two_probes(candidate) : std::vector<std::size_t>{};
+    for (std::size_t p = 0; p < library[candidate].probes.size(); ++p) {
+      if (earlier != nullptr && std::find(again.begin(), again.end(), p) == again.end()) continue;
+      out.push_back({candidate, p});
+    }
+  }
+  return out;
+}
+
+/// Scores and correlations from what is left of the inner products. `energy`: of the signatures
+/// before the nuisances took their share.
+void score(const Eliminated& e, const Eigen::VectorXd& energy,
+           const std::vector<char>& signed_probe, Screening& out) {
+  const Eigen::Index count = energy.size();
+  out.correlation.resize(count, count);
+  // a signature below rounding says nothing
+  const auto says_something = [&](Eigen::Index i) {
+    constexpr double kRounding = 1e-10;
+    return e.G(i, i) > std::max(1e-12, kRounding * energy[i]);
+  };
+  for (Eigen::Index i = 0; i < count; ++i) {
+    ProbeScore& probe = out.probes[i];
+    const double norm = says_something(i) ? std::sqrt(e.G(i, i)) : 0.0;
+    probe.signature = norm;
+    if (norm > 0.0) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
+    probe.score = signed_probe[i] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const double scale = std::sqrt(e.G(i, i) * e.G(j, j));
+      out.correlation(i, j) = i == j                                   ? 1.0
+                              : says_something(i) && says_something(j) ? e.G(i, j) / scale
+                                                                       : 0.0;
+    }
+  }
+}
+
 }  // namespace
 
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
-                 const std::vector<int>& which, Random random, const Screening* earlier,
+                 const std::vector<std::size_t>& which, Random random, const Screening* earlier,
                  const Eigen::MatrixXd& accepted, bool keep_groups) {
   Eigen::MatrixXd known(r.size(), around.A.cols() + accepted.cols());
   known.leftCols(around.A.cols()) = around.A;
   if (accepted.cols() > 0) known.rightCols(accepted.cols()) = accepted;
   Screening out;
+  out.probes = probes_of(*around.library, which, earlier);
   std::vector<char> signed_probe;
-  for (int candidate : which) {
-    const Candidate& c = around.library->candidates[static_cast<std::size_t>(candidate)];
-    const std::vector<int> again =
-        earlier != nullptr ? earlier->two_probes(candidate) : std::vector<int>{};
-    for (std::size_t p = 0; p < c.probes.size(); ++p) {
-      if (earlier != nullptr &&
-          std::find(again.begin(), again.end(), static_cast<int>(p)) == again.end())
-        continue;
-      out.probes.push_back({candidate, static_cast<int>(p)});
-      signed_probe.push_back(!c.two_sided);
-    }
-  }
+  for (const ProbeScore& probe : out.probes)
+    signed_probe.push_back(!(*around.library)[probe.candidate].two_sided);
   const auto count = static_cast<Eigen::Index>(out.probes.size());
   Eigen::MatrixXf columns = columns_of(around, known, model, r, out.probes);
   // a shot that runs away (a joint that sticks at its start in one world and not in the other) does
   // not decide alone
   const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
-  rescale(*around.problem, saturated_overdispersion(around, known, columns, weights), columns,
-          out.channel_sigma);
+  out.scales =
+      overdispersed(around.problem, saturated_overdispersion(around, known, columns, weights));
+  columns = rescaled(*around.problem, std::move(columns), around.problem.scales, out.scales);
   if (count == 0) {  // every candidate is in the model already
     out.critical = INFINITY;
     return out;
@@ -246,27 +266,7 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
   const Eliminated e = eliminate(gram, boxed_nuisances(around, gram, model, known.cols()),
                                  known.cols(), count, around.settings().tolerances.precision);
-  out.correlation.resize(count, count);
-  // a signature below rounding says nothing
-  const auto says_something = [&](Eigen::Index i) {
-    constexpr double kRounding = 1e-10;  // of its energy before the nuisances took their share
-    const Eigen::Index at = known.cols() + i;
-    return e.G(i, i) > std::max(1e-12, kRounding * gram(at, at));
-  };
-  for (Eigen::Index i = 0; i < count; ++i) {
-    ProbeScore& probe = out.probes[static_cast<std::size_t>(i)];
-    const double norm = says_something(i) ? std::sqrt(e.G(i, i)) : 0.0;
-    probe.signature = norm;
-    if (norm > 0.0) probe.z = -e.b[i] / norm, probe.amount = -e.b[i] / (norm * norm);
-    probe.score =
-        signed_probe[static_cast<std::size_t>(i)] != 0 ? std::max(probe.z, 0.0) : std::abs(probe.z);
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const double scale = std::sqrt(e.G(i, i) * e.G(j, j));
-      out.correlation(i, j) = i == j                                   ? 1.0
-                              : says_something(i) && says_something(j) ? e.G(i, j) / scale
-                                                                       : 0.0;
-    }
-  }
+  score(e, gram.diagonal().segment(known.cols(), count), signed_probe, out);
   family_wise(around.settings().decisions, out, signed_probe, random);
   return out;
 }
@@ -277,19 +277,19 @@ double Screening::mean_square() const {
   return probes.empty() ? 1.0 : square / static_cast<double>(probes.size());
 }
 
-std::vector<int> Screening::ranking() const {
-  std::vector<std::pair<double, int>> order;
+std::vector<std::size_t> Screening::ranking() const {
+  std::vector<std::pair<double, std::size_t>> order;
   for (const ProbeScore& p : probes) {
     if (best(p.candidate) == &p) order.emplace_back(p.score, p.candidate);
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<int> out;
+  std::vector<std::size_t> out;
   for (const auto& [score, candidate] : order) out.push_back(candidate);
   return out;
 }
 
-const ProbeScore* Screening::best(int candidate) const {
+const ProbeScore* Screening::best(std::size_t candidate) const {
   const ProbeScore* found = nullptr;
   for (const ProbeScore& p : probes) {
     if (p.candidate == candidate && (found == nullptr || p.score > found->score)) found = &p;
@@ -297,7 +297,7 @@ const ProbeScore* Screening::best(int candidate) const {
   return found;
 }
 
-std::vector<int> Screening::two_probes(int candidate) const {
+std::vector<std::size_t> Screening::two_probes(std::size_t candidate) const {
   const ProbeScore* strongest = best(candidate);
   if (strongest == nullptr) return {};
   const ProbeScore* different = strongest;
@@ -310,7 +310,7 @@ std::vector<int> Screening::two_probes(int candidate) const {
   return {strongest->probe, different->probe};
 }
 
-double Screening::similarity(int a, int b) const {
+double Screening::similarity(std::size_t a, std::size_t b) const {
   const ProbeScore *pa = best(a), *pb = best(b);
   if (pa == nullptr || pb == nullptr) return 0.0;
   return std::abs(correlation(pa - probes.data(), pb - probes.data()));

@@ -16,7 +16,7 @@ namespace sanso::diagnose {
 
 /// One probe of one candidate.
 struct ProbeScore {
-  int candidate = 0, probe = 0;
+  std::size_t candidate = 0, probe = 0;
   double z = 0.0;  // matched-filter score; sign: + means towards the probe
   // |z|, or max(z, 0) where the parameter can leave its null in one direction only
   double score = 0.0;
@@ -30,12 +30,10 @@ struct Screening {
   Eigen::MatrixXd correlation;  // of the projected signatures, probes x probes
   // |z| that the family's maximum exceeds with probability family_wise under the null
   double critical = 0.0;
-  std::vector<double>
-      // by channel: error level of a model large enough, natural units, not below the floor
-      channel_sigma;
+  Scales scales;  // error level of a model large enough, by channel; not below the floor
 
   /// For methods that select on held-out groups: inner products of [known | signatures | error] by
-  /// group, channels scaled by channel_sigma; `known` columns (nuisances) come first. Empty unless
+  /// group, channels in these scales; `known` columns (nuisances) come first. Empty unless
   /// asked for.
   std::vector<Eigen::MatrixXd> by_group;
   Eigen::Index known = 0;
@@ -43,13 +41,13 @@ struct Screening {
   /// Mean square of all scores: 1 under noise alone, more when what is left is no noise.
   double mean_square() const;
   /// Candidates by their best score, strongest first.
-  std::vector<int> ranking() const;
+  std::vector<std::size_t> ranking() const;
   /// Best probe of a candidate; nullptr when it was not screened.
-  const ProbeScore* best(int candidate) const;
+  const ProbeScore* best(std::size_t candidate) const;
   /// Indices of a candidate's strongest probe and of the one least like it.
-  std::vector<int> two_probes(int candidate) const;
+  std::vector<std::size_t> two_probes(std::size_t candidate) const;
   /// |correlation| of two candidates' best probes (0 when either was not screened).
-  double similarity(int a, int b) const;
+  double similarity(std::size_t a, std::size_t b) const;
 };
 
 /// Screens `which` around `model` whose prediction error is `r`. Cost: one pass a probe. With an
@@ -59,7 +57,8 @@ struct Screening {
 /// nuisances; empty: none.
 /// `keep_groups`: fills Screening::by_group.
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
-                 const std::vector<int>& which, Random random, const Screening* earlier = nullptr,
-                 const Eigen::MatrixXd& accepted = {}, bool keep_groups = false);
+                 const std::vector<std::size_t>& which, Random random,
+                 const Screening* earlier = nullptr, const Eigen::MatrixXd& accepted = {},
+                 bool keep_groups = false);
 
 }  // namespace sanso::diagnose

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "tools/diagnose/gate/checks.h"
 
@@ -15,7 +16,7 @@ namespace {
 constexpr double kFar = 1e5;
 
 double error_energy(const Surroundings& around, const Model& model) {
-  const Eigen::VectorXd r = prediction_error(*around.problem, *around.library, model);
+  const Eigen::VectorXd r = prediction_error(around.problem, *around.library, model);
   return around.bounded(around.starts.energy_by_shot(r)).sum();
 }
 
@@ -46,7 +47,7 @@ std::vector<double> scaled(const Candidate& effect, const std::vector<double>& p
   return inside(effect, std::move(theta), share);
 }
 
-Model with(const Model& base, int candidate, std::vector<double> theta) {
+Model with(const Model& base, std::size_t candidate, std::vector<double> theta) {
   Model out{base.effects, {}};
   out.effects.push_back({candidate, std::move(theta)});
   return out;
@@ -54,9 +55,9 @@ Model with(const Model& base, int candidate, std::vector<double> theta) {
 
 /// Sizes along the line from the null through the probe: what the matched filter promises, and
 /// fractions and multiples of the probe to both sides of it.
-Model best_size(const Surroundings& around, const Model& base, int candidate,
+Model best_size(const Surroundings& around, const Model& base, std::size_t candidate,
                 const std::vector<double>& probe, double amount) {
-  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
+  const Candidate& effect = (*around.library)[candidate];
   const double share = around.settings().fitting.inside_bound;
   std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
   for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2})
@@ -105,8 +106,7 @@ Model best_value(const Surroundings& around, const Model& model, std::size_t ind
 /// One step for all orders around the probed one; then the best of them against its neighbours,
 /// fitted further.
 Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
-  const Candidate& effect =
-      around.library->candidates[static_cast<std::size_t>(model.effects.back().candidate)];
+  const Candidate& effect = (*around.library)[model.effects.back().candidate];
   const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index],
                                                around.settings().fitting.order_steps);
   const Model coarse = best_value(around, model, index, near, 1);
@@ -144,10 +144,10 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
   return out;
 }
 
-/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is);
-/// -1: none.
+/// `keeps`: index of a parameter that loses what this one gains (an event's end stays where it is).
 Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index,
-                           const Range& range, double least_step, int keeps = -1) {
+                           const Range& range, double least_step,
+                           std::optional<std::size_t> keeps = {}) {
   FitResult best = fit(around, start, 2);
   for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
     const double place = best.model.effects.back().theta[index];
@@ -156,8 +156,8 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
       Model trial = best.model;
       std::vector<double>& theta = trial.effects.back().theta;
       theta[index] = next;
-      if (keeps >= 0) theta[static_cast<std::size_t>(keeps)] -= next - place;
-      if (keeps >= 0 && !(theta[static_cast<std::size_t>(keeps)] > 0.0)) continue;
+      if (keeps) theta[*keeps] -= next - place;
+      if (keeps && !(theta[*keeps] > 0.0)) continue;
       FitResult fitted = fit(around, trial, 2);
       if (fitted.objective < best.objective) best = std::move(fitted);
     }
@@ -177,11 +177,11 @@ Model with_best_place(const Surroundings& around, Model model, std::size_t index
   return halved_to_best_place(around, model, index, range, range.step / (1 << settings.halvings));
 }
 
-int index_of(const Candidate& effect, Role role) {
+std::optional<std::size_t> index_of(const Candidate& effect, Role role) {
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-    if (effect.parameters[i].role == role) return static_cast<int>(i);
+    if (effect.parameters[i].role == role) return i;
   }
-  return -1;
+  return std::nullopt;
 }
 
 /// An event as a whole first, then its end and its beginning by themselves: each edge shows at its
@@ -189,15 +189,14 @@ int index_of(const Candidate& effect, Role role) {
 Model with_best_event(const Surroundings& around, Model model, const Candidate& effect,
                       std::size_t from) {
   const double least = around.settings().fitting.event_resolution;
-  const int duration = index_of(effect, Role::duration);
+  const std::optional<std::size_t> duration = index_of(effect, Role::duration);
   const Range when = range_of_place(around, effect, from);
   model = with_best_place(around, std::move(model), from, when);
-  if (duration < 0) return model;
-  const Range length{effect.parameters[static_cast<std::size_t>(duration)].low,
-                     around.settings().data.shot_seconds, when.step};
+  if (!duration) return model;
+  const Range length{effect.parameters[*duration].low, around.settings().data.shot_seconds,
+                     when.step};
   for (int round = 0; round < 2; ++round) {
-    model = halved_to_best_place(around, model, static_cast<std::size_t>(duration), length,
-                                 least * length.step);
+    model = halved_to_best_place(around, model, *duration, length, least * length.step);
     model = halved_to_best_place(around, model, from, when, least * when.step, duration);
   }
   return model;
@@ -205,11 +204,10 @@ Model with_best_event(const Surroundings& around, Model model, const Candidate& 
 
 }  // namespace
 
-Model best_start(const Surroundings& around, const Model& base, int candidate,
+Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe) {
-  const Candidate& effect = around.library->candidates[static_cast<std::size_t>(candidate)];
-  const std::vector<double>& theta =
-      effect.probes[probe != nullptr ? static_cast<std::size_t>(probe->probe) : 0];
+  const Candidate& effect = (*around.library)[candidate];
+  const std::vector<double>& theta = effect.probes[probe != nullptr ? probe->probe : 0];
   Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     const Role role = effect.parameters[i].role;

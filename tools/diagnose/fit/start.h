@@ -11,7 +11,7 @@ namespace sanso::diagnose {
 /// `base` with `candidate` added, at the size that leaves the least error; nuisances at their null
 /// (one at the end of its tolerance, which stood in for the effect, would stay there). `probe`: its
 /// strongest probe; nullptr: the first one.
-Model best_start(const Surroundings& around, const Model& base, int candidate,
+Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe);
 
 }  // namespace sanso::diagnose

@@ -11,19 +11,52 @@
 
 namespace sanso::diagnose::gate {
 
-std::vector<double> without_glitches(std::span<const double> x, int* replaced) {
-  std::vector<double> out(x.begin(), x.end());
-  std::vector<double> departure(x.size(), 0.0), centre(x.size(), 0.0);
-  for (std::size_t i = 2; i + 2 < x.size(); ++i) {
-    double w[5] = {x[i - 2], x[i - 1], x[i], x[i + 1], x[i + 2]};
-    std::sort(w, w + 5);
-    centre[i] = w[2];
-    departure[i] = std::abs(x[i] - w[2]);
+namespace {
+
+/// How a sample stands among its four neighbours.
+struct Neighbours {
+  double centre = 0.0;     // median of five
+  double departure = 0.0;  // of the sample from it
+  double step = 0.0;       // largest step between neighbours, on either side and across the sample
+};
+Neighbours neighbours_of(std::span<const double> v, std::size_t i) {
+  double w[5] = {v[i - 2], v[i - 1], v[i], v[i + 1], v[i + 2]};
+  std::sort(w, w + 5);
+  return {w[2], std::abs(v[i] - w[2]),
+          std::max({std::abs(v[i - 1] - v[i - 2]), std::abs(v[i + 2] - v[i + 1]),
+                    std::abs(v[i + 1] - v[i - 1])})};
+}
+
+}  // namespace
+
+std::vector<double> without_glitches(std::span<const double> x, int* replaced,
+                                     const GateSettings& settings) {
+  std::vector<double> out(x.begin(), x.end()), v;
+  std::vector<std::size_t> rows;  // of the samples that there are
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::isfinite(x[i])) v.push_back(x[i]), rows.push_back(i);
   }
-  const double limit = 8.0 * (robust_sigma(departure) + quantile(departure, 0.9)) + 1e-12;
+  std::vector<Neighbours> around(v.size());
+  std::vector<double> departures;  // rows at rest would make the limit that of rest alone
+  for (std::size_t i = 2; i + 2 < v.size(); ++i) {
+    around[i] = neighbours_of(v, i);
+    if (around[i].step > 0.0 || around[i].departure > 0.0)
+      departures.push_back(around[i].departure);
+  }
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    if (v[i] != v[i - 1]) steps.push_back(std::abs(v[i] - v[i - 1]));
+  }
   int count = 0;
-  for (std::size_t i = 2; i + 2 < x.size(); ++i) {
-    if (departure[i] > limit) out[i] = centre[i], ++count;
+  if (!departures.empty()) {
+    const double usual =
+        settings.glitch_deviations * (robust_sigma(departures) + quantile(departures, 0.9));
+    const double floor = std::max(usual, settings.glitch_quanta * quantile(steps, 0.1));
+    for (std::size_t i = 2; i + 2 < v.size(); ++i) {
+      // what moves past its neighbours at the speed that they have, or turns there, is motion
+      const double limit = std::max(floor, settings.glitch_steps * around[i].step);
+      if (around[i].departure > limit) out[rows[i]] = around[i].centre, ++count;
+    }
   }
   if (replaced != nullptr) *replaced = count;
   return out;

@@ -25,13 +25,30 @@ std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<Gat
 std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJoint>& joints);
 std::vector<Defect> check_units(const GateRecording& r, const std::vector<GateJoint>& joints);
 std::vector<Defect> check_commands(const GateRecording& r, const std::vector<GateJoint>& joints);
+/// A command that the log cuts off: the position goes on beyond its flat tops.
+std::vector<Defect> check_clipped_commands(const GateRecording& r,
+                                           const std::vector<GateJoint>& joints,
+                                           const GateSettings& settings);
+/// Commands beyond a limit of the model that the joint does not follow, in words: legal.
+std::vector<std::string> unfollowed_commands(const GateRecording& r,
+                                             const std::vector<GateJoint>& joints);
+/// Command against answer and position against velocity.
+std::vector<Defect> check_clocks(const GateRecording& r, const std::vector<GateJoint>& joints,
+                                 const GateSettings& settings);
+/// A velocity whose delay is another in one recording.
+std::vector<Defect> check_clocks_between(const std::vector<GateRecording>& recordings,
+                                         const std::vector<GateJoint>& joints,
+                                         const GateSettings& settings);
 std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings);
 
 /// Median sampling interval [s].
 double sampling_interval(std::span<const double> t);
 
-/// x without isolated single-sample outliers (median of five where a sample leaves it by more than
-/// 8 robust deviations).
-std::vector<double> without_glitches(std::span<const double> x, int* replaced = nullptr);
+/// x without isolated single-sample outliers: the median of five takes their place. A sample is one
+/// where it leaves that median by more than the channel's usual departures, a few counts and the
+/// steps of its neighbours, so that no count that flickers and no turning point is. Empty cells
+/// stay empty and are no neighbours.
+std::vector<double> without_glitches(std::span<const double> x, int* replaced = nullptr,
+                                     const GateSettings& settings = {});
 
 }  // namespace sanso::diagnose::gate

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "tools/diagnose/gate/checks.h"
+#include "tools/diagnose/gate/held.h"
 #include "tools/diagnose/gate/noise.h"
 #include "tools/diagnose/stats/robust.h"
 
@@ -28,7 +29,8 @@ void append(std::vector<Defect>& to, std::vector<Defect> from) {
 
 /// All defects of one file. A broken clock or unit makes every later check meaningless, so the
 /// checks stop at the first group that fails.
-std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJoint>& joints,
+                                const GateSettings& settings) {
   std::vector<Defect> out;
   for (auto* check : {&gate::check_size, &gate::check_time}) {
     append(out, (*check)(r));
@@ -43,6 +45,8 @@ std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJo
     for (Check check : group) append(out, check(r, joints));
     if (!out.empty()) return out;
   }
+  append(out, gate::check_clocks(r, joints, settings));
+  if (out.empty()) append(out, gate::check_clipped_commands(r, joints, settings));
   return out;
 }
 
@@ -87,7 +91,8 @@ Excitation excitation_of(const std::vector<GateRecording>& recordings, const Gat
   return e;
 }
 
-void note_legal_oddities(const GateRecording& r, std::vector<std::string>& notes) {
+void note_legal_oddities(const GateRecording& r, const GateSettings& settings,
+                         std::vector<std::string>& notes) {
   const double interval = gate::sampling_interval(r.t);
   std::vector<double> steps;
   for (std::size_t i = 1; i < r.t.size(); ++i) steps.push_back(r.t[i] - r.t[i - 1]);
@@ -98,42 +103,101 @@ void note_legal_oddities(const GateRecording& r, std::vector<std::string>& notes
   for (const GateChannel& c : r.channels) {
     if (c.name.rfind("q:", 0) != 0) continue;
     int glitches = 0;
-    gate::without_glitches(c.values, &glitches);
+    gate::without_glitches(c.values, &glitches, settings);
     if (glitches > 0)
       notes.push_back(fmt::format("{}: {} has {} single-sample glitches; they are left out", r.file,
                                   c.name, glitches));
   }
+  for (const HeldChannel& held : held_channels(r, settings)) {
+    notes.push_back(fmt::format("{}: {} changes every {} rows only{}; one row of each is kept",
+                                r.file, held.channel, held.rows,
+                                held.late > 0
+                                    ? fmt::format(", {} {} after {}", held.late,
+                                                  held.late > 1 ? "rows" : "row", held.before)
+                                    : std::string()));
+  }
+}
+
+/// The rows of a channel that are new.
+std::vector<double> refreshed(const GateChannel& c, const GateSettings& settings) {
+  return one_row_per_refresh(c.values, rows_between_refreshes(c.values, settings));
+}
+
+/// Noise of a channel over all recordings: the median of those in which it changes (one file with a
+/// glitch must not decide, and one at rest shows no noise).
+NoiseLevel noise_over(const std::vector<GateRecording>& recordings, const std::string& name,
+                      const GateSettings& settings) {
+  NoiseLevel level;
+  level.channel = name;
+  std::vector<double> sigmas, quanta;
+  for (const GateRecording& r : recordings) {
+    const GateChannel* c = r.find(name);
+    if (c == nullptr) continue;
+    NoiseLevel here =
+        noise_level(name, gate::without_glitches(refreshed(*c, settings), nullptr, settings));
+    if (here.sigma > 0.0) sigmas.push_back(here.sigma);
+    if (here.quantum > 0.0) quanta.push_back(here.quantum);
+    if (!here.colour.empty()) level.colour = std::move(here.colour);
+  }
+  if (!sigmas.empty()) level.sigma = median(sigmas);
+  if (!quanta.empty()) level.quantum = median(quanta);
+  return level;
+}
+
+std::string kind_of(const std::string& channel) { return channel.substr(0, channel.find(':')); }
+
+/// A joint at rest shows no noise of its own: the encoder's step that the model states says it, or
+/// the joints that move.
+void fill_in_resting(std::vector<NoiseLevel>& noise, const std::vector<GateJoint>& joints) {
+  for (NoiseLevel& level : noise) {
+    const std::string kind = kind_of(level.channel);
+    for (const GateJoint& joint : joints) {
+      if (level.quantum == 0.0 && level.sigma == 0.0 && level.channel == "q:" + joint.name)
+        level.quantum = joint.position_quantum;
+    }
+    std::vector<double> sigmas;
+    for (const NoiseLevel& other : noise) {
+      if (kind_of(other.channel) == kind && other.sigma > 0.0) sigmas.push_back(other.sigma);
+    }
+    if (level.sigma == 0.0 && level.quantum == 0.0 && !sigmas.empty()) level.sigma = median(sigmas);
+  }
+  for (NoiseLevel& level : noise)
+    level.sigma = std::max(level.sigma, level.quantum / std::sqrt(12.0));
+}
+
+std::vector<NoiseLevel> noise_of_all(const std::vector<GateRecording>& recordings,
+                                     const std::vector<GateJoint>& joints,
+                                     const GateSettings& settings) {
+  std::vector<NoiseLevel> noise;
+  for (const GateRecording& r : recordings) {
+    for (const GateChannel& c : r.channels) {
+      const bool known = std::any_of(noise.begin(), noise.end(),
+                                     [&](const NoiseLevel& n) { return n.channel == c.name; });
+      if (!known) noise.push_back(noise_over(recordings, c.name, settings));
+    }
+  }
+  fill_in_resting(noise, joints);
+  return noise;
 }
 
 }  // namespace
 
 GateReport inspect(const std::vector<GateRecording>& recordings,
-                   const std::vector<GateJoint>& joints) {
+                   const std::vector<GateJoint>& joints, const GateSettings& settings) {
   GateReport report;
-  for (const GateRecording& r : recordings) append(report.defects, inspect_one(r, joints));
+  for (const GateRecording& r : recordings)
+    append(report.defects, inspect_one(r, joints, settings));
   if (report.defects.empty()) append(report.defects, gate::check_copies(recordings));
+  if (report.defects.empty())
+    append(report.defects, gate::check_clocks_between(recordings, joints, settings));
   if (report.refused()) return report;
 
-  for (const GateRecording& r : recordings) note_legal_oddities(r, report.notes);
-  // noise: per channel, median over the recordings (one file with a glitch must not decide)
-  std::vector<std::string> names;
   for (const GateRecording& r : recordings) {
-    for (const GateChannel& c : r.channels) {
-      if (std::find(names.begin(), names.end(), c.name) == names.end()) names.push_back(c.name);
-    }
+    note_legal_oddities(r, settings, report.notes);
+    for (std::string& note : gate::unfollowed_commands(r, joints))
+      report.notes.push_back(std::move(note));
   }
-  for (const std::string& name : names) {
-    std::vector<double> sigmas;
-    NoiseLevel level;
-    for (const GateRecording& r : recordings) {
-      if (const GateChannel* c = r.find(name)) {
-        level = noise_level(name, gate::without_glitches(c->values));
-        sigmas.push_back(level.sigma);
-      }
-    }
-    level.sigma = median(sigmas);
-    report.noise.push_back(std::move(level));
-  }
+  report.noise = noise_of_all(recordings, joints, settings);
   bool any = false;
   for (const GateJoint& joint : joints) {
     double sigma = 0.0;

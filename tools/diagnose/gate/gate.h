@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/settings.h"
+
 namespace sanso::diagnose {
 
 /// One column of a recording; NaN = cell empty (not sampled).
@@ -34,6 +36,7 @@ struct GateJoint {
   double current_limit = 0.0;       // stall current, A
   double torque_limit = 0.0;        // N m
   double voltage = 0.0;             // nominal supply, V
+  double position_quantum = 0.0;    // step of the encoder, rad (m)
 };
 
 /// A reason to refuse. `row` is the file's data row (0 = first after the header) where it shows
@@ -64,6 +67,7 @@ inline constexpr const char* kSwapped = "swapped joints";
 inline constexpr const char* kEncoderWrap = "encoder wrap";
 inline constexpr const char* k16BitWrap = "16-bit wrap";
 inline constexpr const char* kClipped = "clipped channel";
+inline constexpr const char* kShiftedClock = "shifted clock";
 inline constexpr const char* kCommandIsCopy = "command is a copy of the position";
 inline constexpr const char* kCopyOfFile = "copy of another file";
 inline constexpr const char* kNoMotion = "no motion";
@@ -73,7 +77,9 @@ inline constexpr const char* kNoMotion = "no motion";
 struct NoiseLevel {
   std::string channel;
   double quantum = 0.0;  // quantisation step; 0: none found
-  double sigma = 0.0;    // standard deviation of one sample, quantisation included
+  // standard deviation of one sample, quantisation included; of a channel that never changes, what
+  // its own step makes or what its neighbours of the same kind show
+  double sigma = 0.0;
   // AR(4) coefficients in standstill; empty: not enough standstill
   std::vector<double> colour;
 };
@@ -97,7 +103,7 @@ struct GateReport {
 
 /// Judges all recordings of one call together (copies and swaps are seen across files).
 GateReport inspect(const std::vector<GateRecording>& recordings,
-                   const std::vector<GateJoint>& joints);
+                   const std::vector<GateJoint>& joints, const GateSettings& settings = {});
 
 /// Files that cannot be a recording are refused before they are read: missing, empty, larger than
 /// kMaximumFileBytes.

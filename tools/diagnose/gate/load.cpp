@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "shared/files/hash.h"
+#include "tools/diagnose/gate/held.h"
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
@@ -22,6 +23,14 @@ std::string hash_of(const recording::Recording& r) {
   add(r.t);
   for (const recording::Channel& c : r.channels) add(c.values);
   return fmt::format("{:016x}", files::fnv1a(bytes));
+}
+
+void keep_one_row_per_refresh(recording::Recording& recording, const GateSettings& settings) {
+  for (const HeldChannel& held : held_channels(gate_view(recording), settings)) {
+    const auto c = std::find_if(recording.channels.begin(), recording.channels.end(),
+                                [&](const auto& other) { return other.name == held.channel; });
+    c->values = one_row_per_refresh(c->values, held.rows);
+  }
 }
 
 }  // namespace
@@ -43,6 +52,7 @@ std::vector<GateJoint> gate_joints(const ModelFolder& model) {
     g.prismatic = joint.prismatic;
     if (joint.lower < joint.upper) g.lower = joint.lower, g.upper = joint.upper;
     g.torque_limit = settings.torque_limit;
+    g.position_quantum = settings.position_quantum;
     if (settings.actuator == Actuator::dc_servo) {
       g.voltage = settings.voltage;
       g.speed_limit = settings.back_emf > 0.0 ? settings.voltage / settings.back_emf : 0.0;
@@ -70,7 +80,8 @@ Defect defect_of(const files::InputError& error) {
 }
 
 LoadedRecordings load_recordings(const std::vector<std::string>& files,
-                                 const std::vector<GateJoint>& joints) {
+                                 const std::vector<GateJoint>& joints,
+                                 const GateSettings& settings) {
   LoadedRecordings loaded;
   for (const std::string& file : files) {
     std::vector<Defect> defects = inspect_file(file);
@@ -87,13 +98,19 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
   if (loaded.recordings.empty() && !files.empty()) return loaded;
   std::vector<GateRecording> views;
   for (const recording::Recording& r : loaded.recordings) views.push_back(gate_view(r));
-  GateReport report = inspect(views, joints);
+  GateReport report = inspect(views, joints, settings);
   // unreadable files first: they explain what else is missing
   report.defects.insert(report.defects.begin(), loaded.gate.defects.begin(),
                         loaded.gate.defects.end());
   if (files.empty())
     report.defects.push_back({"", "", -1, defect::kEmpty, "no recording was given"});
+  for (const recording::Recording& r : loaded.recordings)
+    if (r.cut)
+      report.notes.push_back(r.file + ": the file was cut (its writer lost power, or still " +
+                             "writes): " + std::to_string(r.rows()) + " complete rows are used");
   loaded.gate = std::move(report);
+  loaded.hashes = data_hash(loaded.recordings);
+  for (recording::Recording& r : loaded.recordings) keep_one_row_per_refresh(r, settings);
   return loaded;
 }
 

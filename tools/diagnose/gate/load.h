@@ -27,11 +27,15 @@ struct LoadedRecordings {
   // all files, in the order given; incomplete when `gate` refuses
   std::vector<recording::Recording> recordings;
   GateReport gate;
+  std::map<std::string, std::string> hashes;  // see data_hash; of the files as they were
 };
 
-/// Reads and judges all files. Never throws for bad input: the reasons stand in `gate.defects`.
+/// Reads and judges all files; of channels that are held over several rows one row for each
+/// refresh is kept and the others are empty. Never throws for bad input: the reasons stand in
+/// `gate.defects`.
 LoadedRecordings load_recordings(const std::vector<std::string>& files,
-                                 const std::vector<GateJoint>& joints);
+                                 const std::vector<GateJoint>& joints,
+                                 const GateSettings& settings = {});
 
 /// File -> FNV-1a of the recording's columns, in hexadecimal: which data a verdict speaks of.
 std::map<std::string, std::string> data_hash(const std::vector<recording::Recording>& recordings);

@@ -45,18 +45,42 @@ double quantisation_step(std::span<const double> x) {
              : 0.0;
 }
 
+namespace {
+
+/// How far the means of a window's quarters go. Not how far its samples do: where noise chooses the
+/// windows, those that it left quiet by chance are chosen, and their noise is measured too small.
+double motion_in(std::span<const double> x) {
+  constexpr std::size_t kBlocks = 4;
+  const std::size_t length = std::max<std::size_t>(1, x.size() / kBlocks);
+  double travel = 0.0, previous = NAN;
+  for (std::size_t start = 0; start + length <= x.size(); start += length) {
+    const double here = mean(x.subspan(start, length));
+    if (std::isfinite(previous)) travel += std::abs(here - previous);
+    previous = here;
+  }
+  return travel;
+}
+
+/// Whether a window shows noise at all: a reading that never changes is held or too coarse.
+bool changes(std::span<const double> x) {
+  return std::any_of(x.begin(), x.end(), [&](double value) { return value != x.front(); });
+}
+
+}  // namespace
+
 std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x,
                                                               std::size_t window) {
+  std::vector<std::pair<std::size_t, std::size_t>> windows;
   std::vector<double> motion;
   for (std::size_t start = 0; start + window <= x.size(); start += window) {
-    double sum = 0.0;
-    for (std::size_t i = start + 1; i < start + window; ++i) sum += std::abs(x[i] - x[i - 1]);
-    motion.push_back(sum);
+    if (!changes(x.subspan(start, window))) continue;
+    windows.emplace_back(start, start + window);
+    motion.push_back(motion_in(x.subspan(start, window)));
   }
   std::vector<std::pair<std::size_t, std::size_t>> out;
   const double limit = quantile(motion, 0.25);
   for (std::size_t w = 0; w < motion.size(); ++w) {
-    if (motion[w] <= limit) out.emplace_back(w * window, (w + 1) * window);
+    if (motion[w] <= limit) out.push_back(windows[w]);
   }
   return out;
 }

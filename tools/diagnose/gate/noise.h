@@ -11,8 +11,8 @@ namespace sanso::diagnose {
 /// when there is none coarser than the number format (1e-6 of the range).
 double quantisation_step(std::span<const double> x);
 
-/// Rows of the calmest quarter of windows (smallest mean |difference|), as [first, last) pairs:
-/// standstill if there is any.
+/// Rows of the calmest quarter of windows (whose means move least) among those in which x changes
+/// at all, as [first, last) pairs: standstill if there is any.
 std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const double> x,
                                                               std::size_t window);
 

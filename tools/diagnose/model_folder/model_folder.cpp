@@ -40,6 +40,7 @@ void read_robot(const TomlTable& table, ModelFolder& model) {
   if (base != "fixed" && base != "floating")
     table.fail("base", "unknown base", base, "fixed or floating");
   model.floating = base == "floating";
+  if (table.has("base")) model.base_line = table.line_of("base");
   if (const auto g = table.numbers("gravity", 3)) model.gravity = {(*g)[0], (*g)[1], (*g)[2]};
 }
 
@@ -132,6 +133,15 @@ ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std:
   model.tree = tree_from_urdf(model.urdf, model.urdf_file);
   read_joints(top, model);
   return model;
+}
+
+void require_fixed_base(const ModelFolder& model, const std::string& reader) {
+  if (!model.floating) return;
+  throw InputError((std::filesystem::path(model.folder) / "model.toml").string(), model.base_line,
+                   "robot.base", "floating base", "floating",
+                   "\"fixed\": " + reader +
+                       " simulates no base that moves; record the robot in a stand, its base "
+                       "clamped, and write base = \"fixed\" with the URDF's root in the stand");
 }
 
 ModelFolder read_model_folder(const std::string& folder) {

@@ -38,6 +38,7 @@ struct ModelFolder {
   std::string urdf_file = "robot.urdf";  // beside model.toml
   std::string urdf;                      // its text
   bool floating = false;
+  int base_line = 0;                               // of model.toml, where `base` stands
   std::array<double, 3> gravity{0.0, 0.0, -9.81};  // m/s^2, world axes
   // command period; held from sample to sample in recordings
   double period_s = 0.01;
@@ -54,6 +55,10 @@ struct ModelFolder {
 ModelFolder read_model_folder(const std::string& folder);
 /// The same for text in memory; `name` stands for model.toml in messages.
 ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name);
+
+/// Throws files::InputError for a base that floats: every prediction of tools/diagnose would bolt
+/// it down. `reader` is the command that says so.
+void require_fixed_base(const ModelFolder& model, const std::string& reader);
 
 std::string model_toml(const ModelFolder& model);
 /// Writes robot.urdf and model.toml into `folder` (created when missing), each by rename, so never

@@ -31,7 +31,7 @@ Cut cut_shots(const std::vector<Source>& sources, const std::vector<NoiseLevel>&
   options.maximum_rows = settings.data.maximum_rows;
   options.maximum_shots = settings.data.maximum_shots;
   Cut out{make_problem(sources, noise, options, settings), {}, options.shot_seconds};
-  if (out.problem.shots.empty()) {
+  if (out.problem->shots.empty()) {
     throw files::InputError(sources.front().file, 0, "t", "too short",
                             "no piece of motion to simulate",
                             fmt::format("pieces of {:.2g} s without gaps, {} rows or more",
@@ -43,8 +43,8 @@ Cut cut_shots(const std::vector<Source>& sources, const std::vector<NoiseLevel>&
   return out;
 }
 
-Placement place(const Problem& problem, const DiagnoseOptions& options) {
-  Placement placement = place_library(problem, options.effects);
+Placement place(const Comparison& comparison, const DiagnoseOptions& options) {
+  Placement placement = place_library(comparison, options.effects);
   std::erase_if(placement.candidates, [&](const Candidate& c) {
     return std::find(options.without.begin(), options.without.end(), c.effect) !=
            options.without.end();
@@ -64,14 +64,19 @@ SelectOptions select_options(const DiagnoseOptions& options, const Progress& pro
 Evidence measure(const DiagnoseOptions& options, const LoadedRecordings& loaded,
                  const std::vector<Source>& sources, const Placement& placement,
                  const Library& library, const Selection& selection, const Regimes& regimes,
-                 WholeTime& whole) {
-  const Problem& problem = *selection.around->problem;
+                 const WholeTime& whole) {
+  const Problem& problem = selection.around->problem;
   const StartElimination& starts = selection.around->starts;
   Evidence out;
-  out.joints = problem.joints;
-  out.before =
-      locate(problem, regimes, in_noise_levels(problem, starts.project(selection.nominal.r)));
-  out.after = locate(problem, regimes, in_noise_levels(problem, starts.project(selection.final.r)));
+  out.joints = problem->joints;
+  // the search divides channels by the error level that it reaches; a person reads errors in units
+  // of the noise
+  const auto located = [&](const FitResult& result) {
+    return locate(*problem, regimes,
+                  rescaled(*problem, starts.project(result.r), problem.scales, floors(*problem)));
+  };
+  out.before = located(selection.nominal);
+  out.after = located(selection.final);
   out.findings = findings_of(library, selection, regimes);
   out.search = record_of(library, selection);
   for (const auto& [effect, because] : placement.untestable)
@@ -82,7 +87,7 @@ Evidence measure(const DiagnoseOptions& options, const LoadedRecordings& loaded,
   out.next_experiment = next_experiment(problem, library, selection, out.findings);
   out.left = what_is_left(sources, loaded.gate.noise, library, selection, whole, options.seed);
   out.notes = loaded.gate.notes;
-  out.data_hash = data_hash(loaded.recordings);
+  out.data_hash = loaded.hashes;
   out.decisions = options.settings.decisions;
   out.seed = options.seed;
   return out;
@@ -96,15 +101,15 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Progress& progr
   progress("smooth the motion, cut shots");
   const std::vector<Source> sources = make_sources(model, loaded.recordings, noise, settings);
   Cut cut = cut_shots(sources, noise, settings);
-  const Placement placement = place(cut.problem, options);
-  const Library library{placement.candidates, make_nuisances(cut.problem)};
+  const Placement placement = place(*cut.problem, options);
+  const Library library{placement.candidates, make_nuisances(*cut.problem)};
   progress(fmt::format(
       "{} shots of {:.3g} s in {} recordings, {} channels, {:.0f} % of the recorded time",
-      cut.problem.shots.size(), cut.seconds, sources.size(), cut.problem.channels.size(),
-      100 * cut.problem.used_share));
+      cut.problem->shots.size(), cut.seconds, sources.size(), cut.problem->channels.size(),
+      100 * cut.problem->used_share));
   const Selection selection = select(cut.problem, library, select_options(options, progress));
   progress("locate, refute, test what is left");
-  const Regimes regimes = find_regimes(cut.problem);
+  const Regimes regimes = find_regimes(*selection.around->problem);
   Evidence evidence =
       measure(options, loaded, sources, placement, library, selection, regimes, *cut.whole);
   progress("fit again without the held-out recordings, score there");
@@ -116,7 +121,7 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Progress& progr
   out.before = std::move(evidence.before);
   out.after = std::move(evidence.after);
   out.regimes = regimes.names;
-  out.joints = cut.problem.joints;
+  out.joints = cut.problem->joints;
   for (const TreeJoint& joint : model.tree.joints) out.slides.push_back(joint.prismatic ? 1 : 0);
   out.shown_joints = joints_to_show(out.verdict, model.tree);
   out.curves_before = curves_of(
@@ -142,8 +147,10 @@ Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress) {
   require_in_range(options.settings);
   try {
     const ModelFolder model = read_model_folder(options.model);
+    require_fixed_base(model, "sanso diagnose");
     progress("read and judge the recordings");
-    const LoadedRecordings loaded = load_recordings(options.recordings, gate_joints(model));
+    const LoadedRecordings loaded =
+        load_recordings(options.recordings, gate_joints(model), options.settings.gate);
     if (loaded.gate.refused()) return refused(loaded.gate.defects);
     return diagnose_healthy(options, progress, model, loaded);
   } catch (const files::InputError& error) {

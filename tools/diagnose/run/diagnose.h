@@ -24,6 +24,7 @@ struct DiagnoseOptions {
   bool json = false;                 // print verdict.json instead of the summary
   bool quiet = false;                // no progress lines
   unsigned long seed = 1;
+  bool free_gain = false;  // --predict effort: no drive's scale is taken as known
   Settings settings;
   // fills FirstLook::by_group, for methods that are compared with this one
   bool first_look_by_group = false;
@@ -37,7 +38,7 @@ struct Diagnosis {
   std::vector<std::string> regimes, joints;
   std::vector<char> slides;                                          // by joint, not 0: prismatic
   std::vector<std::vector<ShapeCurve>> curves_before, curves_after;  // by joint of `shown_joints`
-  std::vector<int> shown_joints;
+  std::vector<std::size_t> shown_joints;
   std::vector<RollOut> roll_outs;
   std::vector<std::string> log;
   FirstLook first_look;

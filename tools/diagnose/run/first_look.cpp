@@ -7,7 +7,7 @@ FirstLook first_look(const Library& library, const Screening& first,
                      const ToleranceSettings& tolerances) {
   FirstLook out;
   for (const ProbeScore& p : first.probes) {
-    const Candidate& c = library.candidates[static_cast<std::size_t>(p.candidate)];
+    const Candidate& c = library[p.candidate];
     out.effect.push_back(c.effect);
     out.family.push_back(c.family);
     out.z.push_back(p.z);

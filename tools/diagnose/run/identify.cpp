@@ -25,14 +25,13 @@ std::vector<std::string> fitted_ids() {
 }
 
 /// One candidate a joint and effect. What is not fitted stays at its null.
-Library one_by_one(const Problem& problem) {
+Library one_by_one(const Comparison& comparison) {
   Library library;
-  for (Candidate& c : place_library(problem, fitted_ids()).candidates) {
+  for (Candidate& c : place_library(comparison, fitted_ids()).candidates) {
     if (c.where.size() != 1) continue;
     const Effect& effect = *find_effect(c.effect);
-    const Actuator actuator = problem.sources.front()
-                                  .nominal.joints[static_cast<std::size_t>(c.joints[0])]
-                                  .nominal.actuator;
+    const Actuator actuator =
+        comparison.sources.front().nominal.joints[c.joints[0]].nominal.actuator;
     bool any = false;
     for (std::size_t k = 0; k < c.parameters.size(); ++k) {
       const bool fitted = effect.fitted_by_identify(k, actuator);
@@ -46,12 +45,11 @@ Library one_by_one(const Problem& problem) {
 
 /// All candidates at `share` of their typical size away from the null: inside the bounds, never on
 /// one.
-Model start_at(const Library& library, const std::vector<char>& used, double share) {
+Model start_at(const Library& library, double share) {
   Model model;
   for (std::size_t c = 0; c < library.candidates.size(); ++c) {
-    if (!used[c]) continue;
-    Chosen chosen{static_cast<int>(c), {}};
-    for (const CandidateParameter& p : library.candidates[c].parameters) {
+    Chosen chosen{c, {}};
+    for (const CandidateParameter& p : library[c].parameters) {
       const double away = p.structural ? 0.0 : share * p.typical;
       chosen.theta.push_back(p.null + away <= p.high ? p.null + away : p.null - away);
     }
@@ -60,25 +58,16 @@ Model start_at(const Library& library, const std::vector<char>& used, double sha
   return model;
 }
 
-FitResult best_fit(Surroundings& around, const Library& library, const std::vector<char>& used) {
+FitResult best_fit(const Surroundings& around, const Library& library) {
   FitResult best;
   best.objective = INFINITY;
   for (const double share :
        {0.1, 1.0}) {  // two starts: near the nominal model, and at sizes that occur in practice
     FitResult result =
-        fit(around, start_at(library, used, share), 2 * around.settings().fitting.iterations);
+        fit(around, start_at(library, share), 2 * around.settings().fitting.iterations);
     if (result.objective < best.objective) best = std::move(result);
   }
   return best;
-}
-
-/// Weighs every channel by the error that a good model leaves in it, never below its floor.
-void to_error_level(Problem& problem, const std::vector<double>& overdispersion_by_channel) {
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    Observed& channel = problem.channels[c];
-    channel.sigma =
-        std::max(channel.floor, channel.sigma * std::sqrt(overdispersion_by_channel[c]));
-  }
 }
 
 /// Fits and linearises the starts anew around each answer, until an answer is as good as the one
@@ -86,7 +75,7 @@ void to_error_level(Problem& problem, const std::vector<double>& overdispersion_
 /// where parameters act alike.
 FitResult settle(Surroundings& around, const Problem& problem, const Library& library,
                  FitResult result) {
-  const FittingSettings& settings = problem.settings.fitting;
+  const FittingSettings& settings = problem->settings.fitting;
   for (int round = 0; round < settings.identify_rounds; ++round) {
     around = make_surroundings(problem, library, result.model);
     const double before = fit(around, result.model, 0).objective;
@@ -102,7 +91,7 @@ std::vector<IdentifiedParameter> parameters_of(const FitResult& result, const Li
   const std::vector<double> sigmas = parameter_sigmas(result, library);
   std::size_t i = 0;
   for (const Chosen& chosen : result.model.effects) {
-    const Candidate& c = library.candidates[static_cast<std::size_t>(chosen.candidate)];
+    const Candidate& c = library[chosen];
     for (std::size_t k = 0; k < c.parameters.size(); ++k, ++i) {
       const CandidateParameter& p = c.parameters[k];
       if (p.structural) continue;
@@ -127,11 +116,22 @@ void fold_in(ModelFolder& model, const IdentifiedParameter& p) {
   const auto parameter =
       std::find_if(effect.parameters.begin(), effect.parameters.end(),
                    [&](const EffectParameter& q) { return q.name == p.parameter; });
-  JointSettings& joint = model.joints[static_cast<std::size_t>(model.tree.index_of(p.joint))];
+  JointSettings& joint = model.joints[model.tree.index_of(p.joint)];
   const auto k = static_cast<std::size_t>(parameter - effect.parameters.begin());
   // more negative than a setting may be: a correction of the actuator's own
   if (!effect.fold_into(joint, k, p.value))
     model.effects.push_back({p.effect, {p.joint}, {{p.parameter, p.value}}, 0});
+}
+
+/// The model less what the data do not determine. `told`: its parameters, as parameters_of lists
+/// them.
+Model determined_part(const Model& model, const std::vector<IdentifiedParameter>& told) {
+  Model out;
+  std::size_t index = 0;
+  for (const Chosen& chosen : model.effects) {
+    if (told[index++].determined) out.effects.push_back(chosen);
+  }
+  return out;
 }
 
 }  // namespace
@@ -144,15 +144,15 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
   options.maximum_rows = settings.data.maximum_rows;
   Problem problem = make_problem(make_sources(model, loaded.recordings, noise, settings), noise,
                                  options, settings);
-  const Library library = one_by_one(problem);
+  const Library library = one_by_one(*problem);
   progress(fmt::format("{} parameters, {} shots of {} s", library.candidates.size(),
-                       problem.shots.size(), options.shot_seconds));
+                       problem->shots.size(), options.shot_seconds));
 
   Surroundings around = make_surroundings(problem, library, Model{});
-  std::vector<char> used(library.candidates.size(), 1);
-  FitResult result = best_fit(around, library, used);
+  FitResult result = best_fit(around, library);
   // again around what was found: starts and spread of the errors are those of a good model
-  to_error_level(problem, overdispersion(problem, around.starts.project(result.r)));
+  problem.scales =
+      overdispersed(problem, overdispersion(*problem, around.starts.project(result.r)));
   result = settle(around, problem, library, std::move(result));
   const FitResult nominal = fit(around, Model{}, 0);
 
@@ -160,15 +160,7 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
   out.model = model;
   out.parameters = parameters_of(result, library, standard_errors);
   progress("leave out what the data do not determine, fit again");
-  std::size_t index = 0;
-  for (const Chosen& chosen : result.model.effects) {
-    used[static_cast<std::size_t>(chosen.candidate)] = out.parameters[index++].determined ? 1 : 0;
-  }
-  Model kept;
-  for (const Chosen& chosen : result.model.effects) {
-    if (used[static_cast<std::size_t>(chosen.candidate)]) kept.effects.push_back(chosen);
-  }
-  result.model = kept;
+  result.model = determined_part(result.model, out.parameters);
   result = settle(around, problem, library, std::move(result));
   for (const IdentifiedParameter& p : parameters_of(result, library, standard_errors)) {
     for (IdentifiedParameter& shown : out.parameters) {
@@ -191,6 +183,7 @@ int run_identify(const std::string& model_folder, const std::vector<std::string>
                  const std::string& out) {
   try {
     const ModelFolder model = read_model_folder(model_folder);
+    require_fixed_base(model, "sanso identify");
     const LoadedRecordings loaded = load_recordings(files, gate_joints(model));
     for (const Defect& d : loaded.gate.defects) {
       fmt::print(stderr, "refused    {} {}{}: {}: {}\n", d.file, d.channel,

@@ -36,13 +36,13 @@ void add_map(report::HtmlPage& page, const Diagnosis& d) {
 void add_error_over_time(report::HtmlPage& page, const Diagnosis& d) {
   report::LineChart strip{
       "error over time", "time, recordings one after the other [s]", "noise levels", {}};
-  for (const int j : d.shown_joints) {
+  for (const std::size_t j : d.shown_joints) {
     for (const auto* m : {&d.before, &d.after}) {
       report::Series s;
-      s.name = d.joints[static_cast<std::size_t>(j)] + (m == &d.before ? ", nominal" : ", patched");
+      s.name = d.joints[j] + (m == &d.before ? ", nominal" : ", patched");
       s.dashed = m == &d.after;
       s.x = m->shot_time;
-      for (double e : m->time_strip[static_cast<std::size_t>(j)]) s.y.push_back(std::sqrt(e));
+      for (double e : m->time_strip[j]) s.y.push_back(std::sqrt(e));
       strip.series.push_back(std::move(s));
     }
   }
@@ -113,7 +113,7 @@ void tell_curves(report::HtmlPage& page, const Diagnosis& d) {
       "wide to either side. After the patch "
       "the curve should lie on zero.");
   for (std::size_t k = 0; k < d.shown_joints.size(); ++k) {
-    const auto joint = static_cast<std::size_t>(d.shown_joints[k]);
+    const auto joint = d.shown_joints[k];
     for (const ShapeCurve& before : d.curves_before[k]) {
       const report::LineChart chart =
           curve_chart(d.joints[joint], d.slides[joint] != 0, before, d.curves_after[k]);

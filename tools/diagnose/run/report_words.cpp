@@ -28,8 +28,7 @@ std::string position_unit(const Diagnosis& d) {
 
 bool slides_of(const Diagnosis& d, const std::string& joint) {
   const auto at = std::find(d.joints.begin(), d.joints.end(), joint) - d.joints.begin();
-  return static_cast<std::size_t>(at) < d.slides.size() &&
-         d.slides[static_cast<std::size_t>(at)] != 0;
+  return static_cast<std::size_t>(at) < d.slides.size() && d.slides[at] != 0;
 }
 
 }  // namespace sanso::diagnose

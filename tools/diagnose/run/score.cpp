@@ -68,7 +68,7 @@ HorizonScore score_horizon(const SimParams& params, const Drive& drive,
       if (measured.empty()) continue;
       Sum sum;
       for (const Prediction& p : predictions) {
-        add(sum, measured, p.of(p.*channel.predicted, static_cast<int>(j)), p.first,
+        add(sum, measured, p.of(p.*channel.predicted, j), p.first,
             channel.effort && !data.command.empty() ? &data.command : nullptr);
       }
       out.channels[channel.prefix + params.tree.joints[j].name] = sum.rmse();
@@ -89,10 +89,7 @@ struct Prepared {
   MeasuredMotion motion;
 };
 Prepared prepare(const ModelFolder& model, const recording::Recording& recording) {
-  if (model.floating) {
-    throw files::InputError(model.folder, 0, "robot.base", "floating base", "floating",
-                            "a fixed base (\"fixed\")");
-  }
+  require_fixed_base(model, "sanso score");
   const ModelFolder here = with_overrides(model, recording);
   Prepared out;
   out.drive = make_drive(recording, here);
@@ -122,8 +119,7 @@ std::vector<double> window_errors(const ModelFolder& model, const recording::Rec
        simulate(p.params, p.drive, tiled_windows(p.drive, p.motion, seconds), options)) {
     Sum sum;
     for (std::size_t j = 0; j < p.drive.joints.size(); ++j)
-      add(sum, p.drive.joints[j].q, predicted.of(predicted.q, static_cast<int>(j)), predicted.first,
-          nullptr);
+      add(sum, p.drive.joints[j].q, predicted.of(predicted.q, j), predicted.first, nullptr);
     if (sum.count > 0) out.push_back(sum.rmse());
   }
   return out;

@@ -13,23 +13,24 @@ constexpr int kShotsShown = 4;
 /// predicted = measured - sigma r.
 RollOut roll_out(const Problem& problem, std::size_t c, const Eigen::VectorXd& before,
                  const Eigen::VectorXd& after) {
-  const Observed& channel = problem.channels[c];
+  const Observed& channel = problem->channels[c];
+  const double sigma = problem.scales.sigma[c];
   RollOut r;
-  r.joint = problem.joints[static_cast<std::size_t>(channel.joint)];
-  r.recording = problem.sources[static_cast<std::size_t>(problem.shots.front().source)].file;
+  r.joint = problem->joints[channel.joint];
+  r.recording = problem->sources[problem->shots.front().source].file;
   r.noise = channel.noise;
   int shown = 0;
-  for (const Shot& shot : problem.shots) {
-    if (shot.source != problem.shots.front().source || ++shown > kShotsShown) break;
-    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
+  for (const Shot& shot : problem->shots) {
+    if (shot.source != problem->shots.front().source || ++shown > kShotsShown) break;
+    const Source& source = problem->sources[shot.source];
+    const auto error_before = rows_of(before, shot, c), error_after = rows_of(after, shot, c);
     for (std::size_t k = 0; k < shot.rows; ++k) {
-      const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
-      const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
+      const std::size_t row = recorded_row(shot, k);
       const double y = measured(source, channel, row);
       r.t.push_back(source.drive.t[row]);
       r.measured.push_back(y);
-      r.nominal.push_back(y - channel.sigma * before[i]);
-      r.patched.push_back(y - channel.sigma * after[i]);
+      r.nominal.push_back(y - sigma * error_before[k]);
+      r.patched.push_back(y - sigma * error_after[k]);
     }
     r.t.push_back(r.t.back()), r.measured.push_back(NAN), r.nominal.push_back(NAN),
         r.patched.push_back(NAN);  // pen up
@@ -39,14 +40,13 @@ RollOut roll_out(const Problem& problem, std::size_t c, const Eigen::VectorXd& b
 
 }  // namespace
 
-std::vector<int> joints_to_show(const Verdict& verdict, const RobotTree& tree) {
-  std::vector<int> out;
+std::vector<std::size_t> joints_to_show(const Verdict& verdict, const RobotTree& tree) {
+  std::vector<std::size_t> out;
   const auto add = [&](const std::string& name) {
     for (std::size_t j = 0; j < tree.joints.size(); ++j) {
       const bool is = tree.joints[j].name == name || tree.joints[j].link == name;
-      if (is && out.size() < 3 &&
-          std::find(out.begin(), out.end(), static_cast<int>(j)) == out.end())
-        out.push_back(static_cast<int>(j));
+      if (is && out.size() < 3 && std::find(out.begin(), out.end(), j) == out.end())
+        out.push_back(j);
     }
   };
   for (const Finding& f : verdict.findings) {
@@ -62,7 +62,7 @@ std::vector<int> joints_to_show(const Verdict& verdict, const RobotTree& tree) {
 
 std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
                                const std::vector<NoiseLevel>& noise, const Library& library,
-                               const HeldoutProof& proof, const std::vector<int>& joints,
+                               const HeldoutProof& proof, const std::vector<std::size_t>& joints,
                                const Settings& settings) {
   std::vector<RollOut> out;
   ProblemOptions options;
@@ -70,12 +70,12 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
   options.maximum_rows = 4 * settings.data.maximum_rows;
   options.secondary = false;
   const Problem problem = restricted(make_problem(sources, noise, options, settings), proof.part);
-  if (problem.shots.empty()) return out;
+  if (problem->shots.empty()) return out;
   const Eigen::VectorXd before = prediction_error(problem, library, Model{}),
                         after = prediction_error(problem, library, proof.model);
-  for (const int joint : joints) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      if (problem.channels[c].joint == joint && problem.channels[c].signal == Signal::q)
+  for (const std::size_t joint : joints) {
+    for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+      if (problem->channels[c].joint == joint && problem->channels[c].signal == Signal::q)
         out.push_back(roll_out(problem, c, before, after));
     }
   }
@@ -83,9 +83,9 @@ std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
 }
 
 std::vector<std::vector<ShapeCurve>> curves_of(const std::vector<TorqueSample>& missing,
-                                               const std::vector<int>& joints) {
+                                               const std::vector<std::size_t>& joints) {
   std::vector<std::vector<ShapeCurve>> out;
-  for (const int j : joints) out.push_back(shape_curves(missing, j));
+  for (const std::size_t j : joints) out.push_back(shape_curves(missing, j));
   return out;
 }
 

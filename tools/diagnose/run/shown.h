@@ -20,17 +20,17 @@ struct RollOut {
 
 /// The joints worth showing: those of findings and of what is unexplained, at most three; else the
 /// one where the map is strongest.
-std::vector<int> joints_to_show(const Verdict& verdict, const RobotTree& tree);
+std::vector<std::size_t> joints_to_show(const Verdict& verdict, const RobotTree& tree);
 
 /// Roll-outs of 2 s from the measured state, the first four of the first recording held out, by
 /// joint of `joints`; empty when the held-out part is too short.
 std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
                                const std::vector<NoiseLevel>& noise, const Library& library,
-                               const HeldoutProof& proof, const std::vector<int>& joints,
+                               const HeldoutProof& proof, const std::vector<std::size_t>& joints,
                                const Settings& settings);
 
 /// Shape curves of a model's missing torque, by joint of `joints`.
 std::vector<std::vector<ShapeCurve>> curves_of(const std::vector<TorqueSample>& missing,
-                                               const std::vector<int>& joints);
+                                               const std::vector<std::size_t>& joints);
 
 }  // namespace sanso::diagnose

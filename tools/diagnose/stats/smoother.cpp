@@ -2,8 +2,8 @@
 // acceleration is that of the largest likelihood.
 #include "tools/diagnose/stats/smoother.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 
@@ -102,7 +102,7 @@ SmoothedState smooth_position(std::span<const double> t, std::span<const double>
     if (k + 1 < n) {
       // backward pass: gain C = P_k F' P_prior^-1
       const Mat3 F = transition(t[k + 1] - t[k]);
-      const Mat3 C = f.P[k] * F.transpose() * f.P_prior[k + 1].inverse();
+      const Mat3 C = f.P_prior[k + 1].ldlt().solve(F * f.P[k]).transpose();
       x = f.x[k] + C * (x - f.x_prior[k + 1]);
       P = f.P[k] + C * (P - f.P_prior[k + 1]) * C.transpose();
     }

@@ -6,9 +6,6 @@
 namespace sanso::diagnose {
 
 SearchRecord record_of(const Library& library, const Selection& selection) {
-  const auto candidate = [&](int i) -> const Candidate& {
-    return library.candidates[static_cast<std::size_t>(i)];
-  };
   SearchRecord out;
   const std::vector<ProbeScore>& probes = selection.first.probes;
   const double level = selection.around->settings().decisions.family_wise;
@@ -16,10 +13,10 @@ SearchRecord record_of(const Library& library, const Selection& selection) {
                              [level](const ProbeScore& p) { return p.p_family < level; });
   for (const Accepted& entry : selection.accepted) {
     if (!entry.contradicted.empty())
-      out.described.push_back(candidate(entry.candidate).title() + " (" + entry.contradicted + ")");
+      out.described.push_back(library[entry.candidate].title() + " (" + entry.contradicted + ")");
   }
   out.refuted = selection.refuted;
-  if (!probes.empty()) out.nearest_effect = candidate(selection.first.ranking().front()).effect;
+  if (!probes.empty()) out.nearest_effect = library[selection.first.ranking().front()].effect;
   return out;
 }
 

@@ -38,8 +38,8 @@ void scale_commands(Source& source, double amplitude, double speed) {
   for (double& t : source.drive.t) t /= speed;
 }
 
-std::vector<MenuEntry> menu(const Problem& problem) {
-  const SimParams& nominal = problem.sources.front().nominal;
+std::vector<MenuEntry> menu(const Comparison& comparison) {
+  const SimParams& nominal = comparison.sources.front().nominal;
   std::vector<MenuEntry> out;
   const auto each = [](const std::function<void(JointParams&)>& change) {
     return [change](Source& s) {
@@ -111,9 +111,9 @@ double separation(const Problem& problem, const Library& library, const Model& c
 }
 
 /// A few shots suffice to compare entries of the menu.
-Problem small(const Problem& problem) {
-  Problem out = problem;
-  const auto enough = static_cast<std::size_t>(problem.settings.remains.experiment_shots);
+Comparison small(const Comparison& comparison) {
+  Comparison out = comparison;
+  const auto enough = static_cast<std::size_t>(comparison.settings.remains.experiment_shots);
   if (out.shots.size() > enough) {
     std::vector<Shot> kept;
     for (std::size_t i = 0; i < enough; ++i)
@@ -125,6 +125,66 @@ Problem small(const Problem& problem) {
   return out;
 }
 
+/// Names that the data cannot tell apart, and of each finding the fitted models that stand behind
+/// them: three of all findings together.
+struct Undecided {
+  std::vector<Model> rivals;
+  std::vector<std::string> names;
+};
+Undecided undecided(const Library& library, const Selection& selection,
+                    const std::vector<Finding>& findings) {
+  Undecided out;
+  std::vector<const Accepted*> named;  // the effects that became findings, in the same order
+  for (const Accepted& entry : selection.accepted) {
+    if (entry.contradicted.empty()) named.push_back(&entry);
+  }
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    const std::vector<std::string>& set = findings[i].one_of;
+    if (set.size() < 2) continue;
+    for (const Alternative& a : named[i]->alternatives) {
+      const bool listed =
+          std::find(set.begin(), set.end(), library[a.candidate].effect) != set.end();
+      if (listed && out.rivals.size() < 3) out.rivals.push_back(a.fit.model);
+    }
+    out.names.insert(out.names.end(), set.begin(), set.end());
+  }
+  return out;
+}
+
+/// What would be recorded under this entry of the menu.
+Comparison changed(Comparison out, const MenuEntry& entry) {
+  for (Source& s : out.sources) entry.change(s);
+  for (Shot& shot : out.shots) {
+    const MeasuredMotion& motion = out.sources[shot.source].motion;
+    for (std::size_t j = 0; j < motion.q.size(); ++j) {
+      shot.window.q[j] = motion.q[j][shot.window.first];
+      shot.window.dq[j] = motion.dq[j][shot.window.first];
+    }
+  }
+  return out;
+}
+
+double seconds_of(const Comparison& comparison) {
+  double seconds = 0.0;
+  for (const Shot& s : comparison.shots) {
+    const std::vector<double>& t = comparison.sources[s.source].drive.t;
+    seconds += t[s.window.last] - t[s.window.first];
+  }
+  return seconds;
+}
+
+/// The entry that tells most in a second. A setting wins over a motion unless the motion is clearly
+/// better: it changes what a motion cannot.
+std::size_t best_entry(const std::vector<MenuEntry>& entries, const std::vector<double>& nats) {
+  std::size_t pick = 0;
+  for (std::size_t e = 1; e < entries.size(); ++e) {
+    const bool motion_for_setting =
+        entries[e].kind == ExperimentKind::motion && entries[pick].kind == ExperimentKind::setting;
+    if (nats[e] > (motion_for_setting ? 1.5 : 1.0) * nats[pick]) pick = e;
+  }
+  return pick;
+}
+
 }  // namespace
 
 const char* to_string(ExperimentKind kind) {
@@ -134,60 +194,26 @@ const char* to_string(ExperimentKind kind) {
 std::optional<NextExperiment> next_experiment(const Problem& problem, const Library& library,
                                               const Selection& selection,
                                               const std::vector<Finding>& findings) {
-  std::vector<Model> rivals;
-  NextExperiment best;
-  std::vector<const Accepted*> named;  // the effects that became findings, in the same order
-  for (const Accepted& entry : selection.accepted) {
-    if (entry.contradicted.empty()) named.push_back(&entry);
-  }
-  for (std::size_t i = 0; i < findings.size(); ++i) {
-    if (findings[i].one_of.size() < 2) continue;
-    for (const Alternative& a : named[i]->alternatives) {
-      const std::string& name = library.candidates[static_cast<std::size_t>(a.candidate)].effect;
-      if (std::find(findings[i].one_of.begin(), findings[i].one_of.end(), name) !=
-              findings[i].one_of.end() &&
-          rivals.size() < 3)
-        rivals.push_back(a.fit.model);
-    }
-    for (const std::string& name : findings[i].one_of) best.separates.push_back(name);
-  }
-  if (rivals.empty()) return std::nullopt;
-  const Problem base = small(problem);
-  double seconds = 0.0;
-  for (const Shot& s : base.shots) {
-    const std::vector<double>& t = base.sources[static_cast<std::size_t>(s.source)].drive.t;
-    seconds += t[s.window.last] - t[s.window.first];
-  }
-  const std::vector<MenuEntry> entries = menu(problem);
+  const Undecided open = undecided(library, selection, findings);
+  if (open.rivals.empty()) return std::nullopt;
+  const Comparison base = small(*problem);
+  const double seconds = seconds_of(base);
+  const std::vector<MenuEntry> entries = menu(*problem);
   std::vector<double> nats(entries.size(), 0.0);
-  parallel_for(static_cast<int>(entries.size()), [&](int e) {
-    Problem changed = base;
-    for (Source& s : changed.sources) entries[static_cast<std::size_t>(e)].change(s);
-    for (Shot& shot : changed.shots) {
-      const MeasuredMotion& motion = changed.sources[static_cast<std::size_t>(shot.source)].motion;
-      for (std::size_t j = 0; j < motion.q.size(); ++j) {
-        shot.window.q[j] = motion.q[j][shot.window.first];
-        shot.window.dq[j] = motion.dq[j][shot.window.first];
-      }
-    }
+  parallel_for(entries.size(), [&](std::size_t e) {
+    const Problem tried{std::make_shared<const Comparison>(changed(base, entries[e])),
+                        problem.scales, problem.correction};
     double least = INFINITY;  // the worst pair decides
-    for (const Model& rival : rivals)
-      least = std::min(least, 0.5 * separation(changed, library, selection.final.model, rival));
-    nats[static_cast<std::size_t>(e)] = least / std::max(seconds, 1e-9);
+    for (const Model& rival : open.rivals)
+      least = std::min(least, 0.5 * separation(tried, library, selection.final.model, rival));
+    nats[e] = least / std::max(seconds, 1e-9);
   });
-  std::size_t pick = 0;
-  for (std::size_t e = 1; e < entries.size(); ++e) {
-    // a setting wins over a motion unless the motion is clearly better: it changes what a motion
-    // cannot
-    const double handicap =
-        entries[e].kind == ExperimentKind::motion && entries[pick].kind == ExperimentKind::setting
-            ? 1.5
-            : 1.0;
-    if (nats[e] > handicap * nats[pick]) pick = e;
-  }
+  const std::size_t pick = best_entry(entries, nats);
   if (nats[pick] < 1e-3) return std::nullopt;
+  NextExperiment best;
   best.what = entries[pick].what;
   best.kind = entries[pick].kind;
+  best.separates = open.names;
   best.nats_per_second = nats[pick];
   best.seconds_to_100_to_1 = std::log(100.0) / nats[pick];
   return best;

@@ -10,10 +10,6 @@
 namespace sanso::diagnose {
 namespace {
 
-const Candidate& candidate(const Library& library, int i) {
-  return library.candidates[static_cast<std::size_t>(i)];
-}
-
 std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
                                                       const std::vector<double>& theta,
                                                       const Accepted& entry) {
@@ -71,13 +67,13 @@ double energy_to_explain(const Selection& selection) {
 
 Rival rival_of(const Library& library, const Selection& selection, const Regimes& regimes,
                const Accepted& entry, const Alternative& a) {
-  const Candidate& other = candidate(library, a.candidate);
+  const Candidate& other = library[a.candidate];
   Rival rival;
   rival.effect = other.effect;
   rival.where = other.where;
   rival.heldout_gain =
       (selection.nominal_heldout.sum() - a.heldout.sum()) / energy_to_explain(selection);
-  rival.behind_in_se = a.behind / std::max(a.behind_se, 1e-9);
+  rival.behind_in_se = a.behind.certainty();
   rival.similarity = a.similarity;
   rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
   return rival;
@@ -88,11 +84,10 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
 /// what matters are the same prediction.
 bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,
              const Alternative& a, const Rival& rival) {
-  const double width = selection.around->settings().decisions.standard_errors;
-  const bool level = a.behind < std::max(width * a.behind_se + kNoiseUnit,
-                                         practical_energy(*selection.around->problem));
+  const bool level = !beaten(selection.around->settings().decisions, a.behind,
+                             practical_energy(*selection.around->problem));
   const bool other_place = rival.effect == chosen.effect;
-  return level && rival.said_wrong.empty() && !contains(candidate(library, a.candidate), chosen) &&
+  return level && rival.said_wrong.empty() && !contains(library[a.candidate], chosen) &&
          !other_place;
 }
 
@@ -100,16 +95,18 @@ bool as_good(const Library& library, const Selection& selection, const Candidate
 Finding finding_of(const Library& library, const Selection& selection, const Regimes& regimes,
                    std::size_t i) {
   const Accepted& entry = selection.accepted[i];
-  const Candidate& c = candidate(library, entry.candidate);
-  const double whole = energy_to_explain(selection);
+  const Candidate& c = library[entry.candidate];
   Finding f;
   f.effect = c.effect;
   f.family = c.family;
   f.where = c.where;
   f.p_family = entry.p_family;
-  f.heldout_gain = entry.gain.total / whole;
-  f.heldout_gain_se = entry.gain.standard_error / whole;
-  f.heldout_gain_low = entry.gain.lower / whole;
+  const double whole = energy_to_explain(selection);
+  f.heldout_gain = entry.gain.removed() / whole;
+  f.heldout_gain_se = entry.gain.energy.standard_error / whole;
+  f.heldout_gain_low = std::min(
+      f.heldout_gain, std::max(entry.gain.energy.lower / whole,
+                               entry.gain.bounded.lower / std::max(entry.gain.whole, 1e-9)));
   f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
   f.spans_null = spans_null(c, f.parameters);
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
@@ -171,9 +168,8 @@ VerdictStatus status_of(const Finding& finding) {
 unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
   const Effect* effect = find_effect(c.effect);
   if (effect == nullptr || c.joints.empty()) return 0;
-  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(), [&](int j) {
-    return tree[static_cast<std::size_t>(j)].parent < 0;
-  });
+  const bool on_base = std::all_of(c.joints.begin(), c.joints.end(),
+                                   [&](std::size_t j) { return tree[j].parent < 0; });
   return effect->scope == Scope::link && !on_base ? 0 : effect->terms;
 }
 
@@ -195,7 +191,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
   std::vector<const Candidate*> candidates;  // by finding
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     if (!selection.accepted[i].contradicted.empty()) continue;
-    candidates.push_back(&candidate(library, selection.accepted[i].candidate));
+    candidates.push_back(&library[selection.accepted[i].candidate]);
     out.push_back(finding_of(library, selection, regimes, i));
   }
   mark_terms(out, candidates, selection.around->problem->sources.front().nominal.tree.joints);

@@ -8,9 +8,9 @@
 namespace sanso::diagnose {
 namespace {
 
-bool inside(const Problem& problem, const Shot& shot, const Part& part) {
-  const auto s = static_cast<std::size_t>(shot.source);
-  const std::vector<double>& t = problem.sources[s].drive.t;
+bool inside(const Comparison& comparison, const Shot& shot, const Part& part) {
+  const std::size_t s = shot.source;
+  const std::vector<double>& t = comparison.sources[s].drive.t;
   const double length = std::max(t.back() - t.front(), 1e-9);
   const double from = (t[shot.window.first] - t.front()) / length,
                until = (t[shot.window.last] - t.front()) / length;
@@ -29,18 +29,17 @@ std::map<std::string, FitScore> scores_of(const Problem& problem, const Eigen::V
                                           const Eigen::VectorXd& after) {
   std::map<std::string, FitScore> out;
   Sums all;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    const Observed& channel = problem.channels[c];
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    const Observed& channel = problem->channels[c];
     double b = 0.0, a = 0.0, rows = 0.0;
-    for (const Shot& shot : problem.shots) {
-      for (std::size_t k = 0; k < shot.rows; ++k) {
-        const auto i = static_cast<Eigen::Index>(shot.offset + c * shot.rows + k);
-        b += before[i] * before[i], a += after[i] * after[i], rows += 1.0;
-      }
+    for (const Shot& shot : problem->shots) {
+      for (const double e : rows_of(before, shot, c)) b += e * e;
+      for (const double e : rows_of(after, shot, c)) a += e * e;
+      rows += static_cast<double>(shot.rows);
     }
-    const double scale = channel.sigma * channel.sigma;
-    out["q:" + problem.joints[static_cast<std::size_t>(channel.joint)]] = {
-        std::sqrt(scale * b / rows), std::sqrt(scale * a / rows), channel.noise};
+    const double scale = problem.scales.sigma[c] * problem.scales.sigma[c];
+    out["q:" + problem->joints[channel.joint]] = {std::sqrt(scale * b / rows),
+                                                  std::sqrt(scale * a / rows), channel.noise};
     all.before += scale * b, all.after += scale * a,
         all.noise += channel.noise * channel.noise * rows, all.rows += rows;
   }
@@ -89,22 +88,11 @@ Split make_split(const std::vector<Source>& sources) {
 }
 
 Problem restricted(const Problem& problem, const Part& part) {
-  Problem out = problem;
-  out.shots.clear();
-  out.step_error.clear();
-  out.size = 0;
-  for (const Shot& shot : problem.shots) {
-    if (!inside(problem, shot, part)) continue;
-    out.shots.push_back(shot);
-    out.shots.back().offset = out.size;
-    if (!problem.step_error.empty()) {
-      const auto from = problem.step_error.begin() + static_cast<std::ptrdiff_t>(shot.offset);
-      out.step_error.insert(out.step_error.end(), from,
-                            from + static_cast<std::ptrdiff_t>(shot.rows * out.channels.size()));
-    }
-    out.size += shot.rows * out.channels.size();
+  std::vector<std::size_t> kept;
+  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
+    if (inside(*problem, problem->shots[s], part)) kept.push_back(s);
   }
-  return out.shots.empty() ? problem : out;
+  return kept.empty() ? problem : with_shots(problem, kept);
 }
 
 HeldoutScores heldout_scores(const std::vector<Source>& sources,
@@ -118,7 +106,7 @@ HeldoutScores heldout_scores(const std::vector<Source>& sources,
     options.maximum_rows = 4 * settings.data.maximum_rows;
     options.secondary = false;
     const Problem problem = restricted(make_problem(sources, noise, options, settings), heldout);
-    if (problem.shots.empty() || problem.channels.empty()) continue;
+    if (problem->shots.empty() || problem->channels.empty()) continue;
     out[name] = scores_of(problem, prediction_error(problem, library, Model{}),
                           prediction_error(problem, library, patched));
   }
@@ -129,7 +117,7 @@ HeldoutProof prove(const std::vector<Source>& sources, const std::vector<NoiseLe
                    const Surroundings& around, const Model& final) {
   const Library& library = *around.library;
   const Split split = make_split(sources);
-  const Problem fitted = restricted(*around.problem, split.fitted);
+  const Problem fitted = restricted(around.problem, split.fitted);
   Surroundings around_fitted = make_surroundings(fitted, library, final);
   around_fitted.shot_scale = around.shot_scale;
   HeldoutProof out;

@@ -10,10 +10,6 @@
 namespace sanso::diagnose {
 namespace {
 
-const Candidate& candidate(const Library& library, const ProbeScore& probe) {
-  return library.candidates[static_cast<std::size_t>(probe.candidate)];
-}
-
 std::string places(const Candidate& c) {
   std::string where;
   for (const std::string& w : c.where) where += (where.empty() ? "" : ", ") + w;
@@ -27,7 +23,7 @@ std::vector<Untestable> too_quiet(const Library& library, const Screening& scree
   // effect -> noise levels that its largest probe makes
   std::map<std::string, double> best_signature;
   for (const ProbeScore& probe : screening.probes) {
-    double& best = best_signature[candidate(library, probe).effect];
+    double& best = best_signature[library[probe.candidate].effect];
     best = std::max(best, probe.signature);
   }
   std::vector<Untestable> out;
@@ -45,7 +41,7 @@ std::vector<Untestable> too_quiet(const Library& library, const Screening& scree
 std::vector<Detectable> smallest_sizes(const Library& library, const Screening& screening) {
   std::vector<Detectable> out;
   for (const ProbeScore& probe : screening.probes) {
-    const Candidate& c = candidate(library, probe);
+    const Candidate& c = library[probe.candidate];
     if (probe.probe != 0 || c.parameters.empty() || c.parameters[0].structural) continue;
     const CandidateParameter& p = c.parameters[0];
     const double size = std::abs(c.probes[0][0] - p.null);

@@ -17,28 +17,29 @@ struct InAndOut {
 /// Calls f(shot index, row of the recording, whitened error) for every compared row of a joint's
 /// position.
 template <class F>
-void for_rows(const Problem& problem, const Eigen::VectorXd& r, int joint, const F& f) {
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    if (problem.channels[c].signal != Signal::q || problem.channels[c].joint != joint) continue;
-    for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-      const Shot& shot = problem.shots[s];
-      for (std::size_t k = 0; k < shot.rows; ++k) {
-        f(s, shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride),
-          r[static_cast<Eigen::Index>(shot.offset + c * shot.rows + k)]);
-      }
+void for_rows(const Comparison& comparison, const Eigen::VectorXd& r, std::size_t joint,
+              const F& f) {
+  for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
+    if (comparison.channels[c].signal != Signal::q || comparison.channels[c].joint != joint)
+      continue;
+    for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+      const Shot& shot = comparison.shots[s];
+      const auto errors = rows_of(r, shot, c);
+      for (std::size_t k = 0; k < shot.rows; ++k) f(s, recorded_row(shot, k), errors[k]);
     }
   }
 }
 
 /// Mean squares of one joint's errors by shot; returns the energy beyond noise of all joints,
 /// sum (e^2 - 1).
-double fill_time_strip(const Problem& problem, const Eigen::VectorXd& projected, LocationMap& map) {
-  const std::size_t n = problem.joints.size(), shots = problem.shots.size();
+double fill_time_strip(const Comparison& comparison, const Eigen::VectorXd& projected,
+                       LocationMap& map) {
+  const std::size_t n = comparison.joints.size(), shots = comparison.shots.size();
   double total_excess = 0.0;
   map.time_strip.assign(n, std::vector<double>(shots, 0.0));
   for (std::size_t j = 0; j < n; ++j) {
     std::vector<double> count(shots, 0.0);
-    for_rows(problem, projected, static_cast<int>(j), [&](std::size_t s, std::size_t, double e) {
+    for_rows(comparison, projected, j, [&](std::size_t s, std::size_t, double e) {
       total_excess += e * e - 1.0;
       map.time_strip[j][s] += e * e;
       count[s] += 1.0;
@@ -49,29 +50,29 @@ double fill_time_strip(const Problem& problem, const Eigen::VectorXd& projected,
 }
 
 /// When each shot begins, recordings one after the other, s.
-std::vector<double> times_of_shots(const Problem& problem) {
+std::vector<double> times_of_shots(const Comparison& comparison) {
   std::vector<double> out;
   double elapsed = 0.0;
-  for (std::size_t s = 0; s < problem.shots.size(); ++s) {
-    const Source& source = problem.sources[static_cast<std::size_t>(problem.shots[s].source)];
-    if (s > 0 && problem.shots[s].source != problem.shots[s - 1].source) {
-      const Source& before = problem.sources[static_cast<std::size_t>(problem.shots[s - 1].source)];
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+    const Source& source = comparison.sources[comparison.shots[s].source];
+    if (s > 0 && comparison.shots[s].source != comparison.shots[s - 1].source) {
+      const Source& before = comparison.sources[comparison.shots[s - 1].source];
       elapsed += before.drive.t.back() - before.drive.t.front();
     }
-    out.push_back(elapsed + source.drive.t[problem.shots[s].window.first] - source.drive.t.front());
+    out.push_back(elapsed + source.drive.t[comparison.shots[s].window.first] -
+                  source.drive.t.front());
   }
   return out;
 }
 
 /// One joint's errors by shot, in a regime and out of it.
-std::vector<InAndOut> in_and_out(const Problem& problem, const Regimes& regimes,
+std::vector<InAndOut> in_and_out(const Comparison& comparison, const Regimes& regimes,
                                  const Eigen::VectorXd& projected, std::size_t joint,
                                  std::size_t regime) {
-  std::vector<InAndOut> out(problem.shots.size());
-  const int j = static_cast<int>(joint);
-  for_rows(problem, projected, j, [&](std::size_t s, std::size_t row, double e) {
+  std::vector<InAndOut> out(comparison.shots.size());
+  for_rows(comparison, projected, joint, [&](std::size_t s, std::size_t row, double e) {
     InAndOut& here = out[s];
-    if (regimes.in(problem.shots[s].source, j, regime, row)) {
+    if (regimes.in(comparison.shots[s].source, joint, regime, row)) {
       here.in += e * e, here.n_in += 1.0, here.sum_in += e;
     } else {
       here.out += e * e, here.n_out += 1.0;
@@ -126,18 +127,18 @@ LocationCell cell_of(const std::vector<InAndOut>& shots, double total_excess) {
 
 }  // namespace
 
-LocationMap locate(const Problem& problem, const Regimes& regimes,
+LocationMap locate(const Comparison& comparison, const Regimes& regimes,
                    const Eigen::VectorXd& projected) {
   LocationMap map;
-  const std::size_t n = problem.joints.size();
-  const double total_excess = fill_time_strip(problem, projected, map);
-  map.shot_time = times_of_shots(problem);
+  const std::size_t n = comparison.joints.size();
+  const double total_excess = fill_time_strip(comparison, projected, map);
+  map.shot_time = times_of_shots(comparison);
   map.heat.assign(n, std::vector<double>(regimes.names.size(), NAN));
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t g = 0; g < regimes.names.size(); ++g) {
-      const std::vector<InAndOut> shots = in_and_out(problem, regimes, projected, j, g);
+      const std::vector<InAndOut> shots = in_and_out(comparison, regimes, projected, j, g);
       LocationCell cell = cell_of(shots, total_excess);
-      cell.where = problem.joints[j];
+      cell.where = comparison.joints[j];
       cell.regime = regimes.names[g];
       if (cell.rows > 0.0) {
         double energy = 0.0;
@@ -149,17 +150,6 @@ LocationMap locate(const Problem& problem, const Regimes& regimes,
   }
   call(map.cells);
   return map;
-}
-
-Eigen::VectorXd in_noise_levels(const Problem& problem, Eigen::VectorXd r) {
-  for (const Shot& shot : problem.shots) {
-    for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-      r.segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                static_cast<Eigen::Index>(shot.rows)) *=
-          problem.channels[c].sigma / problem.channels[c].floor;
-    }
-  }
-  return r;
 }
 
 std::string location_sentence(const LocationMap& map) {

@@ -28,14 +28,9 @@ struct LocationMap {
   std::vector<double> shot_time;
 };
 
-/// `projected`: whitened position errors with starts (and nuisances) taken out, in the problem's
-/// layout.
-LocationMap locate(const Problem& problem, const Regimes& regimes,
+/// `projected`: position errors in noise levels with starts (and nuisances) taken out, stacked.
+LocationMap locate(const Comparison& comparison, const Regimes& regimes,
                    const Eigen::VectorXd& projected);
-
-/// The search divides channels by the error level that it reaches; a person reads errors in units
-/// of the noise: r times sigma / floor of its channel.
-Eigen::VectorXd in_noise_levels(const Problem& problem, Eigen::VectorXd r);
 
 /// The called cells of the joint where it shows most, in words: "l_knee, reversal and high load".
 std::string location_sentence(const LocationMap& map);

@@ -12,7 +12,7 @@ namespace sanso::diagnose {
 
 /// One window of one joint; state and command are means over the window.
 struct TorqueSample {
-  int source = 0, joint = 0;
+  std::size_t source = 0, joint = 0;
   std::size_t row = 0;  // first row of the window
   double t = 0.0;       // s, middle
   // rad, rad/s, rad/s^2, goal minus position (0: no goal)

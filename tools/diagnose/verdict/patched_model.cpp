@@ -17,14 +17,14 @@ ModelFolder patched_model(const ModelFolder& nominal, const Library& library, co
     const Nuisance& n = library.nuisances[i];
     if (std::abs(model.nuisance[i]) < 0.01 * n.tolerance) continue;
     std::vector<std::string> where;
-    for (const int j : n.joints) {
-      const TreeJoint& joint = nominal.tree.joints[static_cast<std::size_t>(j)];
+    for (const std::size_t j : n.joints) {
+      const TreeJoint& joint = nominal.tree.joints[j];
       where.push_back(find_effect(n.effect)->scope == Scope::link ? joint.link : joint.name);
     }
     add(n.effect, where, n.theta(model.nuisance[i]));
   }
   for (const Chosen& c : model.effects) {
-    const Candidate& candidate = library.candidates[static_cast<std::size_t>(c.candidate)];
+    const Candidate& candidate = library[c];
     add(candidate.effect, candidate.where, c.theta);
   }
   return out;

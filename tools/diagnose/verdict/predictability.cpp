@@ -20,7 +20,7 @@
 namespace sanso::diagnose {
 namespace {
 
-std::vector<TorqueSample> of_joint(const std::vector<TorqueSample>& samples, int joint) {
+std::vector<TorqueSample> of_joint(const std::vector<TorqueSample>& samples, std::size_t joint) {
   std::vector<TorqueSample> out;
   for (const TorqueSample& s : samples) {
     if (s.joint == joint) out.push_back(s);
@@ -61,7 +61,7 @@ Eigen::MatrixXd features(const std::vector<TorqueSample>& s, Random random, Eige
   const double speed = std::max(0.02 * standard_deviation(column(s, &TorqueSample::dq)), 1e-9);
   for (Eigen::Index i = 0; i < n; ++i) {
     F(i, d) = 1.0;
-    F(i, d + 1) = std::tanh(s[static_cast<std::size_t>(i)].dq / speed);
+    F(i, d + 1) = std::tanh(s[i].dq / speed);
   }
   for (Eigen::Index k = 0; k < fourier; ++k) {
     Eigen::VectorXd w(d);
@@ -111,8 +111,8 @@ class BlockRidge {
 
 }  // namespace
 
-Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random,
-                              const Settings& settings) {
+Predictability predictability(const std::vector<TorqueSample>& samples, std::size_t joint,
+                              Random random, const Settings& settings) {
   Predictability out;
   out.joint = joint;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
@@ -206,8 +206,8 @@ Choice with_best_column(const Choice& now, const Eigen::MatrixXd& X, const Eigen
 
 void write_formula(const Choice& choice, SparseFormula& out) {
   for (std::size_t k = 0; k < choice.columns.size(); ++k) {
-    const double value = choice.w[static_cast<Eigen::Index>(k)];
-    const std::string& name = formula_terms()[static_cast<std::size_t>(choice.columns[k])].first;
+    const double value = choice.w[k];
+    const std::string& name = formula_terms()[choice.columns[k]].first;
     out.terms.push_back(name);
     out.text +=
         fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "),
@@ -218,7 +218,7 @@ void write_formula(const Choice& choice, SparseFormula& out) {
 
 }  // namespace
 
-SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint) {
+SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint) {
   const std::vector<FormulaTerm>& terms = formula_terms();
   SparseFormula out;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
@@ -227,9 +227,9 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
   Eigen::MatrixXd X(n, static_cast<Eigen::Index>(terms.size()));
   Eigen::VectorXd y(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    y[i] = s[static_cast<std::size_t>(i)].missing;
+    y[i] = s[i].missing;
     for (std::size_t t = 0; t < terms.size(); ++t)
-      X(i, static_cast<Eigen::Index>(t)) = terms[t].second(s[static_cast<std::size_t>(i)]);
+      X(i, static_cast<Eigen::Index>(t)) = terms[t].second(s[i]);
   }
   const double effective =
       static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
@@ -250,7 +250,7 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint
   return out;
 }
 
-std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, int joint) {
+std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, std::size_t joint) {
   const std::vector<TorqueSample> s = of_joint(samples, joint);
   const std::vector<double> missing = column(s, &TorqueSample::missing);
   const double dependence = autocorrelation_time(missing);

@@ -14,7 +14,7 @@
 namespace sanso::diagnose {
 
 struct Predictability {
-  int joint = -1;
+  std::size_t joint = 0;
   // cross-validated R^2 of ridge regression on random features of (q, dq, ddq, motor, error)
   double explained = 0.0;
   double p = 1.0;           // by circular block shifts of the torque against the state
@@ -23,8 +23,8 @@ struct Predictability {
 };
 
 /// One joint's samples. Fewer than 40: nothing can be said (p = 1).
-Predictability predictability(const std::vector<TorqueSample>& samples, int joint, Random random,
-                              const Settings& settings);
+Predictability predictability(const std::vector<TorqueSample>& samples, std::size_t joint,
+                              Random random, const Settings& settings);
 
 /// Sparse regression of the missing torque on a fixed list of terms with physical meaning: forward
 /// selection by BIC, coefficients refitted. `text`: "missing torque = -0.12 sign(dq) + 0.03
@@ -34,9 +34,9 @@ struct SparseFormula {
   double explained = 0.0;
   std::vector<std::string> terms;
 };
-SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, int joint);
+SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint);
 
 /// Shape curves of the missing torque against q, dq, motor torque, tracking error and time.
-std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, int joint);
+std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, std::size_t joint);
 
 }  // namespace sanso::diagnose

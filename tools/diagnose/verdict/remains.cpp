@@ -17,17 +17,16 @@ std::vector<Predictability> predictable(const std::vector<TorqueSample>& samples
                                         std::size_t joints, unsigned long seed,
                                         std::uint64_t stream, const Settings& settings) {
   std::vector<Predictability> out(joints);
-  parallel_for(static_cast<int>(joints), [&](int j) {
-    const auto k = static_cast<std::size_t>(j);
-    out[k] = predictability(samples, j, Random(seed, stream + k), settings);
+  parallel_for(joints, [&](std::size_t j) {
+    out[j] = predictability(samples, j, Random(seed, stream + j), settings);
   });
   return out;
 }
 
 /// An accepted effect acts on the joint's velocity channel.
-bool velocity_has_a_name(const Library& library, const Selection& selection, int joint) {
+bool velocity_has_a_name(const Library& library, const Selection& selection, std::size_t joint) {
   return std::any_of(selection.accepted.begin(), selection.accepted.end(), [&](const Accepted& a) {
-    const Candidate& c = library.candidates[static_cast<std::size_t>(a.candidate)];
+    const Candidate& c = library[a.candidate];
     const bool here = std::find(c.joints.begin(), c.joints.end(), joint) != c.joints.end();
     return here && (find_effect(c.effect)->needs & kVelocity) != 0;
   });
@@ -39,15 +38,14 @@ bool velocity_has_a_name(const Library& library, const Selection& selection, int
 ///   sum over position entries of  (sigma / floor)^2 (r^2 - S) - 1
 double excess(const Problem& problem, const Eigen::VectorXd& r, const Eigen::VectorXd& S) {
   double sum = 0.0;
-  for (std::size_t c = 0; c < problem.channels.size(); ++c) {
-    const Observed& channel = problem.channels[c];
+  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+    const Observed& channel = problem->channels[c];
     if (channel.signal != Signal::q) continue;
-    for (const Shot& shot : problem.shots) {
-      const auto from = static_cast<Eigen::Index>(shot.offset + c * shot.rows);
-      const auto rows = static_cast<Eigen::Index>(shot.rows);
-      const double unit = channel.sigma * channel.sigma / (channel.floor * channel.floor);
-      sum += unit * r.segment(from, rows).squaredNorm() - static_cast<double>(rows);
-      if (S.size() > 0) sum -= unit * S.segment(from, rows).sum();
+    for (const Shot& shot : problem->shots) {
+      const double sigma = problem.scales.sigma[c];
+      const double unit = sigma * sigma / (channel.floor * channel.floor);
+      sum += unit * rows_of(r, shot, c).squaredNorm() - static_cast<double>(shot.rows);
+      if (S.size() > 0) sum -= unit * rows_of(S, shot, c).sum();
     }
   }
   return sum;
@@ -55,7 +53,7 @@ double excess(const Problem& problem, const Eigen::VectorXd& r, const Eigen::Vec
 
 /// What chance explains is not left.
 double remaining_share(const Selection& selection) {
-  const Problem& problem = *selection.around->problem;
+  const Problem& problem = selection.around->problem;
   const StartElimination& starts = selection.around->starts;
   const double before = excess(problem, starts.project(selection.nominal.r), {}),
                after =
@@ -63,13 +61,13 @@ double remaining_share(const Selection& selection) {
   return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
 }
 
-std::vector<Stretch> stretches_of(const Problem& problem, const std::vector<Event>& events) {
+std::vector<Stretch> stretches_of(const Comparison& comparison, const std::vector<Event>& events) {
   std::vector<Stretch> out;
   for (const Event& e : events) {
-    const Shot& shot = problem.shots[e.shot];
-    const Source& source = problem.sources[static_cast<std::size_t>(shot.source)];
-    out.push_back({source.file, problem.joints[static_cast<std::size_t>(e.joint)],
-                   source.drive.t[shot.window.first], source.drive.t[shot.window.last], e.level});
+    const Shot& shot = comparison.shots[e.shot];
+    const Source& source = comparison.sources[shot.source];
+    out.push_back({source.file, comparison.joints[e.joint], source.drive.t[shot.window.first],
+                   source.drive.t[shot.window.last], e.level});
   }
   return out;
 }
@@ -77,10 +75,10 @@ std::vector<Stretch> stretches_of(const Problem& problem, const std::vector<Even
 }  // namespace
 
 Remains what_is_left(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-                     const Library& library, const Selection& selection, WholeTime& whole,
+                     const Library& library, const Selection& selection, const WholeTime& whole,
                      unsigned long seed) {
-  const Settings& settings = whole.problem().settings;
-  const std::size_t joints = whole.problem().joints.size();
+  const Settings& settings = whole.comparison().settings;
+  const std::size_t joints = whole.comparison().joints.size();
   Remains out;
   out.share = remaining_share(selection);
   out.level =
@@ -94,11 +92,11 @@ Remains what_is_left(const std::vector<Source>& sources, const std::vector<Noise
   });
   const EventsLeft left = whole.left_by(library, selection.final.model);
   const RepeatedEvents again = repeated(left.events);
-  out.stretches = stretches_of(whole.problem(), left.events);
+  out.stretches = stretches_of(whole.comparison(), left.events);
   out.stretches_joint = again.joint;
   out.stretches_matter =
       selection.expected_scatter.size() == 0 &&  // chance that has a name makes them
-      again.energy > std::max(practical_energy(whole.problem()),
+      again.energy > std::max(practical_energy(whole.comparison()),
                               settings.decisions.minimum_share * whole.nominal().energy);
   return out;
 }

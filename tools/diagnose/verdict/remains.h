@@ -1,6 +1,7 @@
 // What the last model leaves: is it noise? Asked of nobody's candidates.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,14 +27,14 @@ struct Remains {
   std::vector<Predictability> velocity;  // likewise: velocity channel less the position's motion
   std::vector<Stretch> stretches;        // strongest first
   bool stretches_matter = false;         // they repeat, and are more than what matters
-  int stretches_joint = -1;              // where they are strongest
+  std::optional<std::size_t> stretches_joint;  // where they are strongest
 };
 
 /// Asks every joint's missing torque and velocity channel, and all of the recorded time.
 /// `sources`: the recordings with the motion as it was before the search.
 /// Velocity channels that an accepted effect acts on are left out: what they show is in the model.
 Remains what_is_left(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-                     const Library& library, const Selection& selection, WholeTime& whole,
+                     const Library& library, const Selection& selection, const WholeTime& whole,
                      unsigned long seed);
 
 }  // namespace sanso::diagnose

@@ -14,7 +14,7 @@ bool predictable(const Evidence& evidence, Unexplained& u) {
   if (p == nullptr) return false;
   u.predictable = p->explained;
   u.p = p->p;
-  u.where = evidence.joints[static_cast<std::size_t>(p->joint)];
+  u.where = evidence.joints[p->joint];
   u.shows_in = p == torque ? ShowsIn::torque : ShowsIn::velocity_channel;
   if (p == velocity) u.regime = "velocity channel against the motion of the position channel";
   return true;
@@ -40,7 +40,7 @@ std::optional<Unexplained> placed(const Evidence& evidence) {
   u.regime = location_sentence(evidence.findings.empty() ? evidence.before : evidence.after);
   if (predictable(evidence, u)) return u;
   if (evidence.left.stretches_matter) {
-    u.where = evidence.joints[static_cast<std::size_t>(evidence.left.stretches_joint)];
+    u.where = evidence.joints[*evidence.left.stretches_joint];
     u.shows_in = ShowsIn::stretches;
     u.regime = "in " + std::to_string(evidence.left.stretches.size()) + " short stretches";
     return u;
@@ -86,8 +86,7 @@ std::optional<Unexplained> unexplained(const Evidence& evidence) {
   std::optional<Unexplained> u = placed(evidence);
   if (!u) return u;
   const auto joint = std::find(evidence.joints.begin(), evidence.joints.end(), u->where);
-  u->formula =
-      sparse_formula(evidence.left.missing, static_cast<int>(joint - evidence.joints.begin())).text;
+  u->formula = sparse_formula(evidence.left.missing, joint - evidence.joints.begin()).text;
   u->nearest_effect = evidence.search.nearest_effect;
   return u;
 }

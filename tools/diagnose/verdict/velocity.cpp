@@ -19,12 +19,11 @@ double noise_of(const std::vector<NoiseLevel>& noise, const std::string& channel
 
 /// Rows `first`, `first + stride`, ... of one recording's joint. The acceleration is the smoothed
 /// velocity's central difference.
-void add_samples(const Source& source, int source_index, int joint, double noise,
+void add_samples(const Source& source, std::size_t source_index, std::size_t joint, double noise,
                  std::size_t stride, std::vector<TorqueSample>& out) {
-  const auto j = static_cast<std::size_t>(joint);
   const std::vector<double>& t = source.drive.t;
-  const std::vector<double>& reading = source.drive.joints[j].dq;
-  const std::vector<double>& dq = source.motion.dq[j];
+  const std::vector<double>& reading = source.drive.joints[joint].dq;
+  const std::vector<double>& dq = source.motion.dq[joint];
   for (std::size_t k = 1; k + 1 < std::min(reading.size(), t.size()); k += stride) {
     if (!std::isfinite(reading[k])) continue;
     TorqueSample s;
@@ -32,11 +31,11 @@ void add_samples(const Source& source, int source_index, int joint, double noise
     s.joint = joint;
     s.row = k;
     s.t = t[k];
-    s.q = source.motion.q[j][k];
+    s.q = source.motion.q[joint][k];
     s.dq = dq[k];
     s.ddq = (dq[k + 1] - dq[k - 1]) / std::max(t[k + 1] - t[k - 1], 1e-9);
     s.missing = reading[k] - dq[k];
-    s.sigma = std::hypot(noise, source.dq_sigma[j][k]);
+    s.sigma = std::hypot(noise, source.dq_sigma[joint][k]);
     out.push_back(s);
   }
 }
@@ -70,8 +69,7 @@ std::vector<TorqueSample> velocity_errors(const std::vector<Source>& sources,
     const auto from = static_cast<std::ptrdiff_t>(out.size());
     for (std::size_t i = 0; i < sources.size(); ++i) {
       if (sources[i].drive.joints[j].q.empty()) continue;  // nothing to compare with
-      add_samples(sources[i], static_cast<int>(i), static_cast<int>(j),
-                  noise_of(noise, "dq:" + joints[j].name), stride, out);
+      add_samples(sources[i], i, j, noise_of(noise, "dq:" + joints[j].name), stride, out);
     }
     take_out_calibration(out.begin() + from, out.end(), settings.data.secondary_floor);
   }

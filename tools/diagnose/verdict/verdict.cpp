@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace sanso::diagnose {
 
@@ -78,71 +79,82 @@ ordered_json fit_json(const Verdict& v) {
   return {{"heldout", heldout}, {"recordings", v.heldout_recordings}};
 }
 
+ordered_json json_of(const LocationCell& c) {
+  return {{"where", c.where},       {"regime", c.regime},     {"share", number(c.share)},
+          {"lift", number(c.lift)}, {"mean", number(c.mean)}, {"q_value", number(c.q_value)}};
+}
+
+ordered_json json_of(const Defect& d) {
+  return {{"file", d.file},
+          {"channel", d.channel},
+          {"row", d.row},
+          {"defect", d.defect},
+          {"message", d.message}};
+}
+
+ordered_json json_of(const Untestable& u) { return {{"effect", u.effect}, {"because", u.because}}; }
+
+ordered_json json_of(const Detectable& d) {
+  return {{"effect", d.effect},
+          {"where", d.where},
+          {"parameter", d.parameter},
+          {"size", number(d.size)},
+          {"unit", d.unit}};
+}
+
+ordered_json json_of(const NextExperiment& e) {
+  return {{"what", e.what},
+          {"kind", to_string(e.kind)},
+          {"separates", e.separates},
+          {"nats_per_second", number(e.nats_per_second)},
+          {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)},
+          {"motion_file", e.motion_file}};
+}
+
+ordered_json json_of(const Unexplained& u) {
+  return {{"channel", to_string(u.shows_in)},
+          {"predictable", number(u.predictable)},
+          {"p", number(u.p)},
+          {"energy_share", number(u.energy_share)},
+          {"where", u.where},
+          {"regime", u.regime},
+          {"formula", u.formula},
+          {"nearest_effect", u.nearest_effect}};
+}
+
+ordered_json json_of(const Stretch& s) {
+  return {{"recording", s.recording},
+          {"where", s.where},
+          {"from", number(s.from)},
+          {"until", number(s.until)},
+          {"level", number(s.level)}};
+}
+
+template <class T>
+ordered_json list_of(const std::vector<T>& items) {
+  ordered_json out = ordered_json::array();
+  for (const T& item : items) out.push_back(json_of(item));
+  return out;
+}
+
+template <class T>
+ordered_json or_null(const std::optional<T>& item) {
+  return item ? json_of(*item) : ordered_json(nullptr);
+}
+
 }  // namespace
 
 std::string verdict_json(const Verdict& v) {
   ordered_json out{{"mismatch", v.mismatch}, {"status", to_string(v.status)}, {"answer", v.answer}};
-  out["findings"] = ordered_json::array();
-  for (const Finding& f : v.findings) out["findings"].push_back(json_of(f));
-  out["locations"] = ordered_json::array();
-  for (const LocationCell& c : v.locations) {
-    out["locations"].push_back({{"where", c.where},
-                                {"regime", c.regime},
-                                {"share", number(c.share)},
-                                {"lift", number(c.lift)},
-                                {"mean", number(c.mean)},
-                                {"q_value", number(c.q_value)}});
-  }
+  out["findings"] = list_of(v.findings);
+  out["locations"] = list_of(v.locations);
   out["fit"] = fit_json(v);
-  out["refused"] = ordered_json::array();
-  for (const Defect& d : v.refused) {
-    out["refused"].push_back({{"file", d.file},
-                              {"channel", d.channel},
-                              {"row", d.row},
-                              {"defect", d.defect},
-                              {"message", d.message}});
-  }
-  out["untestable"] = ordered_json::array();
-  for (const Untestable& u : v.untestable)
-    out["untestable"].push_back({{"effect", u.effect}, {"because", u.because}});
-  out["detectable"] = ordered_json::array();
-  for (const Detectable& d : v.detectable) {
-    out["detectable"].push_back({{"effect", d.effect},
-                                 {"where", d.where},
-                                 {"parameter", d.parameter},
-                                 {"size", number(d.size)},
-                                 {"unit", d.unit}});
-  }
-  out["next_experiment"] = nullptr;
-  if (v.next_experiment) {
-    const NextExperiment& e = *v.next_experiment;
-    out["next_experiment"] = {{"what", e.what},
-                              {"kind", to_string(e.kind)},
-                              {"separates", e.separates},
-                              {"nats_per_second", number(e.nats_per_second)},
-                              {"seconds_to_100_to_1", number(e.seconds_to_100_to_1)},
-                              {"motion_file", e.motion_file}};
-  }
-  out["unexplained"] = nullptr;
-  if (v.unexplained) {
-    const Unexplained& u = *v.unexplained;
-    out["unexplained"] = {{"channel", to_string(u.shows_in)},
-                          {"predictable", number(u.predictable)},
-                          {"p", number(u.p)},
-                          {"energy_share", number(u.energy_share)},
-                          {"where", u.where},
-                          {"regime", u.regime},
-                          {"formula", u.formula},
-                          {"nearest_effect", u.nearest_effect}};
-  }
-  out["stretches"] = ordered_json::array();
-  for (const Stretch& s : v.stretches) {
-    out["stretches"].push_back({{"recording", s.recording},
-                                {"where", s.where},
-                                {"from", number(s.from)},
-                                {"until", number(s.until)},
-                                {"level", number(s.level)}});
-  }
+  out["refused"] = list_of(v.refused);
+  out["untestable"] = list_of(v.untestable);
+  out["detectable"] = list_of(v.detectable);
+  out["next_experiment"] = or_null(v.next_experiment);
+  out["unexplained"] = or_null(v.unexplained);
+  out["stretches"] = list_of(v.stretches);
   out["notes"] = v.notes;
   out["data_hash"] = v.data_hash;
   out["seed"] = v.seed;

@@ -8,6 +8,7 @@
 
 #include "tests/support/noisy_world.h"
 #include "tools/diagnose/compare/prediction_error.h"
+#include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -17,43 +18,42 @@ using namespace test;
 TEST(Problem, ShotsLieInTheirRecordingsOneAfterTheOther) {
   const SmallComparison c = compared(two_links(kNoisyServo), {}, {"coulomb_friction"}, 1, 3);
   std::size_t expected = 0;
-  for (std::size_t k = 0; k < c.problem.shots.size(); ++k) {
-    const Shot& shot = c.problem.shots[k];
-    const Source& source = c.problem.sources[static_cast<std::size_t>(shot.source)];
+  for (std::size_t k = 0; k < c.problem->shots.size(); ++k) {
+    const Shot& shot = c.problem->shots[k];
+    const Source& source = c.problem->sources[shot.source];
     EXPECT_EQ(shot.offset, expected);
-    expected += shot.rows * c.problem.channels.size();
+    expected += shot.rows * c.problem->channels.size();
     EXPECT_LT(shot.window.last, source.drive.rows());
-    EXPECT_EQ((shot.window.last - shot.window.first) / static_cast<std::size_t>(shot.stride),
-              shot.rows);
-    if (k > 0 && shot.source == c.problem.shots[k - 1].source) {
-      EXPECT_GE(shot.window.first, c.problem.shots[k - 1].window.last);
+    EXPECT_EQ((shot.window.last - shot.window.first) / shot.stride, shot.rows);
+    if (k > 0 && shot.source == c.problem->shots[k - 1].source) {
+      EXPECT_GE(shot.window.first, c.problem->shots[k - 1].window.last);
     }
   }
-  EXPECT_EQ(c.problem.size, expected);
-  EXPECT_GT(c.problem.used_share, 0.8);
-  EXPECT_LE(c.problem.used_share, 1.0 + 1e-9);
+  EXPECT_EQ(c.problem->size, expected);
+  EXPECT_GT(c.problem->used_share, 0.8);
+  EXPECT_LE(c.problem->used_share, 1.0 + 1e-9);
 }
 
 TEST(Problem, EveryRecordingIsItsOwnHeldOutGroup) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1, 4);
-  EXPECT_EQ(c.problem.groups, 4);
-  std::set<std::pair<int, int>> pairs;
-  for (const Shot& shot : c.problem.shots) pairs.insert({shot.source, shot.group});
+  EXPECT_EQ(c.problem->groups, 4u);
+  std::set<std::pair<std::size_t, std::size_t>> pairs;
+  for (const Shot& shot : c.problem->shots) pairs.insert({shot.source, shot.group});
   EXPECT_EQ(pairs.size(), 4u);
 }
 
 TEST(Problem, OneRecordingIsCutIntoGroups) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1, 1, 8.0);
-  std::set<int> groups;
-  for (const Shot& shot : c.problem.shots) groups.insert(shot.group);
-  EXPECT_EQ(static_cast<int>(groups.size()), c.problem.groups);
-  EXPECT_GE(c.problem.groups, 2);
+  std::set<std::size_t> groups;
+  for (const Shot& shot : c.problem->shots) groups.insert(shot.group);
+  EXPECT_EQ(groups.size(), c.problem->groups);
+  EXPECT_GE(c.problem->groups, 2u);
 }
 
 TEST(Problem, StartsOfShotsAreTheSmoothedMotion) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
-  for (const Shot& shot : c.problem.shots) {
-    const MeasuredMotion& motion = c.problem.sources[static_cast<std::size_t>(shot.source)].motion;
+  for (const Shot& shot : c.problem->shots) {
+    const MeasuredMotion& motion = c.problem->sources[shot.source].motion;
     EXPECT_EQ(shot.window.q[0], motion.q[0][shot.window.first]);
     EXPECT_EQ(shot.window.dq[0], motion.dq[0][shot.window.first]);
   }
@@ -61,20 +61,21 @@ TEST(Problem, StartsOfShotsAreTheSmoothedMotion) {
 
 TEST(Problem, ResidualOfNothingIsTheMeasurementOverItsDeviation) {
   const SmallComparison c = compared(two_links(kNoisyServo), {}, {"coulomb_friction"}, 1);
-  const Shot& shot = c.problem.shots[3];
+  const Shot& shot = c.problem->shots[3];
   Prediction zero;
   zero.first = shot.window.first;
   zero.rows = shot.window.last - shot.window.first + 1;
   for (auto* channel : {&zero.q, &zero.dq, &zero.tau, &zero.i, &zero.pwm})
     channel->assign(2 * zero.rows, 0.0);
-  std::vector<double> out(shot.rows * c.problem.channels.size(), -7.0);
-  whitened_residual(c.problem, shot, zero, {}, out.data());
-  const Source& source = c.problem.sources[static_cast<std::size_t>(shot.source)];
-  for (std::size_t ch = 0; ch < c.problem.channels.size(); ++ch) {
-    const Observed& channel = c.problem.channels[ch];
+  Eigen::VectorXd r = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(c.problem->size), -7.0);
+  whiten_residual(c.problem, shot, zero, {}, r);
+  const Source& source = c.problem->sources[shot.source];
+  for (std::size_t ch = 0; ch < c.problem->channels.size(); ++ch) {
+    const Observed& channel = c.problem->channels[ch];
     for (std::size_t k = 0; k < shot.rows; ++k) {
-      const std::size_t row = shot.window.first + (k + 1) * static_cast<std::size_t>(shot.stride);
-      EXPECT_NEAR(out[ch * shot.rows + k], measured(source, channel, row) / channel.sigma, 1e-9);
+      const std::size_t row = recorded_row(shot, k);
+      EXPECT_NEAR(rows_of(r, shot, ch)[k],
+                  measured(source, channel, row) / c.problem.scales.sigma[ch], 1e-9);
     }
   }
 }
@@ -95,7 +96,7 @@ TEST(Problem, CellsThatWereNotSampledSayNothing) {
 TEST(Problem, AnInstantIsNearTheShotThatHoldsItAndItsNeighbours) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1, 1);
   int near = 0;
-  for (const Shot& shot : c.problem.shots) near += near_instant(c.problem, shot, 2.1);
+  for (const Shot& shot : c.problem->shots) near += near_instant(*c.problem, shot, 2.1);
   EXPECT_EQ(near, 3);
 }
 
@@ -119,7 +120,7 @@ TEST(Library, IsPlacedAtEveryJointAndOnlyWhatWasAskedFor) {
 
 TEST(Library, WhatCannotBeTestedHereIsSaidWithAReason) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
-  const Placement all = place_library(c.problem, {});
+  const Placement all = place_library(*c.problem, {});
   for (const auto& [effect, because] : all.untestable) {
     EXPECT_FALSE(because.empty()) << effect;
     EXPECT_TRUE(std::none_of(all.candidates.begin(), all.candidates.end(), [&](const Candidate& k) {
@@ -145,19 +146,48 @@ TEST(Nuisances, AtTheirNullChangeNothingAndAreLinearInTheirValue) {
 }
 
 TEST(Hold, PutsTheCommandBeforeInThePlaceOfALostOne) {
-  SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
-  const std::vector<double> sent = c.problem.sources[1].drive.joints[0].command;
-  hold(c.problem, {{1, 0, 51}, {1, 0, 50}, {1, 0, 200}});
-  const std::vector<double>& got = c.problem.sources[1].drive.joints[0].command;
+  const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
+  const std::vector<double>& sent = c.problem->sources[1].drive.joints[0].command;
+  const Problem received = with_lost(c.problem, {{1, 0, 51}, {1, 0, 50}, {1, 0, 200}});
+  const std::vector<double>& got = received->sources[1].drive.joints[0].command;
   for (std::size_t k = 0; k < sent.size(); ++k) {
     const double expected = k == 50 || k == 51 ? sent[49] : k == 200 ? sent[199] : sent[k];
     EXPECT_EQ(got[k], expected) << k;
   }
-  EXPECT_EQ(c.problem.sources[0].drive.joints[0].command,
-            compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1)
-                .problem.sources[0]
-                .drive.joints[0]
-                .command);
+  EXPECT_EQ(received->sources[0].drive.joints[0].command,
+            c.problem->sources[0].drive.joints[0].command);
+}
+
+TEST(Problem, ShotsThatAreChosenTakeWhatIsKnownOfThemAlong) {
+  SmallComparison c = compared(two_links(kNoisyServo), {}, {"coulomb_friction"}, 1);
+  Random random(4);
+  c.problem.correction.error.resize(static_cast<Eigen::Index>(c.problem->size));
+  for (double& e : c.problem.correction.error) e = random.normal();
+  const std::vector<std::size_t> chosen{5, 1, 2};
+  const Problem some = with_shots(c.problem, chosen);
+  const std::size_t all = c.problem->channels.size();
+  const Eigen::VectorXd before = prediction_error(c.problem, c.library, nominal(c)),
+                        after = prediction_error(some, c.library, nominal(c));
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    EXPECT_EQ(rows_of(after, some->shots[i], 0, all),
+              rows_of(before, c.problem->shots[chosen[i]], 0, all));
+    size += c.problem->shots[chosen[i]].rows * all;
+  }
+  EXPECT_EQ(some->size, size);
+}
+
+TEST(Rescaled, ThereAndBackIsWhereItWas) {
+  SmallComparison c = compared(two_links(kNoisyServo), {}, {"coulomb_friction"}, 1);
+  const Eigen::VectorXd r = prediction_error(c.problem, c.library, nominal(c));
+  const Scales before = c.problem.scales;
+  c.problem.scales = overdispersed(c.problem, {9.0, 4.0});
+  EXPECT_NEAR(c.problem.scales.sigma[0] / before.sigma[0], 3.0, 1e-12);
+  EXPECT_EQ(overdispersed(c.problem, {1e-6, 1e-6}).sigma, floors(*c.problem).sigma)
+      << "never below the floor";
+  const Eigen::VectorXd told = rescaled(*c.problem, r, before, c.problem.scales);
+  EXPECT_LT((told - prediction_error(c.problem, c.library, nominal(c))).norm(), 1e-9);
+  EXPECT_LT((rescaled(*c.problem, told, c.problem.scales, before) - r).norm(), 1e-9);
 }
 
 }  // namespace

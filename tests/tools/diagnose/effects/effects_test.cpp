@@ -249,5 +249,34 @@ TEST(ModelFolderPage, HoldsTheCurrentTables) {
                                        "run this test with SANSO_UPDATE_DOCS=1";
 }
 
+/// Largest |x| at which a payload is looked for on a rod along x: length 0.6 m, 0.3 kg, its centre
+/// of mass at `com`, its inertia about that `inertia`, the next joint at `next`.
+double payload_reach(double com, double inertia, double next) {
+  std::ostringstream urdf;
+  urdf << R"(<robot name="rod"><link name="base"/><joint name="j" type="revolute">)"
+       << R"(<parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>)"
+       << R"(<limit lower="-3" upper="3" effort="4" velocity="5"/></joint><link name="rod">)"
+       << "<inertial><origin xyz=\"" << com << " 0 0\"/><mass value=\"0.3\"/><inertia ixx=\"0\" "
+       << "ixy=\"0\" ixz=\"0\" iyy=\"" << inertia << "\" iyz=\"0\" izz=\"" << inertia
+       << R"("/></inertial></link><joint name="k" type="revolute"><parent link="rod"/>)"
+       << "<child link=\"tip\"/><origin xyz=\"" << next << R"( 0 0"/><axis xyz="0 1 0"/>)"
+       << R"(<limit lower="-3" upper="3" effort="4" velocity="5"/></joint><link name="tip"/>)"
+       << "</robot>";
+  const ModelFolder model = parse_model("format = 1\n", urdf.str(), "rod/model.toml");
+  const std::vector<JointScale> scales = joint_scales(make_params(model), {});
+  return scaled(find_effect("payload")->parameters[1], scales[0]).high;
+}
+
+TEST(PayloadReach, IsThatOfTheLinkAndNotOfItsCentreOfMass) {
+  const double length = 0.6, rod = 0.3 * length * length / 12;
+  const double uniform = payload_reach(length / 2, rod, length);
+  EXPECT_NEAR(uniform, 1.5 * length, 1e-9) << "half its length beyond its end";
+  // a counterweight brings the centre of mass to the joint: either witness is enough
+  EXPECT_NEAR(payload_reach(0.0, 4 * rod, 0.0), uniform, 1e-9) << "radius of gyration";
+  EXPECT_NEAR(payload_reach(0.0, 1e-6, length), uniform, 1e-9) << "next joint";
+  // a point mass at the end, nothing behind it
+  EXPECT_NEAR(payload_reach(length, 0.0, 0.0), 3 * length, 1e-9);
+}
+
 }  // namespace
 }  // namespace sanso::diagnose

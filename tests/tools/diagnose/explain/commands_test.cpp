@@ -15,14 +15,14 @@ using namespace test;
 
 class CommandsOfAWorld : public ::testing::Test {
  protected:
-  CommandsOfAWorld() { params_ = c_.problem.sources[0].nominal; }
+  CommandsOfAWorld() { params_ = c_.problem->sources[0].nominal; }
   SmallComparison c_ = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
   SimParams params_;
 };
 
 TEST_F(CommandsOfAWorld, AreThoseOfTheRecordings) {
-  const Commands commands(c_.problem, params_);
-  for (int source = 0; source < 2; ++source) {
+  const Commands commands(c_.problem.comparison, params_);
+  for (std::size_t source = 0; source < 2; ++source) {
     const std::vector<double>& u = commands.of(source, 0);
     for (std::size_t row = 1; row < u.size(); ++row) {
       EXPECT_EQ(commands.changes(source, 0, row), u[row] != u[row - 1]);
@@ -32,19 +32,22 @@ TEST_F(CommandsOfAWorld, AreThoseOfTheRecordings) {
 }
 
 TEST_F(CommandsOfAWorld, StillUnderWayAtTheStartOfAShotCountForIt) {
-  const Shot& shot = c_.problem.shots[4];
-  EXPECT_EQ(Commands(c_.problem, params_).first_row(shot, 0), shot.window.first);
+  const Shot& shot = c_.problem->shots[4];
+  EXPECT_EQ(Commands(c_.problem.comparison, params_).first_row(shot, 0), shot.window.first);
   params_.joints[0].command_delay = 0.02, params_.joints[0].sensor_delay = 0.01;
-  EXPECT_EQ(Commands(c_.problem, params_).first_row(shot, 0), shot.window.first - 3);
+  EXPECT_EQ(Commands(c_.problem.comparison, params_).first_row(shot, 0), shot.window.first - 3);
   params_.joints[0].command_delay = 1e3;
-  EXPECT_EQ(Commands(c_.problem, params_).first_row(shot, 0), 1u) << "row 0 has none before it";
+  EXPECT_EQ(Commands(c_.problem.comparison, params_).first_row(shot, 0), 1u)
+      << "row 0 has none before it";
 }
 
 TEST_F(CommandsOfAWorld, ThatStayOrAreEmptyCannotBeMissed) {
-  std::vector<double>& u = c_.problem.sources[0].drive.joints[0].command;
-  const Commands commands(c_.problem, params_);
-  const double before = commands.count({0});
-  ASSERT_TRUE(commands.changes(0, 0, 60));
+  const Commands as_sent(c_.problem.comparison, params_);
+  const double before = as_sent.count({0});
+  ASSERT_TRUE(as_sent.changes(0, 0, 60));
+  const auto other = std::make_shared<Comparison>(*c_.problem);
+  std::vector<double>& u = other->sources[0].drive.joints[0].command;
+  const Commands commands(other, params_);
   for (std::size_t row = 60; row < 80; ++row) u[row] = u[59];
   EXPECT_FALSE(commands.changes(0, 0, 60));
   EXPECT_LE(commands.count({0}), before - 18);
@@ -84,8 +87,8 @@ TEST(Losses, OfARunAreAllOfItAndNoneTwice) {
 
 TEST(Losses, BetweenAreThoseOfTheJointInTheRows) {
   std::vector<LostCommand> lost;
-  for (int source = 0; source < 2; ++source) {
-    for (int joint = 0; joint < 2; ++joint) {
+  for (std::size_t source = 0; source < 2; ++source) {
+    for (std::size_t joint = 0; joint < 2; ++joint) {
       for (std::size_t row = 5; row < 40; row += 5) lost.push_back({source, joint, row});
     }
   }

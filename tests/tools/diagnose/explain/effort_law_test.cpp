@@ -34,7 +34,7 @@ class EffortLaw : public testing::Test {
   }
   Model with(const std::string& effect, const std::vector<double>& theta) const {
     for (std::size_t i = 0; i < library_.candidates.size(); ++i) {
-      if (library_.candidates[i].effect == effect) return Model{{{static_cast<int>(i), theta}}, {}};
+      if (library_.candidates[i].effect == effect) return Model{{{i, theta}}, {}};
     }
     ADD_FAILURE() << effect;
     return {};
@@ -42,13 +42,10 @@ class EffortLaw : public testing::Test {
   /// RMS of the duty rows, in units of the channel's scale.
   double duty_rms(const Eigen::VectorXd& error) const {
     double square = 0.0, rows = 0.0;
-    for (const Shot& shot : problem_.shots) {
-      for (std::size_t c = 0; c < problem_.channels.size(); ++c) {
-        if (problem_.channels[c].signal != Signal::pwm) continue;
-        square += error
-                      .segment(static_cast<Eigen::Index>(shot.offset + c * shot.rows),
-                               static_cast<Eigen::Index>(shot.rows))
-                      .squaredNorm();
+    for (const Shot& shot : problem_->shots) {
+      for (std::size_t c = 0; c < problem_->channels.size(); ++c) {
+        if (problem_->channels[c].signal != Signal::pwm) continue;
+        square += rows_of(error, shot, c).squaredNorm();
         rows += static_cast<double>(shot.rows);
       }
     }
@@ -57,7 +54,7 @@ class EffortLaw : public testing::Test {
   /// Row of the table of promises; 0 when the promise was too small to be told.
   double promised_duty(const Model& model) const {
     const Surroundings around = make_surroundings(problem_, library_, Model{});
-    const Regimes regimes = find_regimes(problem_);
+    const Regimes regimes = find_regimes(*problem_);
     for (const IncidenceRow& row :
          incidence(around, regimes, fit(around, Model{}, 0), fit(around, model, 0))) {
       if (row.residual.signal == Signal::pwm) return row.slope;
@@ -71,7 +68,7 @@ class EffortLaw : public testing::Test {
 TEST_F(EffortLaw, FrictionDriftsTheSimulatedDutyAndNotTheLaw) {
   observe({{"coulomb_friction", {"a"}, {{"coulomb", 0.6}}, 0}});
   const double simulated = duty_rms(prediction_error(problem_, library_, Model{}));
-  const double law = duty_rms(effort_error(problem_, library_, Model{}));
+  const double law = duty_rms(effort_error(*problem_, library_, Model{}));
   EXPECT_GT(simulated, 1.0);
   EXPECT_LT(law, 0.2 * simulated);
   EXPECT_EQ(promised_duty(with("coulomb_friction", {0.6})), 0.0)
@@ -83,7 +80,7 @@ TEST_F(EffortLaw, AWrongGainIsContradictedWhereItsDutyDidNotChange) {
   const Surroundings around = make_surroundings(problem_, library_, Model{});
   const FitResult nominal = fit(around, Model{}, 0),
                   gain = fit(around, with("servo_p_gain", {0.6}), 0);
-  const std::string said = refuted_by(incidence(around, find_regimes(problem_), nominal, gain));
+  const std::string said = refuted_by(incidence(around, find_regimes(*problem_), nominal, gain));
   EXPECT_NE(said, "");
   EXPECT_LT(std::abs(promised_duty(with("servo_p_gain", {0.6}))), 0.3);
 }
@@ -96,8 +93,8 @@ TEST_F(EffortLaw, ARightGainKeepsItsPromise) {
 /// A late reading shows an old duty beside an old position: both belong to the command of then.
 TEST_F(EffortLaw, ASensorDelayOfTheWorldIsNoErrorOfTheLawThatKnowsIt) {
   observe({{"sensor_delay", {"a"}, {{"delay", 0.03}}, 0}});
-  const double without = duty_rms(effort_error(problem_, library_, Model{}));
-  const double known = duty_rms(effort_error(problem_, library_, with("sensor_delay", {0.03})));
+  const double without = duty_rms(effort_error(*problem_, library_, Model{}));
+  const double known = duty_rms(effort_error(*problem_, library_, with("sensor_delay", {0.03})));
   EXPECT_LT(known, 0.3 * without);
 }
 

@@ -58,7 +58,7 @@ TEST(Rivals, TheHiddenEffectWinsAndItsIntervalLeavesTheNull) {
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const FitResult nominal = fit(around, Model{}, 3);
   const Screening seen = screen(around, Model{}, nominal.r, b.all(), Random(1));
-  const std::vector<int> which = rivals(Settings{}, b.library, seen, 10.0);
+  const std::vector<std::size_t> which = rivals(Settings{}, b.library, seen, 10.0);
   ASSERT_FALSE(which.empty());
   std::vector<Alternative> fitted = fit_all(around, Model{}, nominal.objective, which, seen);
   rank(b.library, b.problem, fitted);
@@ -77,11 +77,11 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   ASSERT_EQ(race.fitted.size(), 2U);
   for (const Alternative& a : race.fitted)
     EXPECT_NEAR(a.fit.model.effects.back().theta[0], 0.0173, 0.001);
-  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
-  const std::vector<int> others =
+  EXPECT_LT(race.fitted.back().behind.removed(), practical_energy(*b.problem));
+  const std::vector<std::size_t> others =
       replacements(DecisionSettings{}, b.library, race.seen, race.fitted.front().fit.model,
                    race.fitted.front().candidate, {});
-  EXPECT_EQ(others, std::vector<int>{race.fitted.back().candidate});
+  EXPECT_EQ(others, std::vector<std::size_t>{race.fitted.back().candidate});
 }
 
 TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
@@ -93,7 +93,7 @@ TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
   ASSERT_EQ(race.fitted.size(), 2U);
   for (const Alternative& a : race.fitted)
     EXPECT_NEAR(a.fit.model.effects.back().theta[0], kDelay, 0.001);
-  EXPECT_LT(race.fitted.back().behind, practical_energy(b.problem));
+  EXPECT_LT(race.fitted.back().behind.removed(), practical_energy(*b.problem));
 }
 
 TEST(Rivals, ASoftStopInTheMiddleOfTheMotionIsFound) {

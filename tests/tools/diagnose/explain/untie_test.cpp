@@ -65,7 +65,7 @@ TEST(Untie, ANumberForEachJointTakesThePlaceOfATermAtItsBound) {
           {"link_inertia"});
   const Model tied{{{b.of("link_inertia", {0, 1}), {0.5}}, {b.of("link_inertia", {1}), {-0.5}}},
                    {}};
-  correct_step(b.problem, b.library, tied);
+  b.problem = step_corrected(b.problem, b.library, tied);
   const Surroundings around = make_surroundings(b.problem, b.library, tied);
   const FitResult pair = fit(around, tied, Settings{}.fitting.iterations);
   const std::optional<FitResult> apart = fit_untied(

@@ -22,9 +22,7 @@ struct Screened {
     const FitResult calibrated = fit(around, nominal(c), 7);
     screening = screen(around, calibrated.model, calibrated.r, c.all(), Random(1));
   }
-  const Candidate& first() const {
-    return c.library.candidates[static_cast<std::size_t>(screening.ranking().front())];
-  }
+  const Candidate& first() const { return c.library[screening.ranking().front()]; }
   SmallComparison c;
   Screening screening;
 };
@@ -69,14 +67,14 @@ TEST_F(OneScreening, CorrelationsAreCorrelations) {
   EXPECT_LT((R - R.transpose()).norm(), 1e-6);
   EXPECT_LE(R.cwiseAbs().maxCoeff(), 1.0 + 1e-6);
   for (Eigen::Index i = 0; i < R.rows(); ++i) {
-    if (s_.screening.probes[static_cast<std::size_t>(i)].signature > 1.0) {
+    if (s_.screening.probes[i].signature > 1.0) {
       EXPECT_NEAR(R(i, i), 1.0, 1e-3);
     }
   }
 }
 
 TEST_F(OneScreening, RankingIsByScoreAndHoldsEveryCandidateOnce) {
-  std::vector<int> ranking = s_.screening.ranking();
+  std::vector<std::size_t> ranking = s_.screening.ranking();
   for (std::size_t i = 1; i < ranking.size(); ++i)
     EXPECT_GE(s_.screening.best(ranking[i - 1])->score, s_.screening.best(ranking[i])->score);
   std::sort(ranking.begin(), ranking.end());
@@ -101,17 +99,17 @@ TEST_F(OneScreening, ScoresAndFamilyPsBelongTogether) {
 }
 
 TEST_F(OneScreening, SimilarityIsSymmetricAndOneToItself) {
-  for (const int a : s_.c.all()) {
-    for (const int b : s_.c.all())
+  for (const std::size_t a : s_.c.all()) {
+    for (const std::size_t b : s_.c.all())
       EXPECT_NEAR(s_.screening.similarity(a, b), s_.screening.similarity(b, a), 1e-6);
   }
-  const int best = s_.screening.ranking().front();
+  const std::size_t best = s_.screening.ranking().front();
   EXPECT_NEAR(s_.screening.similarity(best, best), 1.0, 1e-3);
 }
 
 TEST_F(OneScreening, ChannelsAreNeverTakenForBetterThanTheirFloor) {
-  for (std::size_t c = 0; c < s_.c.problem.channels.size(); ++c)
-    EXPECT_GE(s_.screening.channel_sigma[c], s_.c.problem.channels[c].floor * (1 - 1e-9));
+  for (std::size_t c = 0; c < s_.c.problem->channels.size(); ++c)
+    EXPECT_GE(s_.screening.scales.sigma[c], s_.c.problem->channels[c].floor * (1 - 1e-9));
 }
 
 }  // namespace

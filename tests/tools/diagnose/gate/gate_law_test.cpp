@@ -200,21 +200,80 @@ TEST(GateNotes, GlitchesAndJitterAreSaidAndNotRefused) {
   EXPECT_FALSE(said("u:hip")) << "commands may jump";
 }
 
-TEST(Glitches, AreReplacedByTheirNeighboursAndWhatElseIsTouchedHardlyMoves) {
-  // where a motion turns, its extreme is no median of its neighbours and may be taken for a glitch
-  Data d = made({5, 0.0});
-  std::vector<double> x = d["q:hip"];
-  x[400] += 1.0, x[900] -= 2.0;
-  int replaced = 0;
-  const std::vector<double> clean = gate::without_glitches(x, &replaced);
-  int changed = 0;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    EXPECT_NEAR(clean[k], d["q:hip"][k], k == 400 || k == 900 ? 0.02 : 0.006) << k;
-    changed += clean[k] != x[k];
+TEST(Glitches, AreReplacedByTheirNeighboursAndNothingElseIsTouched) {
+  for (const double quantum : {0.0, kQuantum}) {
+    Data d = made({5, quantum});
+    std::vector<double> x = d["q:hip"];
+    x[400] += 1.0, x[900] -= 2.0, x[901 + 7] = NAN;
+    int replaced = 0;
+    const std::vector<double> clean = gate::without_glitches(x, &replaced);
+    EXPECT_EQ(replaced, 2);
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      if (std::isnan(x[k])) {
+        EXPECT_TRUE(std::isnan(clean[k])) << k;
+      } else {
+        EXPECT_NEAR(clean[k], d["q:hip"][k], k == 400 || k == 900 ? 0.02 : 0.0) << k;
+      }
+    }
   }
-  EXPECT_EQ(changed, replaced);
-  EXPECT_NE(clean[400], x[400]);
-  EXPECT_NE(clean[900], x[900]);
+}
+
+TEST(Glitches, AReversalHoweverHardIsNone) {
+  // a joint that rests, then bounces between two stops: the steps change their sign in one sample
+  std::vector<double> x(4000, 0.1);
+  for (int k = 0; k < 600; ++k) x.push_back(0.1 + 0.02 * std::abs(k % 40 - 20));
+  int replaced = 0;
+  EXPECT_EQ(gate::without_glitches(x, &replaced), x);
+  EXPECT_EQ(replaced, 0);
+}
+
+TEST(Glitches, ACountThatFlickersIsNone) {
+  // at rest for nine samples in ten, so that the usual departure is none at all
+  Random random(12);
+  std::vector<double> x(5000, 100 * kQuantum);
+  for (double& v : x) v += random.uniform() < 0.03 ? kQuantum * (1 + random.below(2)) : 0.0;
+  int replaced = 0;
+  gate::without_glitches(x, &replaced);
+  EXPECT_EQ(replaced, 0);
+  x[2500] += 64 * kQuantum;  // a bit that fails
+  gate::without_glitches(x, &replaced);
+  EXPECT_EQ(replaced, 1);
+}
+
+TEST(RestingJoint, IsAsNoisyAsItsEncoderIsCoarse) {
+  Data d = healthy();
+  std::erase_if(d.columns, [](const auto& c) { return c.first[0] != 'q'; });
+  std::fill(d["q:knee"].begin(), d["q:knee"].end(), 0.3);
+  std::vector<GateJoint> robot = joints();
+  const auto sigma_of_knee = [&](const GateReport& report) {
+    for (const NoiseLevel& n : report.noise) {
+      if (n.channel == "q:knee") return n.sigma;
+    }
+    return 0.0;
+  };
+  const GateReport of_neighbours = inspect({d.view()}, robot);
+  ASSERT_FALSE(of_neighbours.refused());
+  EXPECT_GE(sigma_of_knee(of_neighbours), kQuantum / std::sqrt(12.0));
+  EXPECT_LT(sigma_of_knee(of_neighbours), kQuantum);
+  robot[1].position_quantum = 1e-4;
+  EXPECT_NEAR(sigma_of_knee(inspect({d.view()}, robot)), 1e-4 / std::sqrt(12.0), 1e-12);
+}
+
+TEST(RestingJoint, TakesNoPartInTheNoiseOfTheRecordingsInWhichItMoves) {
+  Data moving = made({5, 0.0});
+  std::erase_if(moving.columns, [](const auto& c) { return c.first[0] != 'q'; });
+  Data noisy = moving, resting = moving;
+  Random random(3);
+  for (double& v : noisy["q:knee"]) v += 1e-3 * random.normal();
+  std::fill(resting["q:knee"].begin(), resting["q:knee"].end(), 0.3);
+  resting["q:hip"][3] += 1e-9;  // no copy
+  const GateReport one = inspect({noisy.view()}, joints());
+  const GateReport both = inspect({noisy.view(), resting.view()}, joints());
+  ASSERT_EQ(one.noise.size(), both.noise.size());
+  for (std::size_t k = 0; k < one.noise.size(); ++k) {
+    if (one.noise[k].channel != "q:knee") continue;
+    EXPECT_EQ(both.noise[k].sigma, one.noise[k].sigma);
+  }
 }
 
 TEST(SamplingInterval, IsTheUsualStepWhateverOneGapSays) {

@@ -40,6 +40,7 @@ struct Making {
   double quantum = kQuantum;
   double period = 0.0055;
   double seconds = 8.0;
+  double largest_command = 1e9;  // the servo is asked for no more, rad
 };
 
 inline double command_of(int joint, double t, std::uint64_t seed) {
@@ -63,7 +64,7 @@ inline Data made(const Making& how) {
     double x = 0, v = 0;
     for (std::size_t k = 0; k < d.t.size(); ++k) {
       const double h = k > 0 ? d.t[k] - d.t[k - 1] : 0.0;
-      u[k] = command_of(j, d.t[k], how.seed);
+      u[k] = std::clamp(command_of(j, d.t[k], how.seed), -how.largest_command, how.largest_command);
       const double duty = std::clamp(4.6 * (u[k] - x), -1.0, 1.0);
       v += h * (90 * duty - 20 * v - 9 * std::sin(x));
       x += h * v;

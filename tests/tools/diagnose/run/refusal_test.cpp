@@ -9,6 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
@@ -208,6 +209,24 @@ TEST_F(RefusedSet, ACopyIsBlamedOnTheCopy) {
   const nlohmann::json defect = refusal();
   EXPECT_EQ(defect.at("defect"), "copy of another file");
   EXPECT_EQ(defect.at("file"), file);
+}
+
+TEST_F(RefusedSet, ABaseThatFloatsIsNotBoltedDown) {
+  add(healthy(1.0));
+  const fs::path toml = fs::path(options_.model) / "model.toml";
+  std::stringstream text;
+  text << std::ifstream(toml).rdbuf();
+  std::string floating = text.str();
+  const std::size_t at = floating.find("\"fixed\"");
+  ASSERT_NE(at, std::string::npos);
+  const auto line =
+      1 + std::count(floating.begin(), floating.begin() + static_cast<long>(at), '\n');
+  std::ofstream(toml) << floating.replace(at, 7, "\"floating\"");
+  const nlohmann::json defect = refusal();
+  EXPECT_EQ(defect.at("defect"), "floating base");
+  const std::string message = defect.at("message");
+  EXPECT_NE(message.find(toml.string() + ":" + std::to_string(line)), std::string::npos) << message;
+  EXPECT_NE(message.find("found 'floating'; expected \"fixed\""), std::string::npos) << message;
 }
 
 }  // namespace

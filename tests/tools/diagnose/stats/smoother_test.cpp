@@ -129,6 +129,24 @@ TEST(Smoother, AMotionPlayedBackwardsHasTheSpeedsTurned) {
   }
 }
 
+TEST(Smoother, KnowsTheFirstVelocityAsWellAsTheLast) {
+  // nothing is known before the first row and nothing after the last: a shot starts at either
+  for (const double sigma : {1e-4, 3e-4, 1e-3}) {
+    for (const double step : {0.002, 0.01, 0.02}) {
+      const std::vector<double> noise = white(300, 8);
+      std::vector<double> t, q;
+      for (std::size_t k = 0; k < noise.size(); ++k) {
+        t.push_back(step * static_cast<double>(k));
+        q.push_back(0.4 * std::sin(5 * t.back()) + sigma * noise[k]);
+      }
+      const SmoothedState s = smooth_position(t, q, sigma);
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_NEAR(s.dq_sigma[k] / s.dq_sigma[t.size() - 1 - k], 1.0, 0.3)
+            << "row " << k << ", noise " << sigma << ", step " << step;
+    }
+  }
+}
+
 TEST(Smoother, KnowsLessInAGap) {
   const std::vector<double> t = instants(120, 0.02, 7);
   std::vector<double> q;

@@ -48,7 +48,7 @@ TEST(SpansNull, ChanceIsJudgedByItsSize) {
       c, {{"share", {0.02, 0.0, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
 }
 
-Candidate at(const char* effect, int joint) {
+Candidate at(const char* effect, std::size_t joint) {
   Candidate c;
   c.effect = effect;
   c.joints = {joint};

@@ -27,7 +27,7 @@ struct Screened {
       c.probes = {{0.1}};
       library.candidates.push_back(c);
       ProbeScore probe;
-      probe.candidate = static_cast<int>(i);
+      probe.candidate = i;
       probe.signature = signatures[i];
       screening.probes.push_back(probe);
     }
@@ -69,9 +69,9 @@ TEST(PatchedModel, PredictsWhatTheSearchsModelDoes) {
     found.nuisance[k] = (k % 2 == 0 ? 0.5 : -0.5) * c.library.nuisances[k].tolerance;
   const ModelFolder patched = patched_model(model, c.library, found);
   const ModelFolder read = parse_model(model_toml(patched), patched.urdf, "model.toml");
-  SimParams by_search = c.problem.sources[0].nominal;
+  SimParams by_search = c.problem->sources[0].nominal;
   c.library.apply(found, by_search);
-  const Drive& drive = c.problem.sources[0].drive;
+  const Drive& drive = c.problem->sources[0].drive;
   const std::vector windows{whole_from_rest(drive)};
   const Prediction a = simulate(by_search, drive, windows).front(),
                    b = simulate(params_with_effects(read), drive, windows).front();

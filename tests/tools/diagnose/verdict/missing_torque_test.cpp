@@ -14,10 +14,10 @@ namespace {
 using namespace test;
 
 /// Missing torque of one joint when `effects` are hidden in two links.
-std::vector<TorqueSample> missing_of(const std::vector<EffectEntry>& effects, int joint) {
+std::vector<TorqueSample> missing_of(const std::vector<EffectEntry>& effects, std::size_t joint) {
   const SmallComparison c = compared(two_links(kNoisyServo), effects, {"coulomb_friction"}, 1);
   std::vector<TorqueSample> out;
-  for (const TorqueSample& s : missing_torque(c.problem.sources, noise_of(two_links(kNoisyServo)),
+  for (const TorqueSample& s : missing_torque(c.problem->sources, noise_of(two_links(kNoisyServo)),
                                               c.library, nominal(c), Settings{})) {
     if (s.joint == joint) out.push_back(s);
   }
@@ -79,8 +79,8 @@ struct TwoNames {
     finding.one_of = {"cable_spring", "payload"};
   }
   FitResult fitted(const Surroundings& around, const std::string& name) const {
-    const int i = c.of(name);
-    return fit(around, with(c, i, c.library.candidates[static_cast<std::size_t>(i)].probes[0]), 7);
+    const std::size_t i = c.of(name);
+    return fit(around, with(c, i, c.library[i].probes[0]), 7);
   }
   SmallComparison c;
   Selection selection;

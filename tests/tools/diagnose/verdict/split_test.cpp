@@ -25,7 +25,7 @@ std::vector<Source> sources(const std::vector<std::string>& conditions) {
 
 /// Shots of half a second over all sources; positions of two joints compared at every 5th row.
 Problem problem_of(std::vector<Source> all) {
-  Problem p;
+  Comparison p;
   p.joints = {"hip", "knee"};
   p.channels.resize(2);
   p.channels[1].joint = 1;
@@ -33,7 +33,7 @@ Problem problem_of(std::vector<Source> all) {
   for (std::size_t s = 0; s < p.sources.size(); ++s) {
     for (std::size_t first = 0; first + 50 <= 1000; first += 50) {
       Shot shot;
-      shot.source = static_cast<int>(s);
+      shot.source = s;
       shot.window.first = first, shot.window.last = first + 50;
       shot.stride = 5, shot.rows = 10;
       shot.offset = p.size;
@@ -41,8 +41,9 @@ Problem problem_of(std::vector<Source> all) {
       p.shots.push_back(shot);
     }
   }
-  for (std::size_t i = 0; i < p.size; ++i) p.step_error.push_back(static_cast<double>(i));
-  return p;
+  const auto entries = static_cast<Eigen::Index>(p.size);
+  return {std::make_shared<const Comparison>(std::move(p)), Scales{{1.0, 1.0}},
+          StepCorrection{Eigen::VectorXd::LinSpaced(entries, 0.0, static_cast<double>(entries))}};
 }
 
 const std::vector<std::vector<std::string>>& cases() {
@@ -56,18 +57,18 @@ const std::vector<std::vector<std::string>>& cases() {
   return all;
 }
 
-using Place = std::pair<int, std::size_t>;  // source, first row
+using Place = std::pair<std::size_t, std::size_t>;  // source, first row
 
 std::vector<Place> places(const Problem& p) {
   std::vector<Place> out;
-  for (const Shot& s : p.shots) out.emplace_back(s.source, s.window.first);
+  for (const Shot& s : p->shots) out.emplace_back(s.source, s.window.first);
   return out;
 }
 
 TEST(Split, FittedAndHeldOutShareNothing) {
   for (const auto& conditions : cases()) {
     const Problem all = problem_of(sources(conditions));
-    const Split split = make_split(all.sources);
+    const Split split = make_split(all->sources);
     const auto fitted = places(restricted(all, split.fitted)),
                held = places(restricted(all, split.heldout));
     for (const Place& p : held)
@@ -80,11 +81,11 @@ TEST(Split, FittedAndHeldOutShareNothing) {
 TEST(Split, FittedAndHeldOutAreAllButWhatLiesAcrossTheCut) {
   for (const auto& conditions : cases()) {
     const Problem all = problem_of(sources(conditions));
-    const Split split = make_split(all.sources);
+    const Split split = make_split(all->sources);
     const std::size_t together =
-        restricted(all, split.fitted).shots.size() + restricted(all, split.heldout).shots.size();
+        restricted(all, split.fitted)->shots.size() + restricted(all, split.heldout)->shots.size();
     const std::size_t cut = conditions.size() == 1 ? 1 : 0;
-    EXPECT_EQ(together + cut, all.shots.size()) << conditions.size() << " recordings";
+    EXPECT_EQ(together + cut, all->shots.size()) << conditions.size() << " recordings";
   }
 }
 
@@ -108,27 +109,28 @@ TEST(Split, HoldsOutAThirdOfManyRecordingsAndTheEndOfOne) {
 
 TEST(Restricted, KeepsEveryShotsOwnEntries) {
   const Problem all = problem_of(sources({"x", "y"}));
-  const Problem held = restricted(all, make_split(all.sources).heldout);
+  const Problem held = restricted(all, make_split(all->sources).heldout);
   std::size_t expected = 0;
-  for (const Shot& shot : held.shots) {
+  for (const Shot& shot : held->shots) {
     EXPECT_EQ(shot.offset, expected);
-    expected += shot.rows * held.channels.size();
-    const auto same = std::find_if(all.shots.begin(), all.shots.end(), [&](const Shot& s) {
+    expected += shot.rows * held->channels.size();
+    const auto same = std::find_if(all->shots.begin(), all->shots.end(), [&](const Shot& s) {
       return s.source == shot.source && s.window.first == shot.window.first;
     });
-    EXPECT_EQ(held.step_error[shot.offset], all.step_error[same->offset]);
+    EXPECT_EQ(rows_of(held.correction.error, shot, 0, 2),
+              rows_of(all.correction.error, *same, 0, 2));
   }
-  EXPECT_EQ(held.size, expected);
-  EXPECT_EQ(held.step_error.size(), expected);
+  EXPECT_EQ(held->size, expected);
+  EXPECT_EQ(static_cast<std::size_t>(held.correction.error.size()), expected);
 }
 
 TEST(Restricted, ToNothingIsTheWholeProblem) {
   const Problem all = problem_of(sources({""}));
-  EXPECT_EQ(restricted(all, {{0.5}, {0.5}}).shots.size(), all.shots.size());
+  EXPECT_EQ(restricted(all, {{0.5}, {0.5}})->shots.size(), all->shots.size());
 }
 
 /// Regimes "early" (first half of every second) and "late".
-Regimes halves(const Problem& p) {
+Regimes halves(const Comparison& p) {
   Regimes r;
   r.names = {"early", "late"};
   for (const Source& s : p.sources) {
@@ -143,18 +145,16 @@ Regimes halves(const Problem& p) {
 }
 
 /// Noise of deviation 1; times `factor` at one joint in one half.
-Eigen::VectorXd errors(const Problem& p, const Regimes& regimes, int joint, std::size_t regime,
-                       double factor, std::uint64_t seed) {
+Eigen::VectorXd errors(const Comparison& p, const Regimes& regimes, std::size_t joint,
+                       std::size_t regime, double factor, std::uint64_t seed) {
   Random random(seed);
   Eigen::VectorXd r(static_cast<Eigen::Index>(p.size));
   for (const Shot& shot : p.shots) {
     for (std::size_t c = 0; c < 2; ++c) {
       for (std::size_t k = 0; k < shot.rows; ++k) {
-        const std::size_t row = shot.window.first + (k + 1) * 5;
         const bool here =
-            static_cast<int>(c) == joint && regimes.in(shot.source, joint, regime, row);
-        r[static_cast<Eigen::Index>(shot.offset + c * shot.rows + k)] =
-            (here ? factor : 1.0) * random.normal();
+            c == joint && regimes.in(shot.source, joint, regime, recorded_row(shot, k));
+        rows_of(r, shot, c)[k] = (here ? factor : 1.0) * random.normal();
       }
     }
   }
@@ -162,24 +162,26 @@ Eigen::VectorXd errors(const Problem& p, const Regimes& regimes, int joint, std:
 }
 
 TEST(Locate, FindsTheJointAndRegimeThatWereChanged) {
-  const Problem p = problem_of(sources({"", ""}));
+  const Problem made = problem_of(sources({"", ""}));
+  const Comparison& p = *made;
   const Regimes regimes = halves(p);
-  for (int joint = 0; joint < 2; ++joint) {
+  for (std::size_t joint = 0; joint < 2; ++joint) {
     for (std::size_t regime = 0; regime < 2; ++regime) {
       const LocationMap map = locate(p, regimes, errors(p, regimes, joint, regime, 3.0, 5));
       ASSERT_FALSE(map.cells.empty());
-      EXPECT_EQ(map.cells[0].where, p.joints[static_cast<std::size_t>(joint)]);
+      EXPECT_EQ(map.cells[0].where, p.joints[joint]);
       EXPECT_EQ(map.cells[0].regime, regimes.names[regime]);
       EXPECT_LT(map.cells[0].q_value, 0.05);
       EXPECT_NEAR(map.cells[0].lift, 9.0, 3.0);
-      EXPECT_NEAR(map.heat[static_cast<std::size_t>(joint)][regime], 9.0, 2.0);
+      EXPECT_NEAR(map.heat[joint][regime], 9.0, 2.0);
       EXPECT_GT(map.cells[0].share, 0.9);
     }
   }
 }
 
 TEST(Locate, CallsNothingInNoiseButRarely) {
-  const Problem p = problem_of(sources({"", ""}));
+  const Problem made = problem_of(sources({"", ""}));
+  const Comparison& p = *made;
   const Regimes regimes = halves(p);
   int called = 0;
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
@@ -191,7 +193,8 @@ TEST(Locate, CallsNothingInNoiseButRarely) {
 }
 
 TEST(Locate, TimeStripAndHeatAreMeanSquares) {
-  const Problem p = problem_of(sources({""}));
+  const Problem made = problem_of(sources({""}));
+  const Comparison& p = *made;
   const Regimes regimes = halves(p);
   const LocationMap map =
       locate(p, regimes, Eigen::VectorXd::Constant(static_cast<Eigen::Index>(p.size), 2.0));
@@ -204,24 +207,13 @@ TEST(Locate, TimeStripAndHeatAreMeanSquares) {
 }
 
 TEST(Locate, ShotsStandOneAfterTheOtherInTime) {
-  const Problem p = problem_of(sources({"", "", ""}));
+  const Problem made = problem_of(sources({"", "", ""}));
+  const Comparison& p = *made;
   const LocationMap map =
       locate(p, halves(p), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.size)));
   EXPECT_EQ(map.shot_time.size(), p.shots.size());
   EXPECT_TRUE(std::is_sorted(map.shot_time.begin(), map.shot_time.end()));
   EXPECT_NEAR(map.shot_time.front(), 0.0, 1e-12);
-}
-
-TEST(InNoiseLevels, UndoesTheScaleOfTheSearch) {
-  Problem p = problem_of(sources({""}));
-  p.channels[0].sigma = 6.0, p.channels[0].floor = 2.0;
-  p.channels[1].sigma = 5.0, p.channels[1].floor = 5.0;
-  const Eigen::VectorXd r =
-      in_noise_levels(p, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(p.size)));
-  for (const Shot& shot : p.shots) {
-    EXPECT_EQ(r[static_cast<Eigen::Index>(shot.offset)], 3.0);
-    EXPECT_EQ(r[static_cast<Eigen::Index>(shot.offset + shot.rows)], 1.0);
-  }
 }
 
 TEST(FitScore, ExplainedGrowsAsTheErrorFallsAndStaysWithinOne) {

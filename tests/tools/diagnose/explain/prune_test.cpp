@@ -1,0 +1,191 @@
+// Names that leave, names that are exchanged, and the simpler of two that explain the same.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/noisy_world.h"
+#include "tools/diagnose/explain/steps.h"
+
+namespace sanso::diagnose {
+namespace {
+
+using namespace test;
+
+const std::vector<std::string> kTried{"coulomb_friction", "viscous_friction", "cable_spring"};
+const EffectEntry kRubbing = hidden("coulomb_friction", "a", {{"coulomb", 0.08}});
+const EffectEntry kSpring = hidden("cable_spring", "a", {{"stiffness", 0.3}, {"torque", 0.0}});
+
+/// A search that has accepted some names already, whatever they explain.
+struct Standing {
+  Standing(const std::vector<EffectEntry>& world, const std::vector<std::string>& names)
+      : c(compared(pendulum(kNoisyServo), world, kTried, 41, 3)),
+        state(c.problem, c.library, options) {
+    Selection& found = state.found;
+    found.around = make_surroundings(state.problem, c.library, nominal(c));
+    const FitResult clean = fit(*found.around, nominal(c), 3);
+    found.first = screen(*found.around, clean.model, clean.r, c.all(), Random(1));
+    found.nominal = clean;
+    found.final.model = nominal(c);
+    for (const std::string& name : names) {
+      Accepted entry;
+      entry.candidate = c.of(name);
+      found.accepted.push_back(entry);
+      std::vector<double> theta;
+      for (const CandidateParameter& p : c.library[c.of(name)].parameters)
+        theta.push_back(p.null + 0.3 * p.typical);
+      found.final.model.effects.push_back({c.of(name), theta});
+    }
+    state.relinearise();
+    state.found.final = fit(*found.around, found.final.model, 10);
+    state.relinearise();
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (std::size_t i = 0; i < state.found.accepted.size(); ++i) {
+      out.push_back(state.accepted(i).effect);
+      // what the state promises (search_state.h)
+      EXPECT_EQ(state.found.final.model.effects[i].candidate, state.found.accepted[i].candidate);
+    }
+    EXPECT_EQ(out.size(), state.found.final.model.effects.size());
+    return out;
+  }
+  bool said(const std::string& text) const {
+    for (const std::string& line : state.found.log)
+      if (line.find(text) != std::string::npos) return true;
+    return false;
+  }
+  SmallComparison c;
+  SelectOptions options;
+  SearchState state;
+};
+
+using Names = std::vector<std::string>;
+
+TEST(Prune, ANameThatIsNotNeededLeaves) {
+  for (const Names& order : {Names{"viscous_friction", "coulomb_friction"},
+                             Names{"coulomb_friction", "viscous_friction"}}) {
+    Standing s({kRubbing}, order);
+    const double before = s.state.found.final_heldout.sum();
+    backward(s.state, 0);
+    EXPECT_EQ(s.names(), Names{"coulomb_friction"});
+    EXPECT_TRUE(s.said("no longer needed: " + s.c.library[s.c.of("viscous_friction")].title()));
+    EXPECT_NEAR(s.state.found.final.model.effects[0].theta[0], 0.08, 0.01);
+    EXPECT_LT(s.state.found.final_heldout.sum(), 1.05 * before) << "it cost no prediction";
+  }
+}
+
+TEST(Prune, ANameThatWasJustJudgedIsLeftAlone) {
+  Standing s({kRubbing}, {"coulomb_friction", "viscous_friction"});
+  backward(s.state, 1);
+  EXPECT_EQ(s.names(), (Names{"coulomb_friction", "viscous_friction"}));
+  Standing other({kRubbing}, {"viscous_friction", "coulomb_friction"});
+  backward(other.state, 1);
+  EXPECT_EQ(other.names(), Names{"coulomb_friction"});
+}
+
+TEST(Prune, TwoThatAreBothThereStay) {
+  Standing s({kRubbing, kSpring}, {"coulomb_friction", "cable_spring"});
+  backward(s.state, 0);
+  EXPECT_EQ(s.names(), (Names{"coulomb_friction", "cable_spring"}));
+  drop_refuted(s.state);
+  EXPECT_EQ(s.names(), (Names{"coulomb_friction", "cable_spring"}));
+  EXPECT_TRUE(s.state.found.refuted.empty());
+}
+
+TEST(Prune, OfARobotAsItsModelNothingStays) {
+  Standing s({}, {"coulomb_friction", "cable_spring"});
+  backward(s.state, 0);
+  EXPECT_EQ(s.names(), Names{});
+  EXPECT_TRUE(s.state.found.final.model.effects.empty());
+  EXPECT_NEAR(s.state.found.final_heldout.sum(), s.state.found.nominal_heldout.sum(),
+              0.01 * s.state.found.nominal_heldout.sum());
+}
+
+TEST(Swap, TheNameThatPredictsBetterTakesThePlace) {
+  Standing s({kRubbing}, {"viscous_friction"});
+  const double before = s.state.found.final_heldout.sum();
+  // what was fitted in its place when it was accepted
+  const Model base = nominal(s.c);
+  s.state.found.accepted[0].alternatives =
+      fit_all(*s.state.found.around, base, s.state.found.nominal.objective,
+              {s.c.of("coulomb_friction"), s.c.of("cable_spring")}, s.state.found.first);
+  swap_for_better(s.state);
+  EXPECT_EQ(s.names(), Names{"coulomb_friction"});
+  EXPECT_TRUE(s.said("swapped"));
+  EXPECT_LT(s.state.found.final_heldout.sum(), before);
+  double last = -INFINITY;
+  bool keeps_the_old = false;
+  for (const Alternative& a : s.state.found.accepted[0].alternatives) {
+    EXPECT_NE(a.candidate, s.c.of("coulomb_friction"));
+    keeps_the_old |= a.candidate == s.c.of("viscous_friction");
+    EXPECT_GE(a.behind.bounded.total, last);
+    last = a.behind.bounded.total;
+  }
+  EXPECT_TRUE(keeps_the_old) << "as a rival";
+}
+
+TEST(Swap, TheRightNameStays) {
+  Standing s({kRubbing}, {"coulomb_friction"});
+  s.state.found.accepted[0].alternatives =
+      fit_all(*s.state.found.around, nominal(s.c), s.state.found.nominal.objective,
+              {s.c.of("viscous_friction"), s.c.of("cable_spring")}, s.state.found.first);
+  swap_for_better(s.state);
+  EXPECT_EQ(s.names(), Names{"coulomb_friction"});
+  EXPECT_FALSE(s.said("swapped"));
+  for (const Alternative& a : s.state.found.accepted[0].alternatives)
+    EXPECT_TRUE(beaten(s.state.decisions(), a.behind, s.state.practical()))
+        << s.c.library[a.candidate].title();
+}
+
+/// Two names of the same effects: one with a single number, one with three.
+struct TwoNames {
+  TwoNames() {
+    library.candidates.resize(2);
+    library.candidates[0].parameters.resize(3);
+    library.candidates[1].parameters.resize(3);
+    // what stays as the probe says is no number of the fit
+    library.candidates[1].parameters[1].structural = true;
+    library.candidates[1].parameters[2].structural = true;
+  }
+  /// Who wins when the simple name leaves `more` energy in every shot, give or take `scatter`.
+  std::size_t winner(const Problem& problem, double more, double scatter) const {
+    Alternative rich, simple;
+    rich.candidate = 0, simple.candidate = 1;
+    rich.heldout = Eigen::VectorXd::Constant(60, 100.0);
+    simple.heldout = rich.heldout;
+    for (Eigen::Index i = 0; i < 60; ++i)
+      simple.heldout[i] += more + scatter * std::sin(12.9 * static_cast<double>(i));
+    std::vector<Alternative> all{rich, simple};
+    rank(library, problem, all);
+    return all.front().candidate;
+  }
+  Library library;
+};
+
+TEST(Rank, TheSimplerNameIsKeptWithinNoise) {
+  const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 42);
+  const TwoNames names;
+  const double practical = practical_energy(*c.problem) / 60.0;
+  EXPECT_EQ(names.winner(c.problem, 0.0, 0.1), 1U);
+  EXPECT_EQ(names.winner(c.problem, 0.5 * practical, 0.01), 1U) << "sure, and does not matter";
+  EXPECT_EQ(names.winner(c.problem, 1.5 * practical, 80.0), 1U) << "matters, and is not sure";
+  EXPECT_EQ(names.winner(c.problem, 10.0 + 5.0 * practical, 1.0), 0U) << "worse, surely";
+  EXPECT_EQ(names.winner(c.problem, -10.0, 1.0), 1U) << "simpler and better";
+}
+
+TEST(Beaten, NeedsToBeSureAndToMatter) {
+  const DecisionSettings decisions;
+  HeldoutGain behind;
+  behind.energy = {100.0, 10.0, 80.0}, behind.bounded = {50.0, 50.0, -40.0};
+  EXPECT_TRUE(beaten(decisions, behind, 90.0)) << "one measure suffices";
+  EXPECT_FALSE(beaten(decisions, behind, 110.0)) << "does not matter";
+  behind.energy.standard_error = 60.0;
+  EXPECT_FALSE(beaten(decisions, behind, 90.0)) << "neither is sure";
+  behind.bounded.standard_error = 5.0;
+  EXPECT_TRUE(beaten(decisions, behind, 90.0)) << "nor does the other have to be";
+  behind.energy.total = -100.0;
+  EXPECT_FALSE(beaten(decisions, behind, 0.0)) << "who predicts better is not beaten";
+}
+
+}  // namespace
+}  // namespace sanso::diagnose

@@ -1,0 +1,193 @@
+// Statuses, answer and what stays unnamed, on the torque side.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/run/predict_effort.h"
+#include "tools/diagnose/verdict/predictability.h"
+
+namespace sanso::diagnose {
+namespace {
+
+std::string places(const std::vector<std::string>& where) {
+  std::string text;
+  for (const std::string& w : where) text += (text.empty() ? "" : ", ") + w;
+  return text;
+}
+
+const EffortScore* score_at(const EffortOutcome& outcome, const std::string& joint) {
+  for (const EffortScore& s : outcome.scores) {
+    if (s.joint == joint) return &s;
+  }
+  return nullptr;
+}
+
+/// The finding of a term that predicts, as the other mode would say it.
+Finding finding_of(const JudgedTerm& t) {
+  Finding f;
+  f.effect = t.term.effect;
+  f.family = t.term.family;
+  f.where = t.term.where;
+  f.regime = "everywhere";
+  f.spans_null = t.spans_null;
+  f.heldout_gain = t.heldout_gain;
+  f.heldout_gain_low = t.heldout_gain_low;
+  f.one_of = {t.term.effect};
+  for (const std::string& name : t.equally_good) f.one_of.push_back(name);
+  for (std::size_t c = 0; c < t.values.size(); ++c) {
+    const JudgedValue& v = t.values[c];
+    // friction that is zero beside its coupled twin is no bound that was met
+    const bool met = v.at_bound && v.value != 0.0;
+    f.parameters[t.term.parameters[c]] = {v.value, v.low, v.high, v.unit, met};
+  }
+  for (const auto& [name, value] : t.term.fixed)
+    f.parameters[name] = {value, value, value, name == "speed" ? "rad/s" : "-", false};
+  f.status = status_of(f);
+  return f;
+}
+
+std::string sentence(const Finding& f) {
+  std::string text = f.effect;
+  if (f.status == VerdictStatus::one_of) {
+    text = "one of {";
+    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
+    text += "}";
+  }
+  text += " at " + places(f.where);
+  const auto order = f.parameters.find("order");
+  if (order != f.parameters.end()) text += fmt::format(" (order {:.0f})", order->second.value);
+  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
+  return text;
+}
+
+TorqueSample sample_of(const EffortLeft& left, const EffortRows& rows, double noise) {
+  const EffortRecording& r = rows.recordings[static_cast<std::size_t>(left.row.recording)];
+  const auto j = static_cast<std::size_t>(left.row.joint);
+  const std::size_t middle = (left.row.first + left.row.last) / 2;
+  TorqueSample s;
+  s.source = left.row.recording, s.joint = left.row.joint, s.row = left.row.first;
+  s.t = r.t[middle];
+  s.q = r.motion[middle].q[j], s.dq = r.motion[middle].dq[j], s.ddq = r.motion[middle].ddq[j];
+  s.motor = left.row.effort, s.missing = left.residual, s.sigma = noise;
+  return s;
+}
+
+// chosen: enough for forty random features, and a bootstrap of seconds
+constexpr std::size_t kSamples = 600;
+
+std::vector<TorqueSample> samples_of(const EffortOutcome& outcome, const EffortRows& rows,
+                                     int joint) {
+  std::vector<const EffortLeft*> of;
+  for (const EffortLeft& left : outcome.left) {
+    if (left.row.joint == joint) of.push_back(&left);
+  }
+  const EffortScore* score = score_at(
+      outcome, rows.recordings.front().nominal.tree.joints[static_cast<std::size_t>(joint)].name);
+  const std::size_t stride = of.size() / kSamples + 1;
+  std::vector<TorqueSample> out;
+  for (std::size_t k = 0; k < of.size(); k += stride)
+    out.push_back(sample_of(*of[k], rows, score != nullptr ? score->noise : 0.0));
+  return out;
+}
+
+/// Squared held-out effort beyond noise that is left, of what the nominal model misses.
+double share_left(const EffortScore& s) {
+  const double before = s.nominal * s.nominal - s.noise * s.noise;
+  const double after = s.patched * s.patched - s.noise * s.noise;
+  return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
+}
+
+std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRows& rows,
+                                   const DiagnoseOptions& options) {
+  std::vector<Predictability> all;
+  std::vector<std::vector<TorqueSample>> samples(rows.recordings.front().channels.size());
+  for (std::size_t j = 0; j < samples.size(); ++j) {
+    if (!rows.recordings.front().channels[j].known) continue;
+    samples[j] = samples_of(outcome, rows, static_cast<int>(j));
+    all.push_back(
+        predictability(samples[j], static_cast<int>(j), Random(options.seed, j), options.settings));
+  }
+  const Predictability* worst = most_predictable(all, options.settings.decisions);
+  if (worst == nullptr) return std::nullopt;
+  const auto j = static_cast<std::size_t>(worst->joint);
+  Unexplained u;
+  u.shows_in = ShowsIn::torque;
+  u.predictable = worst->explained, u.p = worst->p;
+  u.where = rows.recordings.front().nominal.tree.joints[j].name;
+  u.regime = "effort at the recorded motion";
+  if (const EffortScore* s = score_at(outcome, u.where)) u.energy_share = share_left(*s);
+  u.formula = sparse_formula(samples[j], worst->joint).text;
+  return u;
+}
+
+std::string answer_of(const Verdict& v) {
+  if (v.findings.empty() && !v.unexplained)
+    return "No mismatch of the effort beyond noise and the nominal model's tolerances.";
+  std::string text = v.findings.empty() ? "Effort is missing, but no name passes every gate"
+                                        : "Missing in the effort: ";
+  for (std::size_t i = 0; i < v.findings.size(); ++i)
+    text += (i == 0 ? "" : "; ") + sentence(v.findings[i]);
+  if (v.unexplained) {
+    text += fmt::format("; without a name stays most at {} ({:.1f} % of what was missing there)",
+                        v.unexplained->where, 100 * v.unexplained->energy_share);
+  }
+  return text + ".";
+}
+
+VerdictStatus overall(const Verdict& v) {
+  const auto some = [&](VerdictStatus s) {
+    return std::any_of(v.findings.begin(), v.findings.end(),
+                       [s](const Finding& f) { return f.status == s; });
+  };
+  if (v.unexplained || some(VerdictStatus::present_unnamed)) return VerdictStatus::present_unnamed;
+  if (v.findings.empty()) return VerdictStatus::absent;
+  return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
+}
+
+void add_gain_notes(Verdict& v, const EffortOutcome& outcome) {
+  for (const EffortGainFound& g : outcome.gains) {
+    v.notes.push_back(
+        g.determined
+            ? fmt::format("drive gain of {}: {:.4g} N m for 1 {} [{:.4g}, {:.4g}], a nuisance",
+                          g.joint, g.value, g.unit, g.low, g.high)
+            : fmt::format("drive gain of {}: not determined by these data, its efforts are in {}",
+                          g.joint, g.unit));
+  }
+}
+
+}  // namespace
+
+Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
+                       const DiagnoseOptions& options) {
+  Verdict v;
+  v.seed = options.seed;
+  v.notes = outcome.notes;
+  for (const JudgedTerm& t : outcome.terms) {
+    const EffortScore* score = score_at(outcome, t.term.where.front());
+    const bool beaten = score != nullptr && !score->beats_both();
+    if (t.predicts && !beaten) {
+      v.findings.push_back(finding_of(t));
+    } else {
+      v.notes.push_back("described, not named: " + in_words(t.term) +
+                        (beaten ? ": the joint's effort is not predicted better than by the "
+                                  "nominal model and by a constant"
+                                : ": its gain on held-out data is not beyond chance"));
+    }
+  }
+  for (const EffortScore& s : outcome.scores) {
+    v.heldout["0"][s.channel] = {s.nominal, s.patched, s.noise};
+    v.notes.push_back(
+        fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, patched {:.4g} {}",
+                    s.channel, s.nominal, s.constant, s.patched, s.unit));
+  }
+  v.heldout_recordings = outcome.heldout_names;
+  add_gain_notes(v, outcome);
+  v.unexplained = unnamed(outcome, rows, options);
+  v.status = overall(v);
+  v.mismatch = v.status != VerdictStatus::absent;
+  v.answer = answer_of(v);
+  return v;
+}
+
+}  // namespace sanso::diagnose

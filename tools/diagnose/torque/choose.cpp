@@ -1,0 +1,346 @@
+// Forward by the largest gain, backward where a term no longer pays.
+#include "tools/diagnose/torque/choose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+bool is_ripple(const EffortTerm& term) {
+  return term.effect == "cogging" || term.effect == "position_friction";
+}
+
+std::vector<int> plus(std::vector<int> set, int more) {
+  set.push_back(more);
+  return set;
+}
+
+/// Span of a joint's angle over the rows, rad.
+double range_of(const EffortRows& rows, int joint) {
+  double low = 1e300, high = -1e300;
+  for (const EffortRow& row : rows.rows) {
+    const double q = rows.recordings[static_cast<std::size_t>(row.recording)]
+                         .motion[row.first]
+                         .q[static_cast<std::size_t>(joint)];
+    if (row.joint == joint) low = std::min(low, q), high = std::max(high, q);
+  }
+  return std::max(0.0, high - low);
+}
+
+class Chooser {
+ public:
+  Chooser(EffortDesign& design, const EffortSplit& split, const Settings& settings,
+          const ChooseOptions& options)
+      : design_(design), split_(split), settings_(settings), options_(options) {
+    for (std::size_t t = 0; t < design.terms().size(); ++t) {
+      if (design.terms()[t].nuisance) choice_.nuisances.push_back(static_cast<int>(t));
+    }
+    const auto joints = design.rows().recordings.front().channels.size();
+    for (std::size_t j = 0; j < joints; ++j)
+      range_.push_back(range_of(design.rows(), static_cast<int>(j)));
+  }
+
+  EffortChoice run() {
+    for (int round = 0; round < settings_.effort.rounds; ++round) {
+      const std::vector<int> before = choice_.terms;
+      weigh();
+      // a drive that turns two joints is asked for what the joints' own terms leave
+      for (const bool coupled : {false, true}) {
+        coupled_ = coupled;
+        while (static_cast<int>(choice_.terms.size()) < settings_.effort.maximum_terms &&
+               forward()) {
+        }
+      }
+      backward();
+      if (choice_.terms == before) break;
+    }
+    return choice_;
+  }
+
+ private:
+  void say(const std::string& line) {
+    choice_.log.push_back(line);
+    if (options_.progress) options_.progress(line);
+  }
+
+  void weigh() {
+    const EffortValues x = design_.fit(choice_.active(), split_.fitted);
+    design_.set_weights(
+        robust_weights(design_.rows(), design_.residual(x), settings_.effort.outlier));
+  }
+
+  bool allowed(const std::string& effect) const {
+    const auto has = [&](const std::vector<std::string>& list) {
+      return std::find(list.begin(), list.end(), effect) != list.end();
+    };
+    return (options_.effects.empty() || has(options_.effects)) && !has(options_.without);
+  }
+
+  /// Taken already, another size of what was taken, or not asked for.
+  bool open(int t) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+    if (term.nuisance || !allowed(term.effect)) return false;
+    if (term.effect == kCoupledDrive && !coupled_) return false;
+    int ripples = 0;
+    for (const int taken : choice_.terms) {
+      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(taken)];
+      if (other.effect != term.effect || other.where != term.where) continue;
+      if (!is_ripple(term) || term.same_as(other)) return false;
+      ++ripples;
+    }
+    return ripples < settings_.effort.ripples;
+  }
+
+  double total(const EffortValues& x) const {
+    const std::vector<double> losses = design_.losses(x);
+    double sum = 0.0;
+    for (std::size_t b = 0; b < losses.size(); ++b) sum += split_.fitted[b] * losses[b];
+    return sum;
+  }
+
+  /// Appends the ripple of each kind and joint that describes most of what is left.
+  void look_for_ripples() {
+    const EffortValues x = design_.fit(choice_.active(), split_.fitted);
+    const Eigen::VectorXd left = design_.residual(x);
+    std::vector<EffortTerm> found;
+    for (std::size_t j = 0; j < range_.size(); ++j) {
+      if (design_.rows().recordings.front().nominal.tree.joints[j].prismatic) continue;
+      for (const char* effect : {"cogging", "position_friction"}) {
+        if (!allowed(effect)) continue;
+        const int order = strongest_order(left, static_cast<int>(j), effect);
+        if (order == 0) continue;
+        EffortTerm term = ripple_term(design_.rows(), effect, static_cast<int>(j), order);
+        const bool known =
+            std::any_of(design_.terms().begin(), design_.terms().end(),
+                        [&](const EffortTerm& other) { return other.same_as(term); });
+        if (!known) found.push_back(std::move(term));
+      }
+    }
+    if (!found.empty()) design_.append(std::move(found));
+  }
+
+  /// Order whose sine and cosine take most out of the joint's residual and is not taken; 0: the
+  /// joint does not turn through a period of any.
+  int strongest_order(const Eigen::VectorXd& left, int joint, const std::string& effect) const {
+    const bool friction = effect == "position_friction";
+    const double range = range_[static_cast<std::size_t>(joint)];
+    const int highest =
+        friction ? std::min(12, settings_.effort.highest_order) : settings_.effort.highest_order;
+    int best = 0;
+    double most = 0.0;
+    for (int order = 1; order <= highest; ++order) {
+      if (order * range < 2.0 * std::numbers::pi) continue;
+      const EffortTerm asked = ripple_term(design_.rows(), effect, joint, order);
+      const bool taken = std::any_of(choice_.terms.begin(), choice_.terms.end(), [&](int t) {
+        return design_.terms()[static_cast<std::size_t>(t)].same_as(asked);
+      });
+      const double power = taken ? 0.0 : power_of(left, joint, order, friction);
+      if (power > most) most = power, best = order;
+    }
+    return best;
+  }
+
+  double power_of(const Eigen::VectorXd& left, int joint, int order, bool friction) const {
+    const auto j = static_cast<std::size_t>(joint);
+    double s = 0.0, c = 0.0;
+    const EffortRows& rows = design_.rows();
+    for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+      const EffortRow& row = rows.rows[i];
+      if (row.joint != joint || split_.fitted[static_cast<std::size_t>(row.block)] == 0.0) continue;
+      const MotionSample& m = rows.recordings[static_cast<std::size_t>(row.recording)]
+                                  .motion[(row.first + row.last) / 2];
+      const auto k = static_cast<Eigen::Index>(i);
+      const double e = left[k] * design_.weights()[k] * (friction && m.dq[j] < 0.0 ? -1.0 : 1.0);
+      s += e * std::sin(order * m.q[j]), c += e * std::cos(order * m.q[j]);
+    }
+    return s * s + c * c;
+  }
+
+  /// Takes the first of the best terms that predicts blocks it was not fitted to.
+  bool forward() {
+    look_for_ripples();
+    const std::vector<int> active = choice_.active();
+    const double before = total(design_.fit(active, split_.fitted));
+    std::vector<int> candidates;
+    for (int t = 0; t < static_cast<int>(design_.terms().size()); ++t) {
+      if (open(t)) candidates.push_back(t);
+    }
+    std::vector<double> gain(candidates.size());
+    parallel_for(static_cast<int>(candidates.size()), [&](int i) {
+      const auto c = static_cast<std::size_t>(i);
+      gain[c] = before - total(design_.fit(plus(active, candidates[c]), split_.fitted));
+    });
+    std::vector<std::size_t> order(candidates.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
+    const auto tried = std::min(order.size(), static_cast<std::size_t>(settings_.decisions.rivals));
+    for (std::size_t i = 0; i < tried; ++i) {
+      if (!(gain[order[i]] > 0.0)) break;
+      if (!pays(active, candidates[order[i]])) continue;
+      std::vector<int> next;
+      for (std::size_t k = i + 1; k < order.size() && gain[order[k]] > 0.5 * gain[order[i]]; ++k)
+        next.push_back(candidates[order[k]]);
+      take(active, simplest(active, candidates[order[i]], next));
+      return true;
+    }
+    return false;
+  }
+
+  /// The best term, or one with fewer numbers at the same joints that predicts as well.
+  int simplest(const std::vector<int>& active, int best, const std::vector<int>& next) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(best)];
+    for (const int t : next) {
+      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
+      if (other.size() >= term.size() || other.joints != term.joints) continue;
+      const EffortGain g = crossed_gain(design_, plus(active, t), plus(active, best), split_.fitted,
+                                        term.joints, settings_, options_.seed);
+      if (g.low <= 0.0 && pays(active, t)) return t;
+    }
+    return best;
+  }
+
+  void take(const std::vector<int>& active, int t) {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+    const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
+                                      settings_, options_.seed);
+    choice_.terms.push_back(t);
+    say(fmt::format("+ {}: {:.1f} % of what is left there", in_words(term), 100 * g.share));
+  }
+
+  bool pays(const std::vector<int>& active, int t) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+    const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
+                                      settings_, options_.seed);
+    return g.low > 0.0 && g.share >= settings_.decisions.minimum_share;
+  }
+
+  void backward() {
+    while (!choice_.terms.empty()) {
+      int worst = -1;
+      double least = 0.0;
+      for (const int t : choice_.terms) {
+        const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+        const EffortGain g = crossed_gain(design_, choice_.active_without(t), choice_.active(),
+                                          split_.fitted, term.joints, settings_, options_.seed);
+        if (g.low <= 0.0 && (worst < 0 || g.share < least)) worst = t, least = g.share;
+      }
+      if (worst < 0) return;
+      say("- " + in_words(design_.terms()[static_cast<std::size_t>(worst)]));
+      std::erase(choice_.terms, worst);
+    }
+  }
+
+  EffortDesign& design_;
+  const EffortSplit& split_;
+  const Settings& settings_;
+  const ChooseOptions& options_;
+  EffortChoice choice_;
+  std::vector<double> range_;
+  bool coupled_ = false;  // drives of two joints are open
+};
+
+/// Recordings that judge: of several conditions the smallest, of three recordings every third.
+std::vector<char> whole_recordings(const EffortRows& rows) {
+  std::vector<char> held(rows.recordings.size(), 0);
+  std::map<std::string, double> seconds;
+  for (const EffortRecording& r : rows.recordings) seconds[r.condition] += r.t.back() - r.t.front();
+  if (seconds.size() > 1) {
+    const auto least = std::min_element(seconds.begin(), seconds.end(),
+                                        [](auto& a, auto& b) { return a.second < b.second; });
+    for (std::size_t r = 0; r < held.size(); ++r)
+      held[r] = rows.recordings[r].condition == least->first ? 1 : 0;
+  } else if (held.size() > 2) {
+    for (std::size_t r = 2; r < held.size(); r += 3) held[r] = 1;
+  }
+  return held;
+}
+
+}  // namespace
+
+EffortSplit split_blocks(const EffortRows& rows, const EffortSettings& settings) {
+  const std::vector<char> held = whole_recordings(rows);
+  const bool whole = std::find(held.begin(), held.end(), 1) != held.end();
+  EffortSplit out;
+  std::map<int, int> count, seen;
+  for (const int r : rows.recording_of_block) ++count[r];
+  for (const int r : rows.recording_of_block) {
+    const bool early = seen[r]++ < (1.0 - settings.judged_share) * count[r];
+    const bool fitted = whole ? held[static_cast<std::size_t>(r)] == 0 : early;
+    out.fitted.push_back(fitted ? 1.0 : 0.0), out.heldout.push_back(fitted ? 0.0 : 1.0);
+  }
+  for (std::size_t r = 0; r < held.size(); ++r) {
+    if (whole && held[r] == 0) continue;
+    out.heldout_names.push_back(whole ? rows.recordings[r].file
+                                      : fmt::format("last {:.0f} % of {}",
+                                                    100 * settings.judged_share,
+                                                    rows.recordings[r].file));
+  }
+  return out;
+}
+
+std::vector<int> EffortChoice::active() const { return active_without(-1); }
+
+std::vector<int> EffortChoice::active_without(int term) const {
+  std::vector<int> out = nuisances;
+  for (const int t : terms) {
+    if (t != term) out.push_back(t);
+  }
+  return out;
+}
+
+EffortGain crossed_gain(const EffortDesign& design, const std::vector<int>& without,
+                        const std::vector<int>& with, const BlockCounts& fitted,
+                        const std::vector<int>& joints, const Settings& settings,
+                        unsigned long seed) {
+  const int folds = settings.decisions.folds;
+  std::vector<double> a(fitted.size()), b(fitted.size());
+  for (int fold = 0; fold < folds; ++fold) {
+    BlockCounts counts = fitted;
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      if (static_cast<int>(k) % folds == fold) counts[k] = 0.0;
+    }
+    const std::vector<double> la = design.losses(design.fit(without, counts), joints),
+                              lb = design.losses(design.fit(with, counts), joints);
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+      if (static_cast<int>(k) % folds == fold) a[k] = la[k], b[k] = lb[k];
+    }
+  }
+  std::vector<double> gains;
+  EffortGain out;
+  double left = 0.0;
+  for (std::size_t k = 0; k < fitted.size(); ++k) {
+    if (fitted[k] == 0.0) continue;
+    gains.push_back(a[k] - b[k]);
+    out.gain += gains.back(), left += a[k];
+  }
+  out.low = moving_block_lower_bound(gains, settings.decisions.gain_level,
+                                     settings.decisions.gain_draws, Random(seed));
+  out.share = left > 0.0 ? out.gain / left : 0.0;
+  return out;
+}
+
+EffortChoice choose_terms(EffortDesign& design, const EffortSplit& split, const Settings& settings,
+                          const ChooseOptions& options) {
+  return Chooser(design, split, settings, options).run();
+}
+
+std::string in_words(const EffortTerm& term) {
+  std::string places, fixed;
+  for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
+  for (const auto& [name, value] : term.fixed) {
+    if (name != "shape")
+      fixed += fmt::format("{}{} {:.3g}", fixed.empty() ? " (" : ", ", name, value);
+  }
+  return term.effect + " at " + places + (fixed.empty() ? "" : fixed + ")");
+}
+
+}  // namespace sanso::diagnose

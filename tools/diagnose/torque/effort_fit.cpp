@@ -1,0 +1,210 @@
+// Columns are evaluated at every instant of a row and averaged.
+#include "tools/diagnose/torque/effort_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/model_folder/joint_units.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/torque/bounded_least_squares.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// Rows of one recording by instant, so that a window's columns are summed in one pass.
+Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
+  const auto n = static_cast<std::size_t>(term.size());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.rows.size()),
+                                              static_cast<Eigen::Index>(n));
+  for (std::size_t r = 0; r < rows.recordings.size(); ++r) {
+    const EffortRecording& recording = rows.recordings[r];
+    const std::size_t joints = recording.channels.size();
+    const ColumnsAt at = term.columns(recording);
+    std::vector<std::vector<double>> instants(recording.t.size());
+    for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+      const EffortRow& row = rows.rows[i];
+      const bool concerned =
+          std::find(term.joints.begin(), term.joints.end(), row.joint) != term.joints.end();
+      if (row.recording != static_cast<int>(r) || !concerned) continue;
+      for (std::size_t k = row.first; k < row.last; ++k) {
+        if (instants[k].empty()) {
+          instants[k].assign(joints * n, 0.0);
+          at(recording.motion[k], recording.nominal_needs[k], instants[k]);
+        }
+        for (std::size_t c = 0; c < n; ++c)
+          out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) +=
+              instants[k][static_cast<std::size_t>(row.joint) * n + c] /
+              static_cast<double>(row.last - row.first);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+EffortDesign::EffortDesign(const EffortRows& rows) : rows_(&rows) {
+  const auto n = static_cast<Eigen::Index>(rows.rows.size());
+  target_.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const EffortRow& row = rows.rows[static_cast<std::size_t>(i)];
+    target_[i] = row.effort - row.nominal;
+  }
+  weights_ = Eigen::VectorXd::Ones(n);
+  X_.resize(n, 0);
+  gain_.assign(rows.recordings.front().channels.size(), 1.0);
+  from_zero_.assign(gain_.size(), 0);
+}
+
+void EffortDesign::hold(int term, const std::string& unit) {
+  EffortTerm& held = terms_[static_cast<std::size_t>(term)];
+  held.low.assign(held.low.size(), 0.0), held.high.assign(held.high.size(), 0.0);
+  for (EffortTerm& other : terms_) {
+    if (other.joints.size() != 1 || other.joints != held.joints) continue;
+    for (std::string& u : other.units) {
+      if (const std::size_t at = u.find("N"); at != std::string::npos && u != "-")
+        u.replace(at, u.compare(at, 3, "N m") == 0 ? 3 : 1, unit);
+    }
+  }
+}
+
+double EffortDesign::recorded(std::size_t row) const {
+  const EffortRow& r = rows_->rows[row];
+  return gain_[static_cast<std::size_t>(r.joint)] * r.effort;
+}
+
+std::string EffortDesign::unit(int joint) const {
+  const auto j = static_cast<std::size_t>(joint);
+  const EffortRecording& first = rows_->recordings.front();
+  if (from_zero_[j] != 0) return first.channels[j].unit;
+  return at_joint("N m", first.nominal.tree.joints[j].prismatic);
+}
+
+int EffortDesign::append(std::vector<EffortTerm> terms) {
+  const int before = static_cast<int>(terms_.size());
+  std::vector<Eigen::MatrixXd> columns(terms.size());
+  parallel_for(static_cast<int>(terms.size()), [&](int t) {
+    columns[static_cast<std::size_t>(t)] = columns_of(*rows_, terms[static_cast<std::size_t>(t)]);
+  });
+  Eigen::Index total = X_.cols();
+  for (const EffortTerm& term : terms) total += term.size();
+  Eigen::Index at = X_.cols();
+  X_.conservativeResize(Eigen::NoChange, total);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    first_column_.push_back(static_cast<int>(at));
+    X_.middleCols(at, columns[t].cols()) = columns[t];
+    at += columns[t].cols();
+    terms_.push_back(std::move(terms[t]));
+  }
+  form_blocks();
+  return before;
+}
+
+void EffortDesign::scale(int joint, double gain, bool from_zero) {
+  gain_[static_cast<std::size_t>(joint)] = gain;
+  from_zero_[static_cast<std::size_t>(joint)] = from_zero ? 1 : 0;
+  for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
+    const EffortRow& row = rows_->rows[i];
+    if (row.joint == joint)
+      target_[static_cast<Eigen::Index>(i)] = gain * row.effort - (from_zero ? 0.0 : row.nominal);
+  }
+  form_blocks();
+}
+
+void EffortDesign::set_weights(const Eigen::VectorXd& weights) {
+  weights_ = weights;
+  form_blocks();
+}
+
+void EffortDesign::form_blocks() {
+  const auto blocks = static_cast<std::size_t>(rows_->blocks);
+  std::vector<std::vector<Eigen::Index>> members(blocks);
+  for (std::size_t i = 0; i < rows_->rows.size(); ++i)
+    members[static_cast<std::size_t>(rows_->rows[i].block)].push_back(static_cast<Eigen::Index>(i));
+  block_.resize(blocks);
+  parallel_for(static_cast<int>(blocks), [&](int b) {
+    const std::vector<Eigen::Index>& rows = members[static_cast<std::size_t>(b)];
+    Eigen::MatrixXd X(static_cast<Eigen::Index>(rows.size()), X_.cols());
+    Eigen::VectorXd y(X.rows());
+    for (Eigen::Index k = 0; k < X.rows(); ++k) {
+      const Eigen::Index i = rows[static_cast<std::size_t>(k)];
+      const double root = std::sqrt(weights_[i]);
+      X.row(k) = root * X_.row(i);
+      y[k] = root * target_[i];
+    }
+    Normal& normal = block_[static_cast<std::size_t>(b)];
+    normal.G.noalias() = X.transpose() * X;
+    normal.c.noalias() = X.transpose() * y;
+    normal.yy = y.squaredNorm();
+  });
+}
+
+EffortValues EffortDesign::fit(const std::vector<int>& active, const BlockCounts& counts) const {
+  std::vector<Eigen::Index> index;
+  std::vector<double> low, high, precision;
+  for (const int t : active) {
+    const EffortTerm& term = terms_[static_cast<std::size_t>(t)];
+    for (int c = 0; c < term.size(); ++c) {
+      index.push_back(first_column(t) + c);
+      low.push_back(term.low[static_cast<std::size_t>(c)]);
+      high.push_back(term.high[static_cast<std::size_t>(c)]);
+      precision.push_back(term.precision);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(index.size());
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(n);
+  for (std::size_t b = 0; b < block_.size(); ++b) {
+    if (counts[b] == 0.0) continue;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index column = index[static_cast<std::size_t>(i)];
+      c[i] += counts[b] * block_[b].c[column];
+      for (Eigen::Index k = 0; k <= i; ++k)
+        G(i, k) += counts[b] * block_[b].G(column, index[static_cast<std::size_t>(k)]);
+    }
+  }
+  G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
+  for (Eigen::Index i = 0; i < n; ++i) G(i, i) += precision[static_cast<std::size_t>(i)];
+  const Eigen::VectorXd x = bounded_least_squares(G, c, Eigen::Map<Eigen::VectorXd>(low.data(), n),
+                                                  Eigen::Map<Eigen::VectorXd>(high.data(), n));
+  EffortValues out = EffortValues::Zero(X_.cols());
+  for (Eigen::Index i = 0; i < n; ++i) out[index[static_cast<std::size_t>(i)]] = x[i];
+  return out;
+}
+
+std::vector<double> EffortDesign::losses(const EffortValues& x,
+                                         const std::vector<int>& joints) const {
+  std::vector<double> out(block_.size(), 0.0);
+  const Eigen::VectorXd r = residual(x);
+  for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (!joints.empty() &&
+        std::find(joints.begin(), joints.end(), rows_->rows[i].joint) == joints.end())
+      continue;
+    out[static_cast<std::size_t>(rows_->rows[i].block)] += weights_[k] * r[k] * r[k];
+  }
+  return out;
+}
+
+Eigen::VectorXd robust_weights(const EffortRows& rows, const Eigen::VectorXd& residual,
+                               double outlier) {
+  const std::size_t joints = rows.recordings.front().channels.size();
+  std::vector<std::vector<double>> of(joints);
+  for (std::size_t i = 0; i < rows.rows.size(); ++i)
+    of[static_cast<std::size_t>(rows.rows[i].joint)].push_back(
+        std::abs(residual[static_cast<Eigen::Index>(i)]));
+  std::vector<double> sigma(joints, 1.0);
+  for (std::size_t j = 0; j < joints; ++j) {
+    if (!of[j].empty()) sigma[j] = std::max(1.4826 * median(of[j]), 1e-12);
+  }
+  Eigen::VectorXd out(residual.size());
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    const double s = sigma[static_cast<std::size_t>(rows.rows[i].joint)];
+    const double e = std::abs(residual[static_cast<Eigen::Index>(i)]) / s;
+    out[static_cast<Eigen::Index>(i)] = (e > outlier ? outlier / e : 1.0) / (s * s);
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,299 @@
+// Joint terms are the library's own laws, read by inverse_effort; links by differences of inverse
+// dynamics, which is linear in mass properties.
+#include "tools/diagnose/torque/effort_terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/model_folder/joint_units.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kLengthStep = 1e-3;  // m, of a centre of mass
+constexpr double kAngleStep = 1e-4;   // rad, of an encoder's zero
+
+const EffortRecording& first_of(const EffortRows& rows) { return rows.recordings.front(); }
+const TreeJoint& joint_of(const EffortRows& rows, int j) {
+  return first_of(rows).nominal.tree.joints[static_cast<std::size_t>(j)];
+}
+
+/// A joint of which nothing acts but `effect` with theta.
+JointParams only(const Effect& effect, const std::vector<double>& theta) {
+  SimParams blank;
+  blank.joints.resize(1);
+  effect.apply(blank, 0, theta);
+  return blank.joints.front();
+}
+
+/// A term of the library at one joint. `sizes`: which parameters are columns; `theta`: the others'
+/// values, and the unit of the columns.
+EffortTerm at_joint_term(const EffortRows& rows, const char* id, int j,
+                         const std::vector<std::size_t>& sizes, std::vector<double> theta) {
+  const Effect& effect = *find_effect(id);
+  const TreeJoint& joint = joint_of(rows, j);
+  EffortTerm term;
+  term.effect = id;
+  term.family = to_string(effect.family);
+  term.where = {joint.name};
+  term.joints = {j};
+  std::vector<JointParams> laws;
+  for (std::size_t p = 0; p < effect.parameters.size(); ++p) {
+    const EffectParameter& parameter = effect.parameters[p];
+    if (std::find(sizes.begin(), sizes.end(), p) == sizes.end()) {
+      term.fixed[std::string(parameter.name)] = theta[p];
+      continue;
+    }
+    std::vector<double> unit = theta;
+    for (const std::size_t s : sizes) unit[s] = s == p ? 1.0 : effect.parameters[s].null;
+    laws.push_back(only(effect, unit));
+    term.parameters.emplace_back(parameter.name);
+    term.units.push_back(at_joint(std::string(parameter.unit), joint.prismatic));
+    term.low.push_back(parameter.low < 0.0 ? -kInf : 0.0);
+    term.high.push_back(kInf);
+  }
+  term.columns = [laws, j](const EffortRecording&) -> ColumnsAt {
+    return [laws, j](const MotionSample& m, const std::vector<NeededEffort>& needed,
+                     std::vector<double>& out) {
+      const auto i = static_cast<std::size_t>(j);
+      for (std::size_t c = 0; c < laws.size(); ++c)
+        out[i * laws.size() + c] +=
+            joint_effort(laws[c], m.q[i], m.dq[i], m.ddq[i], needed[i].load, needed[i].external);
+    };
+  };
+  return term;
+}
+
+/// The term with the nominal model's own figure as the least that may be taken away.
+EffortTerm not_below(EffortTerm term, double nominal) {
+  term.low.front() = -nominal;
+  return term;
+}
+
+EffortTerm offset_term(const EffortRows& rows, int j) {
+  EffortTerm term;
+  term.effect = kEffortOffset;
+  term.family = "sensor";
+  term.where = {joint_of(rows, j).name};
+  term.joints = {j};
+  term.parameters = {"torque"};
+  term.units = {at_joint("N m", joint_of(rows, j).prismatic)};
+  term.low = {-kInf}, term.high = {kInf};
+  term.columns = [j](const EffortRecording&) -> ColumnsAt {
+    return [j](const MotionSample&, const std::vector<NeededEffort>&, std::vector<double>& out) {
+      out[static_cast<std::size_t>(j)] += 1.0;
+    };
+  };
+  return term;
+}
+
+/// The recorded effort is a multiple of what the joint needs.
+EffortTerm gain_term(const EffortRows& rows, int j) {
+  EffortTerm term = offset_term(rows, j);
+  term.effect = "torque_constant";
+  term.family = to_string(find_effect("torque_constant")->family);
+  term.parameters = {"effort_share"};
+  term.units = {"-"};
+  term.low = {-0.4}, term.high = {0.4};
+  term.columns = [j](const EffortRecording&) -> ColumnsAt {
+    return [j](const MotionSample&, const std::vector<NeededEffort>& needed,
+               std::vector<double>& out) {
+      out[static_cast<std::size_t>(j)] += needed[static_cast<std::size_t>(j)].total();
+    };
+  };
+  return term;
+}
+
+/// Difference of the links' inverse dynamics for one unit of each parameter. `change` alters the
+/// model by `step` of parameter c.
+using Change = std::function<void(SimParams&, int parameter)>;
+std::function<ColumnsAt(const EffortRecording&)> link_columns(int columns, double step,
+                                                              const Change& change) {
+  return [columns, step, change](const EffortRecording& recording) -> ColumnsAt {
+    auto changed = std::make_shared<std::vector<InverseEffort>>();
+    for (int c = 0; c < columns; ++c) {
+      SimParams params = recording.nominal;
+      change(params, c);
+      changed->emplace_back(params);
+    }
+    return [changed, columns, step](const MotionSample& m, const std::vector<NeededEffort>& needed,
+                                    std::vector<double>& out) {
+      const auto n = static_cast<std::size_t>(columns);
+      for (std::size_t c = 0; c < n; ++c) {
+        JointVector load{};
+        (*changed)[c].loads(m, load);
+        for (std::size_t j = 0; j < needed.size(); ++j)
+          out[j * n + c] += (load[j] - needed[j].load) / step;
+      }
+    };
+  };
+}
+
+EffortTerm link_term(const EffortRows& rows, const char* id, int j) {
+  const Effect& effect = *find_effect(id);
+  EffortTerm term;
+  term.effect = id;
+  term.family = to_string(effect.family);
+  term.where = {joint_of(rows, j).link};
+  for (int k = 0; k <= j; ++k) term.joints.push_back(k);
+  const std::string_view name = id;
+  const Vec3& com = joint_of(rows, j).body.com;
+  // a link reaches from its joint to about twice the distance of its centre of mass
+  const double reach = std::max(0.05, 2.0 * std::hypot(com[0], com[1], com[2]));
+  for (const EffectParameter& p : effect.parameters) {
+    term.parameters.emplace_back(p.name);
+    term.units.emplace_back(p.unit);
+    // no negative mass, and any that is recorded
+    term.low.push_back(name == "link_com" ? -reach : -1.0);
+    term.high.push_back(name == "link_com" ? reach : kInf);
+  }
+  const double step = name == "link_com" ? kLengthStep : 1.0;
+  term.columns = link_columns(term.size(), step, [&effect, j, step](SimParams& p, int c) {
+    std::vector<double> theta = effect.null();
+    theta[static_cast<std::size_t>(c)] = step;
+    effect.apply(p, j, theta);
+  });
+  return term;
+}
+
+/// The encoder's zero as a change of the pose in which the links are weighed.
+EffortTerm zero_term(const EffortRows& rows, int j) {
+  EffortTerm term = link_term(rows, "link_mass", j);
+  term.effect = "encoder_offset";
+  term.where = {joint_of(rows, j).name};
+  term.parameters = {"offset"};
+  term.columns = [j](const EffortRecording& recording) -> ColumnsAt {
+    auto turned = std::make_shared<InverseEffort>(recording.nominal);
+    return [turned, j](const MotionSample& m, const std::vector<NeededEffort>& needed,
+                       std::vector<double>& out) {
+      MotionSample there = m;
+      there.q[static_cast<std::size_t>(j)] -= kAngleStep;
+      JointVector load{};
+      turned->loads(there, load);
+      for (std::size_t k = 0; k < needed.size(); ++k)
+        out[k] += (load[k] - needed[k].load) / kAngleStep;
+    };
+  };
+  return term;
+}
+
+/// A motor that turns with joint k and, one to one, with joint j before it, as in a wrist whose
+/// last motor sits behind the bend: its friction and rotor act on both.
+EffortTerm coupled_term(const EffortRows& rows, int j, int k, double ratio) {
+  EffortTerm term;
+  term.effect = kCoupledDrive;
+  term.family = "transmission";
+  term.where = {joint_of(rows, j).name, joint_of(rows, k).name};
+  term.joints = {j, k};
+  term.parameters = {"coulomb", "viscous", "armature"};
+  term.units = {"N m", "N m s/rad", "kg m^2"};
+  term.low = {0, 0, 0}, term.high = {kInf, kInf, kInf};
+  term.fixed = {{"ratio", ratio}};
+  term.columns = [j, k, ratio](const EffortRecording&) -> ColumnsAt {
+    return [j, k, ratio](const MotionSample& m, const std::vector<NeededEffort>&,
+                         std::vector<double>& out) {
+      const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k);
+      const double speed = m.dq[b] + ratio * m.dq[a];
+      const double each[] = {speed > 0.0 ? 1.0 : (speed < 0.0 ? -1.0 : 0.0), speed,
+                             m.ddq[b] + ratio * m.ddq[a]};
+      for (std::size_t c = 0; c < 3; ++c)
+        out[b * 3 + c] += each[c], out[a * 3 + c] += ratio * each[c];
+    };
+  };
+  return term;
+}
+
+/// The term as a nuisance: within `tolerance` of its null.
+void add_nuisance(std::vector<EffortTerm>& all, EffortTerm term, double tolerance,
+                  const ToleranceSettings& t) {
+  if (!(tolerance > 0.0)) return;
+  term.nuisance = true;
+  term.precision = t.precision / (tolerance * tolerance);
+  term.low.assign(term.low.size(), -t.reach * tolerance);
+  term.high.assign(term.high.size(), t.reach * tolerance);
+  all.push_back(std::move(term));
+}
+
+void add_nuisances(std::vector<EffortTerm>& all, const EffortRows& rows, int j,
+                   const ToleranceSettings& t) {
+  const auto i = static_cast<std::size_t>(j);
+  const JointSettings& s = first_of(rows).nominal.joints[i].nominal;
+  const TreeJoint& joint = joint_of(rows, j);
+  const EffortChannel& channel = first_of(rows).channels[i];
+  if (channel.known && !channel.column.empty())
+    add_nuisance(all, gain_term(rows, j), channel.gain_unknown ? kInf : t.motor, t);
+  add_nuisance(all, link_term(rows, "link_mass", j), t.mass, t);
+  const Vec3& com = joint.body.com;
+  add_nuisance(all, link_term(rows, "link_com", j), t.length * std::hypot(com[0], com[1], com[2]),
+               t);
+  add_nuisance(all, zero_term(rows, j), joint.prismatic ? 0.0 : t.zero, t);
+  add_nuisance(all, at_joint_term(rows, "viscous_friction", j, {0}, {0}), t.damping * s.viscous, t);
+  add_nuisance(all, at_joint_term(rows, "coulomb_friction", j, {0}, {0}), t.friction * s.coulomb,
+               t);
+  add_nuisance(all, at_joint_term(rows, "rotor_inertia", j, {0}, {0}), t.armature * s.armature, t);
+}
+
+/// Median speed of a joint in motion.
+double usual_speed(const EffortRows& rows, int j) {
+  std::vector<double> speed;
+  for (const EffortRow& row : rows.rows) {
+    if (row.joint == j)
+      speed.push_back(std::abs(rows.recordings[static_cast<std::size_t>(row.recording)]
+                                   .motion[row.first]
+                                   .dq[static_cast<std::size_t>(j)]));
+  }
+  if (speed.empty()) return 1.0;
+  std::nth_element(speed.begin(), speed.begin() + static_cast<long>(speed.size() / 2), speed.end());
+  return speed[speed.size() / 2];
+}
+
+void add_joint_terms(std::vector<EffortTerm>& all, const EffortRows& rows, int j) {
+  const auto i = static_cast<std::size_t>(j);
+  const JointSettings& s = first_of(rows).nominal.joints[i].nominal;
+  const EffortChannel& channel = first_of(rows).channels[i];
+  if (!channel.known) return;
+  all.push_back(not_below(at_joint_term(rows, "coulomb_friction", j, {0}, {0}), s.coulomb));
+  all.push_back(not_below(at_joint_term(rows, "viscous_friction", j, {0}, {0}), s.viscous));
+  all.push_back(not_below(at_joint_term(rows, "rotor_inertia", j, {0}, {0}), s.armature));
+  for (const double share : {0.1, 0.3, 1.0}) {
+    all.push_back(
+        at_joint_term(rows, "stribeck_friction", j, {0}, {0, share * usual_speed(rows, j), 1.0}));
+  }
+  all.push_back(at_joint_term(rows, "load_friction", j, {0}, {0}));
+  all.push_back(at_joint_term(rows, "quadratic_load_friction", j, {0}, {0}));
+  all.push_back(at_joint_term(rows, "asymmetric_friction", j, {0, 1}, {0, 0}));
+  all.push_back(at_joint_term(rows, "air_drag", j, {0}, {0}));
+  all.push_back(at_joint_term(rows, "cable_spring", j, {0, 1}, {0, 0}));
+  all.push_back(offset_term(rows, j));
+  if (!channel.column.empty() && !channel.gain_unknown) all.push_back(gain_term(rows, j));
+}
+
+}  // namespace
+
+std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& settings) {
+  std::vector<EffortTerm> all;
+  const RobotTree& tree = first_of(rows).nominal.tree;
+  for (int j = 0; j < tree.size(); ++j) add_nuisances(all, rows, j, settings.tolerances);
+  for (int j = 0; j < tree.size(); ++j) add_joint_terms(all, rows, j);
+  for (int j = 0; j < tree.size(); ++j) {
+    for (const char* id : {"link_mass", "link_com", "link_inertia"})
+      all.push_back(link_term(rows, id, j));
+    const TreeJoint& joint = joint_of(rows, j);
+    const bool turn_both =
+        joint.parent >= 0 && !joint.prismatic && !joint_of(rows, joint.parent).prismatic;
+    for (const double ratio : {1.0, -1.0}) {
+      if (turn_both) all.push_back(coupled_term(rows, joint.parent, j, ratio));
+    }
+  }
+  return all;
+}
+
+EffortTerm ripple_term(const EffortRows& rows, const std::string& effect, int joint, int order) {
+  return at_joint_term(rows, effect.c_str(), joint, {0, 1}, {0, 0, static_cast<double>(order)});
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,49 @@
+// What may be missing in an effort, as columns of a regression: friction, rotor, spring, ripple,
+// links, a drive that another joint turns too, and what a nominal model may be wrong by.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/torque/effort_rows.h"
+
+namespace sanso::diagnose {
+
+// Names of terms that the library does not have: they are found here, and not simulated.
+inline constexpr const char* kEffortOffset = "effort_offset";
+inline constexpr const char* kCoupledDrive = "coupled_drive";
+
+/// Adds the columns' values at one instant to `out`, joint by joint: out[joint * columns + column].
+using ColumnsAt = std::function<void(const MotionSample&, const std::vector<NeededEffort>&,
+                                     std::vector<double>& out)>;
+
+/// One name at one place, with one column a parameter: effort += sum of value * column.
+struct EffortTerm {
+  std::string effect;  // library id or one of the two above
+  std::string family;
+  std::vector<std::string> where;  // joints or a link
+  std::vector<int> joints;         // whose effort it may change
+  std::vector<std::string> parameters, units;
+  std::vector<double> low, high;        // bounds of the values, natural units
+  std::map<std::string, double> fixed;  // parameters that are no sizes: order, speed, ratio
+  bool nuisance = false;                // within what a nominal model may be wrong by
+  double precision = 0.0;               // of a nuisance: 1 / variance
+  std::function<ColumnsAt(const EffortRecording&)> columns;
+
+  int size() const { return static_cast<int>(parameters.size()); }
+  bool same_as(const EffortTerm& other) const {
+    return effect == other.effect && where == other.where && fixed == other.fixed &&
+           nuisance == other.nuisance;
+  }
+};
+
+/// Every term but the ripples, whose order is looked for. Bounds keep totals physical: friction
+/// and inertia, the nominal model's included, are not negative.
+std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& settings);
+
+/// cogging or position_friction of one order at a joint.
+EffortTerm ripple_term(const EffortRows& rows, const std::string& effect, int joint, int order);
+
+}  // namespace sanso::diagnose
