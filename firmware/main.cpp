@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <thread>
@@ -20,9 +21,11 @@
 #include "firmware/board/linux_clock.h"
 #include "firmware/board/linux_socket.h"
 #include "firmware/board/realtime.h"
+#include "firmware/board/service_manager.h"
 #include "firmware/config/key_file.h"
 #include "firmware/config/program_config.h"
 #include "firmware/imu/hid_description.h"
+#include "firmware/log/black_box.h"
 #include "firmware/log/flight_recorder.h"
 
 namespace {
@@ -146,22 +149,57 @@ void run_devices(const board::Devices& devices) {
   while (!stop_requested) board::LinuxClock::sleep_until(mend_devices(devices, clock.now()));
 }
 
-/// Says state changes and faults in words, and writes the flight record of a fault.
-void run_log(firmware::Firmware& controller, const std::string& directory) {
-  firmware::FlightRecorder recorder(controller.handover(), directory);
+firmware::BlackBox make_black_box(const firmware::DeviceConfig& device, const std::string& boot) {
+  constexpr double kMB = 1e6;
+  const auto bytes = [](double megabytes) { return static_cast<std::uint64_t>(megabytes * kMB); };
+  const firmware::BlackBoxLimits limits{
+      bytes(device.log_file_MB),
+      static_cast<Nanoseconds>(device.log_file_minutes * 60 * static_cast<double>(kSecond)),
+      bytes(device.log_keep_MB)};
+  return {device.log_keep_MB > 0 ? device.log_directory : "",
+          boot,
+          limits,
+          {{"robot", device.robot_name},
+           {"boot", boot},
+           {"started_unix_s", std::to_string(std::time(nullptr))}}};
+}
+
+/// Tells systemd that ticks go by, several times in each period of its watchdog.
+void run_watch(firmware::Firmware& controller, const board::ServiceManager& manager) {
+  board::TickWatch watch(manager);
+  Nanoseconds pause = 100 * kMillisecond;
+  if (manager.watchdog_period() > 0) pause = std::min(pause, manager.watchdog_period() / 4);
+  while (!stop_requested) {
+    board::LinuxClock::sleep_until(board::LinuxClock().now() + pause);
+    watch.look(controller.handover().ticks);
+  }
+}
+
+/// Says state changes and faults in words, writes every tick and the flight record of a fault.
+void run_log(firmware::Firmware& controller, const firmware::DeviceConfig& device,
+             const board::ServiceManager& manager) {
+  const std::string boot = firmware::boot_name();
+  firmware::BlackBox box = make_black_box(device, boot);
+  const auto keep = [&](const firmware::LogRecord& record) { box.take(record); };
+  firmware::FlightRecorder recorder(controller.handover(), device.log_directory, boot);
   std::uint16_t told = 0;
   wire::SupervisorState state = wire::SupervisorState::boot;
-  std::string complained;
+  std::string complained, box_complained;
+  std::uint64_t lost = 0;
   while (!stop_requested) {
     board::LinuxClock::sleep_until(board::LinuxClock().now() + 50 * kMillisecond);
-    if (recorder.poll())
+    if (recorder.poll(keep))
       std::fprintf(stderr, "sanso-firmware: flight record in %s\n", recorder.last_file().c_str());
     if (recorder.error() != complained) warn(complained = recorder.error());
+    if (box.error() != box_complained) warn(box_complained = box.error());
+    if (box.error().empty() && box.lost() != lost)
+      warn(std::to_string(lost = box.lost()) + " ticks are in no log so far");
     const firmware::LogRecord record = recorder.newest();
     if (record.observation.state != state) {
       state = record.observation.state;
       std::fprintf(stderr, "sanso-firmware: t=%.2f s: %s\n", to_seconds(record.observation.time),
                    firmware::name_of(state));
+      manager.status(firmware::name_of(state));
     }
     if (record.observation.fault != told) {
       told = record.observation.fault;
@@ -171,6 +209,40 @@ void run_log(firmware::Firmware& controller, const std::string& directory) {
                      to_seconds(record.observation.time), told);
     }
   }
+}
+
+/// All threads of the program; they end when a stop is requested. The arguments outlive them.
+std::vector<std::thread> start_threads(firmware::Firmware& controller,
+                                       const board::Devices& devices,
+                                       const firmware::ProgramConfig& config,
+                                       const board::ServiceManager& manager) {
+  const int priority = config.device.tick_priority;
+  std::vector<std::thread> threads;
+  threads.emplace_back([&] { run_devices(devices); });
+  if (!config.settings.imu.from_board)
+    threads.emplace_back([&, priority] {
+      run_poll([&](Nanoseconds deadline) { return controller.poll_imu(deadline); },
+               5 * kMillisecond, std::max(priority - 10, 1));
+    });
+  if (devices.pose)
+    threads.emplace_back([&, priority] {
+      run_poll([&](Nanoseconds deadline) { return controller.poll_pose(deadline); },
+               5 * kMillisecond, std::max(priority - 10, 1));
+    });
+  threads.emplace_back([&] {
+    // an ordinary thread: the tick never waits for it, and a flood must not eat its time
+    const auto poll_link = [&](Nanoseconds deadline) {
+      controller.poll_link(deadline);
+      return Status::ok;
+    };
+    run_poll(poll_link, kMillisecond, 0);
+  });
+  threads.emplace_back([&] { run_log(controller, config.device, manager); });
+  threads.emplace_back([&] { run_console(controller); });
+  if (manager.present()) threads.emplace_back([&] { run_watch(controller, manager); });
+  threads.emplace_back(
+      [&, priority] { run_ticks(controller, priority, config.device.allow_without_realtime); });
+  return threads;
 }
 
 int run(const std::string& config_path) {
@@ -205,33 +277,11 @@ int run(const std::string& config_path) {
                config.device.bus.c_str(), config.device.imu.c_str(),
                devices.pose ? config.device.pose.c_str() : "none", socket.port());
 
+  const board::ServiceManager manager;
   mend_devices(devices, clock.now());  // what is there is there before the first tick
-  const int priority = config.device.tick_priority;
-  std::vector<std::thread> threads;
-  threads.emplace_back([&] { run_devices(devices); });
-  if (!config.settings.imu.from_board)
-    threads.emplace_back([&] {
-      run_poll([&](Nanoseconds deadline) { return controller->poll_imu(deadline); },
-               5 * kMillisecond, std::max(priority - 10, 1));
-    });
-  if (devices.pose)
-    threads.emplace_back([&] {
-      run_poll([&](Nanoseconds deadline) { return controller->poll_pose(deadline); },
-               5 * kMillisecond, std::max(priority - 10, 1));
-    });
-  threads.emplace_back([&] {
-    // an ordinary thread: the tick never waits for it, and a flood must not eat its time
-    const auto poll_link = [&](Nanoseconds deadline) {
-      controller->poll_link(deadline);
-      return Status::ok;
-    };
-    run_poll(poll_link, kMillisecond, 0);
-  });
-  threads.emplace_back([&] { run_log(*controller, config.device.log_directory); });
-  threads.emplace_back([&] { run_console(*controller); });
-  threads.emplace_back(
-      [&] { run_ticks(*controller, priority, config.device.allow_without_realtime); });
+  std::vector<std::thread> threads = start_threads(*controller, devices, config, manager);
   for (std::thread& thread : threads) thread.join();
+  manager.stopping();
   if (controller->controller().torque_on())
     std::fprintf(stderr, "sanso-firmware: ended with torque on: the robot holds its last goals\n");
   return 0;

@@ -59,7 +59,7 @@ bool Controller::bus_in_use() const {
 }
 
 void Controller::read_sensors(Nanoseconds now) {
-  if (bus_in_use() || setup_.servos_heard()) {
+  if (!release_in_silence() && (bus_in_use() || setup_.servos_heard())) {
     // arms and head are read until the robot stands; in a trial the legs have the bus for
     // themselves
     const SupervisorState state = supervisor_.state();
@@ -69,7 +69,7 @@ void Controller::read_sensors(Nanoseconds now) {
     fresh_ticks_ = servos_.answered == kNumServos ? std::min(fresh_ticks_ + 1, 1000) : 0;
     if (servos_.port_gone && slow_read_tick_++ % kReopenTicks == 0) (void)bus_.reopen();
   }
-  if (settings_.imu.from_board && !servos_.port_gone) {
+  if (settings_.imu.from_board && !servos_.port_gone && !release_in_silence()) {
     if (const Result<BoardReading> board = bus_.read_board(); board.ok())
       board_imu_.take(now, *board);
   }

@@ -83,6 +83,7 @@ class Controller {
   void write_duties();
   void begin_release();
   void release_step();
+  bool release_in_silence() const;
   void react_to_fault(const model::Input& wanted);
   void begin_fault_phase(FaultPhase phase);
   ServoGoals goals_of(const std::array<std::int32_t, kNumServos>& raw) const;

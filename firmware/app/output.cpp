@@ -11,6 +11,7 @@ namespace {
 namespace xm430 = servo_bus::xm430;
 // torque off is said until every servo has confirmed it; a silent one is waited for no longer
 constexpr int kReleaseTries = 50;
+constexpr int kReleaseBurst = 4;
 // with this share of the supply limbs are drawn in softly
 constexpr double kTuckDuty = 0.3;
 // one servo's temperature changes slowly: a change of duty may be lost and is said again
@@ -28,7 +29,7 @@ model::Input Controller::choose_target() {
   switch (supervisor_.state()) {
     case SupervisorState::run:
       layers_ = trial_.layers(x_);
-      return layers_.sum() + posture_.fade_balance(x_);
+      return layers_.sum() + posture_.fade_balance(trial_, x_);
     case SupervisorState::stand_up:
       if (arming_.active()) return output_;
       [[fallthrough]];
@@ -66,7 +67,7 @@ void Controller::command_servos(const model::Input& wanted) {
     torque_ticks_ = std::min(torque_ticks_ + 1, 1'000'000);
   }
   if (torque_ == Torque::off) output_ = model::joints(x_);
-  if (!servos_.port_gone &&
+  if (!servos_.port_gone && !release_in_silence() &&
       ++slow_read_tick_ % static_cast<unsigned>(settings_.bus.slow_read_every_ticks) == 0)
     bus_.slow_read(servos_);
 }
@@ -116,10 +117,20 @@ void Controller::begin_release() {
   release_tries_ = 0;
 }
 
+/// While nobody confirms, every other handful of ticks asks nothing: replies that come too late
+/// destroy the order itself.
+bool Controller::release_in_silence() const {
+  return torque_ == Torque::releasing && release_tries_ % (2 * kReleaseBurst) >= kReleaseBurst;
+}
+
 /// Torque off, read back from every servo that can be heard.
 void Controller::release_step() {
   if (servos_.port_gone) return;
   (void)bus_.write_torque(false, servos_);
+  if (release_in_silence()) {
+    ++release_tries_;
+    return;
+  }
   ServoBlocks blocks;
   const int answered = bus_.read_block(xm430::kTorqueEnable.address, 1, blocks);
   bool any_on = false;

@@ -95,8 +95,7 @@ model::Input Posture::hold_target(Trial& trial, const model::State& x) {
   if (trial.has_primitives()) follow_first_pose(trial.first_pose());
   ramp(middle_weight_, 1.0, settings_.middle_ramp_s);
   ramp(balance_weight_, 1.0, kBalanceRamp_s);
-  return held_ + middle_weight_ * trial.middle_at_start(x) + trial.reflex(x) +
-         balance_weight_ * balance_correction(x, settings_);
+  return held_ + middle_weight_ * trial.middle_at_start(x) + trial.reflex(x) + balance(trial, x);
 }
 
 model::Input Posture::step(Trial& trial, const model::State& x) {
@@ -120,11 +119,16 @@ std::array<double, kNumHeld> Posture::held_targets() const {
   return targets;
 }
 
-model::Input Posture::fade_balance(const model::State& x) {
+model::Input Posture::fade_balance(const Trial& trial, const model::State& x) {
   middle_weight_ = 1.0;
   ramp(balance_weight_, 0.0, kBalanceRamp_s);
-  if (balance_weight_ == 0.0) return model::Input::Zero();
-  return balance_weight_ * balance_correction(x, settings_);
+  return balance(trial, x);
+}
+
+/// How a robot without an uploaded motion is meant to lean, nobody has said.
+model::Input Posture::balance(const Trial& trial, const model::State& x) const {
+  if (balance_weight_ == 0.0 || !trial.has_primitives()) return model::Input::Zero();
+  return balance_weight_ * balance_correction(x, trial.first_lean(), settings_);
 }
 
 }  // namespace sanso::firmware

@@ -50,10 +50,11 @@ class Posture {
   /// Targets for arms and head [rad], moving to their pose during stand-up.
   std::array<double, kNumHeld> held_targets() const;
   /// Called once a tick while a trial runs: balance feedback gives way to the upper layer.
-  model::Input fade_balance(const model::State& x);
+  model::Input fade_balance(const Trial& trial, const model::State& x);
 
  private:
   model::Input hold_target(Trial& trial, const model::State& x);
+  model::Input balance(const Trial& trial, const model::State& x) const;
   void follow_first_pose(const model::Input& first_pose);
 
   SupervisorSettings settings_;

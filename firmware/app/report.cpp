@@ -37,7 +37,8 @@ void Controller::publish(Nanoseconds now, Nanoseconds cpu_begin) {
   (void)handover_.observations.push(o);
   record_.observation = o;
   record_.fault_detail = supervisor_.fault_detail();
-  (void)handover_.log.push(record_);
+  if (!handover_.log.push(record_)) ++record_.dropped;
+  handover_.ticks.store(o.tick, std::memory_order_relaxed);
 }
 
 void Controller::report_supply(wire::Observation& o) const {

@@ -11,6 +11,7 @@ void Trial::take_uploads(Handover& handover, bool running) {
     if (handover.primitives.update()) {
       primitives_ = &handover.primitives.front();
       first_pose_ = model::joints(primitives_->start_state());
+      first_lean_ = lean_of(primitives_->start_state());
       has_primitives_ = true;
     }
     if (handover.middle.update()) middle_ = &handover.middle.front();

@@ -5,6 +5,7 @@
 
 #include "firmware/exchange/faults.h"
 #include "firmware/exchange/handover.h"
+#include "firmware/lower/balance.h"
 #include "shared/policy/layer_sum.h"
 
 namespace sanso::firmware {
@@ -34,6 +35,8 @@ class Trial {
   bool has_primitives() const { return has_primitives_; }
   /// Joint angles in which the uploaded motion begins [rad].
   const model::Input& first_pose() const { return first_pose_; }
+  /// How its trunk leans there.
+  const Lean& first_lean() const { return first_lean_; }
   /// What the middle layer adds at the start of the trial, for a robot that stands at x (place and
   /// heading ignored).
   model::Input middle_at_start(const model::State& x);
@@ -63,6 +66,7 @@ class Trial {
   const policy::PrimitiveSet* primitives_ = nullptr;
   policy::PrimitivePlayer player_;
   model::Input first_pose_ = model::Input::Zero();
+  Lean first_lean_;
 
   const policy::MiddleTable* middle_ = nullptr;
 

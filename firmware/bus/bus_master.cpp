@@ -18,7 +18,8 @@ constexpr Nanoseconds kSingleTimeout = 4 * kMillisecond;
 constexpr double kMaxJump_rad = 0.5;
 // one turn of the encoder, and a count for rounding
 constexpr double kMaxAngle_rad = model::kPi + 0.01;
-// silent for longer, a joint may be anywhere: its next reading is believed again
+// silent for longer, a joint may be anywhere: its next reading is believed again. A servo that goes
+// on saying what cannot be is not silent
 constexpr std::uint16_t kForgottenTicks = 10;
 // id, error and CRC around the data of one servo in a merged reply
 constexpr std::size_t kBlockOverhead = 4;
@@ -232,8 +233,9 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   const std::int32_t position_raw = joint_raw(slot, raw.position_raw);
   const double position_rad = bus::position_rad(position_raw);
   const bool refused = (error & ~bus::kAlertBit) != 0;
-  const bool jumped = reading.known && reading.age_ticks < kForgottenTicks &&
+  const bool jumped = reading.known && silent_ticks_[s] < kForgottenTicks &&
                       std::abs(position_rad - reading.position_rad) > kMaxJump_rad;
+  if (jumped) silent_ticks_[s] = 0;
   if (refused || jumped || std::abs(position_rad) > kMaxAngle_rad) {
     ++counters_.implausible;
     return;
@@ -243,7 +245,7 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   reading.position_rad = position_rad;
   reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
   reading.known = true;
-  reading.age_ticks = 0;
+  reading.age_ticks = silent_ticks_[s] = 0;
   ++readings.answered;
   got_[s] = true;
 }
@@ -266,6 +268,8 @@ void BusMaster::age_the_silent(int slots, ServoReadings& readings) {
   for (int s = 0; s < kNumServos; ++s) {
     if (got_[static_cast<std::size_t>(s)]) continue;
     ServoReading& reading = readings.servo[static_cast<std::size_t>(s)];
+    std::uint16_t& silent = silent_ticks_[static_cast<std::size_t>(s)];
+    if (silent < 0xffff) ++silent;
     if (reading.age_ticks < 0xffff) ++reading.age_ticks;
     if (s >= slots) continue;  // not asked
     ++counters_.lost;

@@ -122,6 +122,7 @@ class BusMaster {
   int slow_turn_ = 0;
   std::array<std::uint8_t, kNumServos> order_{};  // slots in the order of asking
   std::array<bool, kNumServos> got_{};
+  std::array<std::uint16_t, kNumServos> silent_ticks_{};  // without even a reply that cannot be
   std::array<std::int32_t, kNumServos> offset_raw_{};
   BusCounters counters_;
 };

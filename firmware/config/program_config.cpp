@@ -40,6 +40,9 @@ void read_devices(const TomlTable& table, DeviceConfig& device) {
   TomlTable::into(device.robot_name, table.string("robot_name"));
   TomlTable::into(device.offsets, table.string("offsets"));
   TomlTable::into(device.log_directory, table.string("log_directory"));
+  read_setting(table, "log_file_MB", device.log_file_MB, 1.0, 4000.0);
+  read_setting(table, "log_file_minutes", device.log_file_minutes, 0.1, 1440.0);
+  read_setting(table, "log_keep_MB", device.log_keep_MB, 0.0, 1e6);
   read_setting(table, "tick_priority", device.tick_priority, 1, 99);
   read_setting(table, "allow_without_realtime", device.allow_without_realtime, false, true);
   table.finish(kPage);
@@ -60,7 +63,7 @@ void read_config(const TomlTable& root, ProgramConfig& config) {
 }
 
 /// Settings that are each inside their range and make no sense together; nullptr: none.
-const char* conflict_of(const Settings& s) {
+const char* conflict_of(const DeviceConfig& device, const Settings& s) {
   constexpr double kTick_s = to_seconds(kTickPeriod);
   const math::Quat quat_base_sensor(s.imu.quat_base_sensor_w, s.imu.quat_base_sensor_x,
                                     s.imu.quat_base_sensor_y, s.imu.quat_base_sensor_z);
@@ -81,6 +84,9 @@ const char* conflict_of(const Settings& s) {
   if (s.bus.reply_timeout_s + 0.004 > kTick_s)
     return "bus.reply_timeout_s and 4 ms for the slow read do not fit into a tick of 10 ms: "
            "expected at most 0.006";
+  if (device.log_keep_MB != 0 && device.log_keep_MB < 2 * device.log_file_MB)
+    return "device.log_keep_MB is less than two files of device.log_file_MB: expected room for "
+           "the file being written and one before it, or 0 for no log of ticks";
   if (std::abs(quat_base_sensor.norm() - 1.0) > 0.01)
     return "imu.quat_base_sensor_w, x, y, z are not a rotation: expected norm 1";
   return nullptr;
@@ -97,7 +103,8 @@ bool parse_program_config(const std::string& text, const std::string& name, Prog
     error = refused.what();
   }
   if (error.empty()) {
-    if (const char* conflict = conflict_of(config.settings)) error = name + ": " + conflict;
+    if (const char* conflict = conflict_of(config.device, config.settings))
+      error = name + ": " + conflict;
   }
   return error.empty();
 }

@@ -18,8 +18,11 @@ struct DeviceConfig {
   std::string key_file;              // 64 hexadecimal digits, the pre-shared key; mode 0600
   std::string robot_name = "op3";    // told to whoever asks (at most 31 characters)
   std::string offsets;               // offset.yaml of the robot; empty: none
-  std::string log_directory;         // flight records; empty: none are written
-  int tick_priority = 80;            // SCHED_FIFO
+  std::string log_directory;     // every tick, and a record of each fault; empty: none are written
+  double log_file_MB = 64;       // a file of ticks is closed at this size,
+  double log_file_minutes = 10;  // or at this age
+  double log_keep_MB = 1000;     // all files of ticks together; 0: no ticks are written
+  int tick_priority = 80;        // SCHED_FIFO
   // torque may come on although the machine grants neither real-time priority nor locked memory
   bool allow_without_realtime = false;
 };

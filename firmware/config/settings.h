@@ -173,8 +173,9 @@ struct SupervisorSettings {
   double host_silent_s = 0.25;
   double left_alone_s = 20.0;
   double middle_ramp_s = 0.5;
-  double balance_pitch_gain = 0.0;
-  double balance_roll_gain = 0.0;
+  // just above m g h / (2 K) of the model: two ankles of its stiffness answer gravity's toppling
+  double balance_pitch_gain = 0.25;
+  double balance_roll_gain = 0.25;
   double balance_pitch_rate_s = 0.0;
   double balance_roll_rate_s = 0.0;
   template <class Field>
@@ -195,9 +196,9 @@ struct SupervisorSettings {
     field("middle_ramp_s", middle_ramp_s, 0.0, 5.0,
           "the middle layer's first knot comes in over this time while holding");
     field("balance_pitch_gain", balance_pitch_gain, 0.0, 2.0,
-          "ankle answer to pitch while holding, rad/rad");
+          "ankle answer to pitch against the first pose while holding, rad/rad; 0 = none");
     field("balance_roll_gain", balance_roll_gain, 0.0, 2.0,
-          "ankle answer to roll while holding, rad/rad");
+          "ankle answer to roll against the first pose while holding, rad/rad; 0 = none");
     field("balance_pitch_rate_s", balance_pitch_rate_s, 0.0, 0.5,
           "ankle answer to pitch rate while holding");
     field("balance_roll_rate_s", balance_roll_rate_s, 0.0, 0.5,

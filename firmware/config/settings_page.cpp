@@ -20,7 +20,8 @@ std::string settings_page() {
           "program with file, line and value.\n\n"
           "The section `[device]` names devices and addresses: `bus`, `imu`, `pose`, `listen`, "
           "`port`, `key_file`, "
-          "`offsets`, `log_directory`,\n`tick_priority`, `allow_without_realtime`, `robot_name` "
+          "`offsets`, `log_directory`,\n`log_file_MB`, `log_file_minutes`, `log_keep_MB`, "
+          "`tick_priority`, `allow_without_realtime`, `robot_name` "
           "(`firmware/config/program_config.h`).\n";
   Settings settings;
   settings.visit([&](const char* section, auto& group) {

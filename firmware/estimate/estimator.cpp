@@ -50,6 +50,7 @@ const model::State& Estimator::update(Nanoseconds now, const ServoReadings& serv
   correct_by_legs();
   correct_by_pose(now, pose);
   past_position_[static_cast<std::size_t>(past_next_)] = filter_position();
+  past_velocity_[static_cast<std::size_t>(past_next_)] = filter_velocity();
   past_time_[static_cast<std::size_t>(past_next_)] = now;
   past_next_ = (past_next_ + 1) % kHistory;
   compose_state();
@@ -101,6 +102,7 @@ void Estimator::start_filter() {
   for (int a = 0; a < 3; ++a)
     axis_[static_cast<std::size_t>(a)].reset(p[a], right[a], left[a], kStartSigma);
   past_position_.fill(p);
+  past_velocity_.fill(Vec3::Zero());
   ready_ = true;
 }
 
@@ -141,8 +143,8 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
   if (age > from_seconds(settings_.pose_max_age_s)) return;
   pose_age_ticks_ = static_cast<std::uint8_t>(std::clamp<Nanoseconds>(age / kTickPeriod, 0, 254));
 
-  // where the filter believed to be when the pose was taken
-  Vec3 p_then = filter_position();
+  // where the filter believed to be, and how fast, when the pose was taken
+  Vec3 p_then = filter_position(), v_then = filter_velocity();
   Nanoseconds nearest = age < 0 ? -age : age;
   for (std::size_t k = 0; k < past_time_.size(); ++k) {
     const Nanoseconds distance =
@@ -150,6 +152,7 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
     if (past_time_[k] != 0 && distance < nearest) {
       nearest = distance;
       p_then = past_position_[k];
+      v_then = past_velocity_[k];
     }
   }
   const Vec3 in_track = yaw_rotation(yaw_filter_track_) * pose.p_track_base;
@@ -170,12 +173,16 @@ void Estimator::correct_by_pose(Nanoseconds now, const PoseSample& pose) {
   for (int a = 0; a < 3; ++a) {
     AxisFilter& axis = axis_[static_cast<std::size_t>(a)];
     axis.correct(unit(AxisFilter::kPosition), innovation[a], settings_.pose_noise_m);
-    axis.measure(unit(AxisFilter::kVelocity), v[a], settings_.pose_velocity_noise);
+    axis.correct(unit(AxisFilter::kVelocity), v[a] - v_then[a], settings_.pose_velocity_noise);
   }
 }
 
 Vec3 Estimator::filter_position() const {
   return {axis_[0].position(), axis_[1].position(), axis_[2].position()};
+}
+
+Vec3 Estimator::filter_velocity() const {
+  return {axis_[0].velocity(), axis_[1].velocity(), axis_[2].velocity()};
 }
 
 void Estimator::set_origin_here() {
@@ -189,7 +196,7 @@ void Estimator::compose_state() {
   const Mat3 R_trial_filter = yaw_rotation(-origin_yaw_);
   const math::Quat quat_trial_filter(std::cos(0.5 * origin_yaw_), 0.0, 0.0,
                                      -std::sin(0.5 * origin_yaw_));
-  const Vec3 v(axis_[0].velocity(), axis_[1].velocity(), axis_[2].velocity());
+  const Vec3 v = filter_velocity();
   x_.segment<3>(model::kXPos) = R_trial_filter * (filter_position() - origin_);
   x_.segment<4>(model::kXQuat) =
       math::quat_normalized(math::quat_multiply(quat_trial_filter, quat_world_base_));

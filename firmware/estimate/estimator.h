@@ -56,6 +56,7 @@ class Estimator {
   void correct_by_pose(Nanoseconds now, const PoseSample& pose);
   void compose_state();
   Vec3 filter_position() const;
+  Vec3 filter_velocity() const;
 
   EstimatorSettings settings_;
   bool ready_ = false;
@@ -75,7 +76,7 @@ class Estimator {
 
   // external pose: its frame against the filter's, and past positions to compare a late sample with
   static constexpr int kHistory = 32;
-  std::array<Vec3, kHistory> past_position_{};
+  std::array<Vec3, kHistory> past_position_{}, past_velocity_{};
   std::array<Nanoseconds, kHistory> past_time_{};
   int past_next_ = 0;
   bool pose_aligned_ = false;

@@ -32,6 +32,7 @@ struct Handover {
 
   // tick -> main: after end_requested, the program may end
   std::atomic<bool> may_end{false};
+  std::atomic<std::uint64_t> ticks{0};  // so many are done
 
   // IMU and pose threads -> tick
   Mailbox<ImuSample> imu;
@@ -42,7 +43,7 @@ struct Handover {
   SpscRing<wire::CommandAck, 16> acks;
 
   // tick -> log writer
-  SpscRing<LogRecord, 256> log;
+  SpscRing<LogRecord, 1024> log;  // ten seconds: a slow disk may block the writer for so long
 };
 
 }  // namespace sanso::firmware

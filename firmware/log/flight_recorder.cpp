@@ -47,21 +47,25 @@ void write_row(std::FILE* file, const LogRecord& record) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(Handover& handover, std::string directory)
-    : handover_(handover), directory_(std::move(directory)), ring_(kTicksKept) {}
+FlightRecorder::FlightRecorder(Handover& handover, std::string directory, std::string boot)
+    : handover_(handover),
+      directory_(std::move(directory)),
+      boot_(std::move(boot)),
+      ring_(kTicksKept) {}
 
-bool FlightRecorder::poll() {
+bool FlightRecorder::poll(const std::function<void(const LogRecord&)>& also) {
   LogRecord record;
   bool due = false;
   while (handover_.log.pop(record)) {
+    if (also) also(record);
     ring_[next_] = record;
     next_ = (next_ + 1) % kTicksKept;
     if (count_ < kTicksKept) ++count_;
     const std::uint16_t fault = record.observation.fault;
     if (fault != 0 && latched_ == 0) {
       until_write_ = kTicksAfterFault;
-      name_ =
-          "F" + std::to_string(fault) + "-tick" + std::to_string(record.observation.tick) + ".csv";
+      name_ = "F" + std::to_string(fault) + "-" + boot_ + "-" +
+              std::to_string(record.observation.time / kMillisecond) + "ms.csv";
     }
     latched_ = fault;
     if (until_write_ >= 0 && until_write_-- == 0) due = true;

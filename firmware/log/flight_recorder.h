@@ -2,6 +2,7 @@
 // it in a file. Runs in the log thread; the tick only pushes records into a queue.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,13 @@ class FlightRecorder {
   static constexpr std::size_t kTicksKept = 6000;  // a minute
   static constexpr int kTicksAfterFault = 50;      // what happened next belongs to the record
 
-  /// `directory`: where records go; empty: only memory.
-  FlightRecorder(Handover& handover, std::string directory);
+  /// `directory`: where records go; empty: only memory. Files are named after fault, `boot` (one
+  /// word that no other boot has) and time, so that none replaces another.
+  FlightRecorder(Handover& handover, std::string directory, std::string boot);
 
-  /// Takes what the tick has pushed; writes a file when a fault is half a second old. True when it
-  /// wrote one.
-  bool poll();
+  /// Takes what the tick has pushed, passing each record on; writes a file when a fault is half a
+  /// second old. True when it wrote one.
+  bool poll(const std::function<void(const LogRecord&)>& also = {});
   /// Oldest first.
   std::vector<LogRecord> records() const;
   /// The newest record; a default one before the first.
@@ -35,7 +37,7 @@ class FlightRecorder {
   std::string text() const;
 
   Handover& handover_;
-  std::string directory_;
+  std::string directory_, boot_;
   std::vector<LogRecord> ring_;  // allocated once
   std::size_t next_ = 0, count_ = 0;
   std::uint16_t latched_ = 0;

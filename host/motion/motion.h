@@ -58,7 +58,11 @@ std::string to_toml(const Motion& motion);
 /// Atomic: the file is either the old or the new one. Throws MotionError naming the file.
 void write_motion(const std::filesystem::path& path, const Motion& motion);
 
-/// A folder of motion files: the shipped library unless SANSO_MOTIONS names another.
+/// ../share/sanso/motions beside a program that stands in a folder bin; empty: there is none.
+std::filesystem::path installed_motions(const std::filesystem::path& program);
+
+/// A folder of motion files: SANSO_MOTIONS, else what is installed with the program, else the
+/// library of the source tree.
 class MotionLibrary {
  public:
   MotionLibrary();

@@ -18,9 +18,20 @@ std::vector<model::State> Motion::reference_per_upper_period() const {
   return states;
 }
 
+std::filesystem::path installed_motions(const std::filesystem::path& program) {
+  const std::filesystem::path bin = program.parent_path();
+  const std::filesystem::path folder = bin.parent_path() / "share" / "sanso" / "motions";
+  std::error_code error;
+  return bin.filename() == "bin" && std::filesystem::is_directory(folder, error) ? folder : "";
+}
+
 MotionLibrary::MotionLibrary() {
   const char* chosen = std::getenv("SANSO_MOTIONS");
-  folder_ = chosen && *chosen ? chosen : SANSO_MOTION_LIBRARY;
+  std::error_code error;
+  folder_ = chosen && *chosen
+                ? chosen
+                : installed_motions(std::filesystem::read_symlink("/proc/self/exe", error));
+  if (folder_.empty()) folder_ = SANSO_MOTION_LIBRARY;  // run from the build tree
 }
 
 MotionLibrary::MotionLibrary(std::filesystem::path folder) : folder_(std::move(folder)) {}

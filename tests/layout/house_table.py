@@ -145,6 +145,7 @@ def limits(files, found):
     share = len(over) / max(1, len(found))
     wide = [f"{p}:{n}" for p, t in files.items() for n, line in enumerate(t.splitlines(), 1) if len(line) > WIDE]
     large = [f"{p}: {len(t.splitlines())} lines" for p, t in files.items() if len(t.splitlines()) > LONG_FILE]
+    bare = [p for p, t in files.items() if not t.startswith(("//", "/*"))]
     arrows = [f"{a} <-> {b}" for house in HOUSES for a, b in back_arrows(files, house)]
     ratio = test_ratios(files).get(DIAGNOSE, 0.0)
     return [
@@ -152,6 +153,7 @@ def limits(files, found):
         (f"functions over {TOO_LONG} lines", len(far_over), "none", bool(far_over), named(far_over)),
         (f"lines over {WIDE} columns", len(wide), "none", bool(wide), wide),
         (f"files over {LONG_FILE} lines", len(large), "none", bool(large), large),
+        ("files that open without a comment", len(bare), "none", bool(bare), bare),
         (f"tests over code of {DIAGNOSE}", f"{ratio:.2f}", "at least 0.5", ratio < 0.5, []),
         ("back arrows in " + ", ".join(HOUSES), len(arrows), "none", bool(arrows), arrows),
     ]
@@ -166,7 +168,7 @@ def self_test():
     assert ratio == {DIAGNOSE: 0.5}, "blank lines do not count"
     wide = {"host/a/x.h": "x" * (WIDE + 1), "host/b/y.h": "x\n" * (LONG_FILE + 1)}
     broken = {what for what, _, _, bad, _ in limits(wide, [("host/a/x.h", 1, "f", TOO_LONG + 1)]) if bad}
-    assert len(broken) == 5, f"a limit does not hold what it says: {broken}"
+    assert len(broken) == 6, f"a limit does not hold what it says: {broken}"
     assert comment_lines('// a\nint b;  // c\n/* d\ne */\n\nf("//");\n') == 4
 
 

@@ -10,7 +10,7 @@ import sys
 PAGE = "docs/tour.md"
 
 
-# What the controller may include: shared without shared/files, which uses heap and exceptions.
+# What the controller may include: shared without shared/files and mcap, which use heap and exceptions.
 REALTIME = [f"shared/{room}" for room in ("base", "math", "model", "policy", "servo_bus", "wire")]
 # Top-level folder -> folders it may include. docs/tour.md shows this table; the test compares.
 MAY = {
@@ -22,9 +22,10 @@ MAY = {
     "shared/wire": ["shared/base", "shared/math", "shared/model/state_layout.h",
                     "shared/policy/policy_types.h"],
     "shared/files": ["shared/base"],
+    "shared/mcap": ["shared/base", "shared/files"],
     "firmware": REALTIME,
     "host": ["shared"],
-    "tools/recording": ["shared/base", "shared/files"],
+    "tools/recording": ["shared/base", "shared/files", "shared/mcap"],
     "tools/report": ["shared", "host", "tools/recording"],
     "tools/plant": ["shared/base", "shared/files", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/files", "shared/servo_bus", "tools/plant"],
@@ -32,6 +33,7 @@ MAY = {
     "tools/diagnose": ["shared", "host/model", "tools/recording"],
     "tools/bench": ["shared", "firmware", "host", "tools/recording", "tools/report",
                     "tools/diagnose"],
+    "tools/campaign": ["shared", "firmware", "host", "tools/emulator", "tools/inprocess"],
     # The places where everything meets.
     "tools/inprocess": ["shared", "firmware", "host", "tools"],
     "tools/sanso": ["shared", "firmware", "host", "tools"],
@@ -58,8 +60,8 @@ FLOORS = {
     ],
     # The order of the method. settings.h stands below all rooms.
     "tools/diagnose": [
-        ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"], ["compare"], ["fit"],
-        ["explain"], ["verdict"], ["run"],
+        ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"], ["compare"], ["torque"],
+        ["fit"], ["explain"], ["verdict"], ["run"],
     ],
 }
 # What single rooms may include beyond their floor. Of the controller, what reads its configuration
@@ -67,7 +69,7 @@ FLOORS = {
 MORE = {
     "firmware": ["shared/files"],
     "firmware/config": ["shared/files"],
-    "firmware/log": ["shared/files"],
+    "firmware/log": ["shared/files", "shared/mcap"],
     "tools/diagnose/run": ["host", "tools/report"],
 }
 

@@ -1,3 +1,4 @@
+// The OP3 link by link, from the same tables that the specialised dynamics are made of.
 #include "tests/oracle/op3_tree.h"
 
 namespace sanso::model {

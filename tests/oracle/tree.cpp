@@ -1,3 +1,4 @@
+// Kinematics, recursive Newton-Euler and composite bodies, all of it in world axes.
 #include "tests/oracle/tree.h"
 
 #include <Eigen/Cholesky>

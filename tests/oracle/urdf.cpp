@@ -1,3 +1,4 @@
+// Links of a URDF to bodies of the tree: what is rigidly joined becomes one body.
 #include "tests/oracle/urdf.h"
 
 #include <Eigen/Geometry>

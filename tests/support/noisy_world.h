@@ -63,7 +63,8 @@ inline Model nominal(const SmallComparison& c) {
   m.nuisance.assign(c.library.nuisances.size(), 0.0);
   return m;
 }
-inline Model with(const SmallComparison& c, int candidate, const std::vector<double>& theta) {
+inline Model with(const SmallComparison& c, std::size_t candidate,
+                  const std::vector<double>& theta) {
   Model m = nominal(c);
   m.effects.push_back({candidate, theta});
   return m;

@@ -25,6 +25,7 @@ json truth_json(const Truth& t) {
           {"q", t.q},
           {"dq", t.dq},
           {"torque", t.torque},
+          {"torque_on", t.torque_on},
           {"foot_force_in_world", t.foot_force_in_world},
           {"foot_contacts", t.foot_contacts},
           {"other_contacts", t.other_contacts},

@@ -12,6 +12,7 @@
 #include "tools/emulator/servo.h"
 #include "tools/plant/mjcf.h"
 #include "tools/plant/plant.h"
+#include "tools/plant/servo_birth.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::emulator {
@@ -81,7 +82,11 @@ struct EmulatedRobot::Impl {
         pose(world.pose, seed * 3 + 2) {
     std::vector<BusDevice*> devices;
     for (int id = 1; id <= kNumServos; ++id) {
-      servos.push_back(std::make_unique<Servo>(static_cast<std::uint8_t>(id), world.servo, baud));
+      const plant::ServoBirth birth = plant::birth_of(world.servo, id);
+      plant::ServoParameters own = world.servo;
+      own.p_divisor /= birth.gain_scale;
+      zero_offset[static_cast<std::size_t>(id - 1)] = birth.zero_offset_rad;
+      servos.push_back(std::make_unique<Servo>(static_cast<std::uint8_t>(id), own, baud));
       devices.push_back(servos.back().get());
     }
     devices.push_back(&board);
@@ -117,7 +122,7 @@ struct EmulatedRobot::Impl {
     for (int i = 0; i < kNumServos; ++i) {
       Servo& servo = *servos[i];
       servo.set_power(board.servo_power(), now);
-      const ServoSense sense{body.link_angle(i) + horn_error[i], body.link_rate(i),
+      const ServoSense sense{body.link_angle(i) + horn_error[i] + zero_offset[i], body.link_rate(i),
                              body.gear(i).current_A, body.supply_V()};
       const ServoDrive drive = servo.update(now, period, sense);
       if (drive.powered) {
@@ -167,7 +172,8 @@ struct EmulatedRobot::Impl {
   plant::World world;
   plant::Plant body;
   std::vector<std::unique_ptr<Servo>> servos;
-  std::array<double, kNumServos> horn_error{};
+  std::array<double, kNumServos> horn_error{};   // as set up by the client
+  std::array<double, kNumServos> zero_offset{};  // as born
   OpenCr board;
   HidImu imu;
   PoseSource pose;
@@ -282,6 +288,7 @@ Truth EmulatedRobot::truth() const {
     t.q[i] = body.link_angle(i);
     t.dq[i] = body.link_rate(i);
     t.torque[i] = body.gear(i).motor_torque_Nm;
+    t.torque_on[i] = impl_->servos[i]->torque_on();
   }
   const auto feet = body.feet();
   for (std::size_t side = 0; side < 2; ++side) {

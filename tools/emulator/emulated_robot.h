@@ -36,6 +36,7 @@ struct Truth {
   std::array<double, kNumServos> dq{};  // rad/s
   // motor torque at the output before friction, N m
   std::array<double, kNumServos> torque{};
+  std::array<bool, kNumServos> torque_on{};          // as the servo's register says
   std::array<plant::Vec3, 2> foot_force_in_world{};  // ground on foot, right then left, N
   std::array<int, 2> foot_contacts{};                // touching sole points, right then left
   // anything but feet on the ground: a fallen robot has some

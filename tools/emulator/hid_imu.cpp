@@ -9,7 +9,9 @@
 
 namespace sanso::emulator {
 
+using plant::operator*;
 using plant::operator+;
+using plant::operator-;
 
 namespace {
 
@@ -131,7 +133,9 @@ HidImu::Report HidImu::make_report(int sensor, const ImuTruth& truth) {
   } else {
     const auto tilt =
         noisy({0, 0, 0}, parameters_.orientation_bias_rad, parameters_.orientation_noise_rad);
-    const auto q = plant::multiply(truth.quat_world_base, plant::from_rotation_vector(tilt));
+    auto q = plant::multiply(truth.quat_world_base, plant::from_rotation_vector(tilt + error_));
+    if (heading_error_ != 0.0)
+      q = plant::multiply(plant::from_rotation_vector({0, 0, heading_error_}), q);
     // x y z w
     for (const double part : {q[1], q[2], q[3], q[0]})
       put_counts(report, part, kQuaternionScale, 4);
@@ -139,7 +143,19 @@ HidImu::Report HidImu::make_report(int sensor, const ImuTruth& truth) {
   return report;
 }
 
+/// The sensor's own filter: heading runs away, and up is drawn towards the felt force.
+void HidImu::drift(const ImuTruth& truth) {
+  constexpr double kPeriod_s = 0.001;
+  heading_error_ += kPeriod_s * parameters_.yaw_drift_rad_s;
+  const double felt = plant::norm(truth.specific_force);
+  if (parameters_.gravity_filter_s <= 0.0 || felt < 1.0) return;
+  const plant::Vec3 up = plant::rotate(plant::conjugate(truth.quat_world_base), {0, 0, 1});
+  const plant::Vec3 apparent = plant::cross((1.0 / felt) * truth.specific_force, up);
+  error_ = error_ + (kPeriod_s / parameters_.gravity_filter_s) * (apparent - error_);
+}
+
 void HidImu::update(Nanoseconds now, const ImuTruth& truth, bool silent, bool frozen) {
+  drift(truth);
   for (int i = 0; i < 3; ++i) {
     Sensor& sensor = sensors_[i];
     if (!sensor.active() || now < sensor.next) continue;

@@ -44,10 +44,13 @@ class HidImu {
   };
   using Report = std::vector<std::uint8_t>;
   Report make_report(int sensor, const ImuTruth& truth);
+  void drift(const ImuTruth& truth);
   plant::Vec3 noisy(const plant::Vec3& value, const plant::Vec3& bias, double deviation);
 
   plant::ImuParameters parameters_;
   plant::Random random_;
+  plant::Vec3 error_{};  // rotation vector, base axes, rad
+  double heading_error_ = 0.0;
   std::array<Sensor, 3> sensors_;
   std::array<Report, 3> last_;
   std::deque<Report> due_;    // sampled, waiting for a slot of the endpoint

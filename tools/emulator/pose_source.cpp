@@ -2,14 +2,26 @@
 #include "tools/emulator/pose_source.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sanso::emulator {
+
+/// A random walk: its deviation grows with the root of time.
+void PoseSource::drift() {
+  if (parameters_.drift_m == 0.0) return;
+  for (double& axis : drift_)
+    axis += parameters_.drift_m * std::sqrt(parameters_.period_s) * random_.normal();
+}
 
 void PoseSource::update(Nanoseconds now, const plant::BaseMotion& base, bool lost) {
   if (now < next_) return;
   next_ = now + from_seconds(parameters_.period_s);
+  drift();
+  if (parameters_.dropouts_per_s > 0.0 &&
+      random_.chance(parameters_.dropouts_per_s * parameters_.period_s))
+    back_ = now + from_seconds(parameters_.dropout_s);
   PoseReport report;
-  report.confidence = lost ? 0 : 3;
+  report.confidence = lost || now < back_ ? 0 : 3;
   report.sequence = sequence_++;
   report.age_us = static_cast<std::uint32_t>(from_seconds(parameters_.delay_s) / kMicrosecond);
   plant::Vec3 tilt;
@@ -17,8 +29,8 @@ void PoseSource::update(Nanoseconds now, const plant::BaseMotion& base, bool los
   const auto q = plant::multiply(base.quat_world_base, plant::from_rotation_vector(tilt));
   for (std::size_t i = 0; i < 4; ++i) report.quat_world_base[i] = static_cast<float>(q[i]);
   for (std::size_t i = 0; i < 3; ++i) {
-    report.p_world_base[i] =
-        static_cast<float>(base.p_world_base[i] + parameters_.position_noise_m * random_.normal());
+    report.p_world_base[i] = static_cast<float>(base.p_world_base[i] + drift_[i] +
+                                                parameters_.position_noise_m * random_.normal());
     report.v_base_in_world[i] = static_cast<float>(
         base.v_base_in_world[i] + parameters_.velocity_noise_m_s * random_.normal());
   }

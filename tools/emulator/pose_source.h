@@ -8,6 +8,7 @@
 #include "shared/base/time.h"
 #include "tools/plant/plant.h"
 #include "tools/plant/random.h"
+#include "tools/plant/vec.h"
 
 namespace sanso::emulator {
 
@@ -27,8 +28,11 @@ class PoseSource {
     PoseReport report;
   };
   plant::PoseParameters parameters_;
+  void drift();
   plant::Random random_;
+  plant::Vec3 drift_{};
   Nanoseconds next_ = 0;
+  Nanoseconds back_ = 0;  // a drop-out ends here
   std::uint32_t sequence_ = 0;
   std::deque<Sample> samples_;
 };

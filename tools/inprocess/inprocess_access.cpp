@@ -8,16 +8,17 @@
 
 namespace sanso::inprocess {
 
-InProcessAccess::InProcessAccess(const std::string& world)
-    : world_(plant::load_world(world)), key_(wire::random_key()) {}
+InProcessAccess::InProcessAccess(const std::string& world, const firmware::Settings& settings)
+    : world_(plant::load_world(world)), settings_(settings), key_(wire::random_key()) {}
 
 link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t seed) {
   link_.reset();  // before the robot it talks to
-  robot_ = std::make_unique<InProcessRobot>(world_, seed, key_);
+  robot_ = std::make_unique<InProcessRobot>(world_, seed, key_, settings_);
   std::array<double, model::kNumJoints> legs{};
   for (int j = 0; j < model::kNumJoints; ++j)
     legs[static_cast<std::size_t>(j)] = x[model::kXJoint + j];
   robot_->robot().place(emulator::with_legs(legs));
+  if (prepare_) prepare_(*robot_);
   link_ = std::make_unique<link::RobotLink>(*robot_, *robot_, key_);
   if (link_->open() != Status::ok)
     throw std::runtime_error("the in-process controller does not answer");

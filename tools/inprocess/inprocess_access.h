@@ -2,6 +2,7 @@
 // learned, on nothing else.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -13,15 +14,20 @@ namespace sanso::inprocess {
 class InProcessAccess : public learn::RobotAccess {
  public:
   /// Throws plant::WorldError when there is no such world.
-  explicit InProcessAccess(const std::string& world);
+  explicit InProcessAccess(const std::string& world, const firmware::Settings& settings = {});
   link::RobotLink& place(const model::State& x, std::uint64_t seed) override;
   void add_measurements(learn::Episode& episode) override;
   std::string description() const override { return "in-process, world " + world_.name; }
+  std::string world_file() const override { return plant::to_toml(world_); }
   bool real_time() const override { return false; }
   InProcessRobot& robot() { return *robot_; }
+  /// Called with every new robot before its first tick.
+  void on_new_robot(std::function<void(InProcessRobot&)> prepare) { prepare_ = std::move(prepare); }
 
  private:
   plant::World world_;
+  firmware::Settings settings_;
+  std::function<void(InProcessRobot&)> prepare_;
   wire::Key key_{};
   std::unique_ptr<InProcessRobot> robot_;
   std::unique_ptr<link::RobotLink> link_;

@@ -57,6 +57,7 @@ void InProcessRobot::run_tick() {
   if (controller().observation().trial_tick >= bus_pulled_at_) bus_.pull(true);
   // a tick that ran over starts the next one late, as on a machine
   next_tick_ = std::max(due + kTickPeriod, now());
+  if (after_tick_) after_tick_();
 }
 
 void InProcessRobot::run_for(double seconds) {

@@ -3,6 +3,7 @@
 // what makes the robot live.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -45,7 +46,12 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   };
   void push_at(const Push& push) { push_ = push; }
 
+  /// Called after every tick of the controller, with the world as it is then.
+  void after_tick(std::function<void()> look) { after_tick_ = std::move(look); }
+
   emulator::EmulatedRobot& robot() { return robot_; }
+  /// What the controller's other threads hand over; a person's emergency stop among it.
+  firmware::Handover& handover() { return firmware_->handover(); }
   const firmware::Controller& controller() const { return firmware_->controller(); }
   SimulatedSerialPort& bus() { return bus_; }
 
@@ -55,6 +61,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   };
   /// What really was at every tick of the trials so far, for costs and reports.
   const std::vector<TrialTruth>& trial_truth() const { return trial_truth_; }
+  void forget_trials() { trial_truth_.clear(); }
 
  private:
   void record_truth();
@@ -71,6 +78,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   bool host_lost_ = false;
   Push push_;
   std::vector<TrialTruth> trial_truth_;
+  std::function<void()> after_tick_;
 };
 
 }  // namespace sanso::inprocess

@@ -7,6 +7,8 @@
 namespace sanso::inprocess {
 namespace {
 
+constexpr std::uint8_t kFlipped = 0x10;  // the bit of a byte that damage flips
+
 /// Takes what `read` has until there is something or `deadline` has passed, letting the world run
 /// in between.
 template <class Read>
@@ -23,13 +25,20 @@ Result<std::size_t> read_until(emulator::EmulatedRobot& robot, Nanoseconds deadl
 
 Status SimulatedSerialPort::write(board::Bytes data) {
   if (pulled_) return Status::io_error;
-  robot_.bus_write(data);
+  ++written_;
+  if (struck(Spoil::lose_request)) return Status::ok;
+  std::vector<std::uint8_t> bytes(data.begin(), data.end());
+  if (struck(Spoil::damage_request)) bytes[bytes.size() / 2] ^= kFlipped;
+  robot_.bus_write(bytes);
   return Status::ok;
 }
 
 Result<std::size_t> SimulatedSerialPort::read(board::Buffer buffer, Nanoseconds deadline) {
   if (pulled_) return Status::io_error;
-  for (std::size_t n = robot_.bus_read(buffer);; n = robot_.bus_read(buffer)) {
+  for (;;) {
+    std::size_t n = robot_.bus_read(buffer);
+    if (n > 0 && struck(Spoil::damage_reply)) buffer[n / 2] ^= kFlipped;
+    if (struck(Spoil::lose_reply)) n = 0;
     if (n > 0) return n;
     if (robot_.now() >= deadline) return std::size_t{0};
     robot_.advance(std::min(deadline, robot_.next_bus_byte()));

@@ -28,10 +28,21 @@ class SimulatedSerialPort : public board::SerialPort {
   Status reopen() override { return pulled_ ? Status::io_error : Status::ok; }
   /// The cable is pulled out (true) or put back.
   void pull(bool pulled) { pulled_ = pulled; }
+  /// What happens to one request or to its reply.
+  enum class Spoil : std::uint8_t { lose_request, damage_request, lose_reply, damage_reply };
+  /// Strikes the request that comes `requests` from now on (1: the next).
+  void spoil(Spoil how, int requests) {
+    spoil_ = how;
+    spoil_at_ = written_ + requests;
+  }
 
  private:
+  bool struck(Spoil how) const { return written_ == spoil_at_ && spoil_ == how; }
+
   emulator::EmulatedRobot& robot_;
   bool pulled_ = false;
+  Spoil spoil_ = Spoil::lose_request;
+  int written_ = 0, spoil_at_ = -1;  // requests so far; the one that is struck
 };
 
 class SimulatedImu : public board::HidSource {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/plant/body_data.h"
+#include "tools/plant/random.h"
 
 namespace sanso::plant {
 namespace {
@@ -88,6 +89,13 @@ std::string inertial(LinkData link, const World& world) {
       s * link.iyz);
 }
 
+/// A plate for the other foot to meet; clear of the ground by a centimetre.
+std::string foot_plate(bool left) {
+  return fmt::format(
+      R"(<geom class="{}" type="box" size="0.06 0.036 0.008" pos="0.024 {:.4f} -0.0125"/>)",
+      left ? "left" : "right", left ? 0.0125 : -0.0125);
+}
+
 std::string soles(bool left, const World& world) {
   const double mirror = left ? 1.0 : -1.0;
   const char* side = left ? "l" : "r";
@@ -113,14 +121,25 @@ std::string soles(bool left, const World& world) {
   return out;
 }
 
+/// Legs meet those of the other side where the world says so; all limbs meet the ground.
+const char* limb_class(const LinkData& link, const World& world) {
+  const bool leg =
+      link.name.find("hip") != std::string::npos || link.name.find("knee") != std::string::npos;
+  if (!world.body.self_collision || !leg) return "limb";
+  return link.name[0] == 'l' ? "left" : "right";
+}
+
 void write_link(std::string& out, const LinkData& link, const World& world) {
   const BodyData& body = op3_body();
   out += inertial(link, world);
   for (const Primitive& p : kBodyPrimitives) {
-    if (link.name == p.link) out += fmt::format(R"(<geom class="limb" {}/>)", p.geom);
+    if (link.name == p.link)
+      out += fmt::format(R"(<geom class="{}" {}/>)", limb_class(link, world), p.geom);
   }
-  if (link.name == "r_ank_roll_link" || link.name == "l_ank_roll_link")
+  if (link.name == "r_ank_roll_link" || link.name == "l_ank_roll_link") {
     out += soles(link.name[0] == 'l', world);
+    if (world.body.self_collision) out += foot_plate(link.name[0] == 'l');
+  }
   for (const JointData& joint : body.joints) {
     if (joint.parent != link.name) continue;
     const Range stops = stop_range(joint.name);
@@ -151,8 +170,13 @@ std::string slab(const char* name, double x0, double z0, double x1, double z1) {
 /// downhill, then a lip that rises again to lip_height above the ramp's foot, then a drop to the
 /// level of that foot.
 std::string ground(const GroundParameters& g) {
-  if (g.kind == GroundKind::plane)
-    return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
+  if (g.kind == GroundKind::plane) {
+    if (g.tilt_roll_rad == 0.0 && g.tilt_pitch_rad == 0.0)
+      return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
+    return fmt::format(
+        R"(<geom name="ground" class="ground" type="plane" size="0 0 1" euler="{:.9f} {:.9f} 0"/>)",
+        g.tilt_roll_rad, g.tilt_pitch_rad);
+  }
   const double foot_x = g.start_x_m + g.ramp_length_m * std::cos(g.slope_rad);
   const double foot_z = -g.ramp_length_m * std::sin(g.slope_rad);
   std::string out = fmt::format(
@@ -166,26 +190,46 @@ std::string ground(const GroundParameters& g) {
   return out;
 }
 
+/// Plates of 0.1 m x 0.1 m within a metre; where the robot starts, the floor is free.
+std::string plates(const GroundParameters& g, std::uint64_t seed) {
+  Random random(seed ^ 0x9A7E5u);
+  std::string out;
+  for (std::uint64_t i = 0; i < g.plates; ++i) {
+    const double x = random.uniform(-1.0, 1.0), y = random.uniform(-1.0, 1.0);
+    constexpr double kFree_m = 0.17;
+    if (std::abs(x) < kFree_m && std::abs(y) < kFree_m) continue;
+    const double top = y * g.tilt_roll_rad - x * g.tilt_pitch_rad + g.plate_height_m;
+    constexpr double kHalfThick_m = 0.01;
+    out += fmt::format(R"(<geom class="ground" type="box" size="0.05 0.05 {}" )"
+                       R"(pos="{:.6f} {:.6f} {:.6f}" euler="{:.9f} {:.9f} 0"/>)",
+                       kHalfThick_m, x, y, top - kHalfThick_m, g.tilt_roll_rad, g.tilt_pitch_rad);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string make_mjcf(const World& world) {
-  std::string out =
-      fmt::format(R"(<mujoco model="op3">
+  std::string out = fmt::format(R"(<mujoco model="op3">
 <compiler angle="radian" boundmass="1e-6"/>
 <option timestep="{}" cone="pyramidal" solver="Newton" iterations="20" tolerance="1e-8"
  gravity="0 0 -9.81"/>
 <size njmax="400" nconmax="80"/>
 <default>
 <joint armature="{}" damping="0" limited="true" solreflimit="0.01 1"/>
-<geom solref="0.004 1" friction="{} 0.003 0.0001" condim="3"/>
+<geom solref="{} 1" friction="{} 0.003 0.0001" condim="3"/>
 <default class="ground"><geom contype="1" conaffinity="0"/></default>
 <default class="sole"><geom contype="0" conaffinity="1" mass="0"/></default>
 <default class="limb"><geom contype="0" conaffinity="1" mass="0"/></default>
+<default class="right"><geom contype="2" conaffinity="5" mass="0"/></default>
+<default class="left"><geom contype="4" conaffinity="3" mass="0"/></default>
 </default>
 <worldbody>
 )",
-                  kPhysicsStep_s, world.servo.output_inertia_kgm2, world.ground.friction);
+                                kPhysicsStep_s, world.servo.output_inertia_kgm2,
+                                world.ground.contact_time_s, world.ground.friction);
   out += ground(world.ground);
+  if (world.ground.kind == GroundKind::plane) out += plates(world.ground, world.servo.spread_seed);
   out += "\n<body name=\"body_link\" pos=\"0 0 0.28\"><freejoint name=\"base\"/>";
   for (const LinkData& link : op3_body().links) {
     if (link.parent.empty()) write_link(out, link, world);

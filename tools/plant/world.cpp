@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
@@ -24,9 +25,12 @@ class Section {
   void number(const char* key, double& value, double low, double high) const {
     files::TomlTable::into(value, table_.number(key, low, high));
   }
-  void integer(const char* key, std::uint64_t& value) const {
-    const auto given = table_.integer(key, 0, std::numeric_limits<long>::max());
+  void integer(const char* key, std::uint64_t& value, long high) const {
+    const auto given = table_.integer(key, 0, high);
     if (given) value = static_cast<std::uint64_t>(*given);
+  }
+  void flag(const char* key, bool& value) const {
+    if (const auto given = table_.boolean(key)) value = *given;
   }
   void vector(const char* key, Vec3& value, double limit) const {
     const auto given = table_.numbers(key, 3);
@@ -62,7 +66,43 @@ class Section {
   files::TomlTable table_;
 };
 
-void read_servo(const Section& t, ServoParameters& s) {
+/// Writes what Section reads.
+class Text {
+ public:
+  explicit Text(std::string& out) : out_(out) {}
+  void number(const char* key, double value, double, double) const {
+    line(key, files::toml_number(value));
+  }
+  void integer(const char* key, std::uint64_t value, long) const {
+    line(key, std::to_string(value));
+  }
+  void flag(const char* key, bool value) const { line(key, value ? "true" : "false"); }
+  void vector(const char* key, const Vec3& v, double) const {
+    line(key, fmt::format("[{}, {}, {}]", files::toml_number(v[0]), files::toml_number(v[1]),
+                          files::toml_number(v[2])));
+  }
+  void text(const char* key, const std::string& value) const {
+    line(key, fmt::format("\"{}\"", value));
+  }
+  template <class Enum>
+  void choice(const char* key, Enum value, const std::vector<std::string_view>& names) const {
+    line(key, fmt::format("\"{}\"", names[static_cast<std::size_t>(value)]));
+  }
+  template <class Write>
+  void table(const char* key, Write&& write) const {
+    out_ += fmt::format("[{}]\n", key);
+    write(*this);
+  }
+
+ private:
+  void line(const char* key, const std::string& value) const {
+    out_ += fmt::format("{} = {}\n", key, value);
+  }
+  std::string& out_;
+};
+
+/// One list of the keys for reading (Section) and writing (Text).
+void visit_servo(const auto& t, auto& s) {
   t.number("resistance_ohm", s.resistance_ohm, 0.5, 50);
   t.number("torque_constant_Nm_A", s.torque_constant_Nm_A, 0.1, 10);
   t.number("back_emf_V_s", s.back_emf_V_s, 0.1, 10);
@@ -77,7 +117,10 @@ void read_servo(const Section& t, ServoParameters& s) {
   t.number("load_friction", s.load_friction, 0, 0.6);
   t.number("viscous_Nms_rad", s.viscous_Nms_rad, 0, 2);
   t.number("spread", s.spread, 0, 0.3);
-  t.integer("spread_seed", s.spread_seed);
+  t.integer("spread_seed", s.spread_seed, std::numeric_limits<long>::max());
+  t.number("zero_offset_rad", s.zero_offset_rad, 0, 0.1);
+  t.number("gain_spread", s.gain_spread, 0, 0.3);
+  t.number("left_gain_scale", s.left_gain_scale, 0.5, 2);
   t.number("p_divisor", s.p_divisor, 32, 1024);
   t.number("loop_period_s", s.loop_period_s, 0.0005, 0.005);
   t.number("command_delay_s", s.command_delay_s, 0, 0.1);
@@ -85,43 +128,54 @@ void read_servo(const Section& t, ServoParameters& s) {
   t.number("velocity_filter_s", s.velocity_filter_s, 0.0005, 0.1);
 }
 
-void read_ground(const Section& t, GroundParameters& g) {
+void visit_ground(const auto& t, auto& g) {
   t.choice("kind", g.kind, {"plane", "ramp", "jump_ramp"});
   t.number("friction", g.friction, 0.05, 2);
   t.number("slope_rad", g.slope_rad, 0, 0.8);
   t.number("start_x_m", g.start_x_m, 0.1, 5);
   t.number("ramp_length_m", g.ramp_length_m, 0.1, 10);
   t.number("lip_height_m", g.lip_height_m, 0, 0.5);
+  t.number("tilt_roll_rad", g.tilt_roll_rad, -0.1, 0.1);
+  t.number("tilt_pitch_rad", g.tilt_pitch_rad, -0.1, 0.1);
+  t.integer("plates", g.plates, 200);
+  t.number("plate_height_m", g.plate_height_m, 0, 0.02);
+  t.number("contact_time_s", g.contact_time_s, 0.002, 0.05);
 }
 
-void read_world(const Section& t, World& world) {
+void visit_world(const auto& t, auto& world) {
   t.text("name", world.name);
-  t.table("body", [&](const Section& b) {
+  t.choice("feet", world.feet, {"soles", "wheels"});
+  t.table("body", [&](const auto& b) {
     b.number("torso_extra_mass_kg", world.body.torso_extra_mass_kg, -0.5, 2);
     b.vector("torso_com_offset_m", world.body.torso_com_offset_m, 0.1);
     b.number("leg_mass_scale", world.body.leg_mass_scale, 0.5, 2);
+    b.flag("self_collision", world.body.self_collision);
   });
-  t.table("servo", [&](const Section& s) { read_servo(s, world.servo); });
-  t.table("supply", [&](const Section& s) {
+  t.table("servo", [&](const auto& s) { visit_servo(s, world.servo); });
+  t.table("supply", [&](const auto& s) {
     s.number("voltage_V", world.supply.voltage_V, 9, 16);
     s.number("internal_ohm", world.supply.internal_ohm, 0, 2);
   });
-  t.table("ground", [&](const Section& g) { read_ground(g, world.ground); });
-  t.choice("feet", world.feet, {"soles", "wheels"});
-  t.table("imu", [&](const Section& i) {
+  t.table("ground", [&](const auto& g) { visit_ground(g, world.ground); });
+  t.table("imu", [&](const auto& i) {
     i.number("accel_noise_m_s2", world.imu.accel_noise_m_s2, 0, 5);
     i.number("gyro_noise_rad_s", world.imu.gyro_noise_rad_s, 0, 1);
     i.number("orientation_noise_rad", world.imu.orientation_noise_rad, 0, 0.2);
     i.vector("accel_bias_m_s2", world.imu.accel_bias_m_s2, 3);
     i.vector("gyro_bias_rad_s", world.imu.gyro_bias_rad_s, 0.5);
     i.vector("orientation_bias_rad", world.imu.orientation_bias_rad, 0.2);
+    i.number("yaw_drift_rad_s", world.imu.yaw_drift_rad_s, -0.1, 0.1);
+    i.number("gravity_filter_s", world.imu.gravity_filter_s, 0, 100);
   });
-  t.table("pose", [&](const Section& p) {
+  t.table("pose", [&](const auto& p) {
     p.number("period_s", world.pose.period_s, 0.001, 1);
     p.number("delay_s", world.pose.delay_s, 0, 0.2);
     p.number("position_noise_m", world.pose.position_noise_m, 0, 0.1);
     p.number("velocity_noise_m_s", world.pose.velocity_noise_m_s, 0, 1);
     p.number("orientation_noise_rad", world.pose.orientation_noise_rad, 0, 0.2);
+    p.number("drift_m", world.pose.drift_m, 0, 0.1);
+    p.number("dropouts_per_s", world.pose.dropouts_per_s, 0, 10);
+    p.number("dropout_s", world.pose.dropout_s, 0.01, 10);
   });
 }
 
@@ -131,7 +185,7 @@ World parse_world(const std::string& toml_text, const std::string& origin) {
   try {
     World world;
     const Section top(files::TomlTable::parse(toml_text, origin));
-    read_world(top, world);
+    visit_world(top, world);
     top.finish();
     return world;
   } catch (const files::InputError& error) {
@@ -139,22 +193,31 @@ World parse_world(const std::string& toml_text, const std::string& origin) {
   }
 }
 
+std::string to_toml(const World& world) {
+  std::string text;
+  visit_world(Text(text), world);
+  return text;
+}
+
 World load_world(const std::string& name_or_path) {
-  if (name_or_path.starts_with("seed:")) {
-    const std::string digits = name_or_path.substr(5);
+  for (const auto& [prefix, draw] :
+       {std::pair{"seed:", &draw_world}, std::pair{"honest:", &draw_honest_world}}) {
+    if (!name_or_path.starts_with(prefix)) continue;
+    const std::string digits = name_or_path.substr(std::string_view(prefix).size());
     if (digits.empty() || digits.size() > 18 ||
         digits.find_first_not_of("0123456789") != std::string::npos) {
       throw WorldError(
-          fmt::format("world '{}': expected seed:N with a whole number N", name_or_path));
+          fmt::format("world '{}': expected {}N with a whole number N", name_or_path, prefix));
     }
-    return draw_world(std::stoull(digits));
+    return draw(std::stoull(digits));
   }
   const std::string& built_in = built_in_file(name_or_path + ".toml");
   if (!built_in.empty()) return parse_world(built_in, "worlds/" + name_or_path + ".toml");
   std::ifstream file(name_or_path);
   if (!file) {
     throw WorldError(fmt::format(
-        "world '{}': expected nominal, lab, hard, back, worst, seed:N or the path of a TOML file",
+        "world '{}': expected nominal, lab, hard, back, worst, seed:N, honest:N or the path of a "
+        "TOML file",
         name_or_path));
   }
   std::ostringstream text;

@@ -1,5 +1,6 @@
 // A world: everything about the emulated robot and its surroundings that the controller does not
-// know. Read from a TOML file (worlds/*.toml), or drawn by a seed.
+// know. Read from a TOML file (worlds/*.toml), or drawn by a seed. Every figure that is zero in a
+// world costs that world no random number: what is added here changes no world that lacks it.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,7 @@ struct BodyParameters {
   double torso_extra_mass_kg = 0.0;
   Vec3 torso_com_offset_m{0, 0, 0};  // shift of the torso's centre of mass, body axes
   double leg_mass_scale = 1.0;
+  bool self_collision = false;  // legs and feet meet those of the other side
 };
 
 /// Motor, gear train and position loop: one set for all servos, with a spread between them.
@@ -35,6 +37,10 @@ struct ServoParameters {
   // relative standard deviation between servos, on friction, backlash, torque
   double spread = 0.0;
   std::uint64_t spread_seed = 1;  // draws the spread; one robot keeps it for life
+  // standard deviation of a horn's zero: what a servo reports is its joint's angle plus this
+  double zero_offset_rad = 0.0;
+  double gain_spread = 0.0;      // of the position loop's gain, relative standard deviation
+  double left_gain_scale = 1.0;  // of the position loop's gain in the left limbs
   // PWM counts per position count = P gain / divisor (undisclosed: 128 or 256)
   double p_divisor = 128.0;
   double loop_period_s = 0.001;  // of the position loop
@@ -58,6 +64,12 @@ struct GroundParameters {
   double start_x_m = 0.5;
   double ramp_length_m = 1.5;
   double lip_height_m = 0.0;  // jump_ramp: drop at the end of a run-up that rises to this height
+  // plane: turned about x and y, rad
+  double tilt_roll_rad = 0.0, tilt_pitch_rad = 0.0;
+  // plane: so many plates of 0.1 m x 0.1 m lie around, none where the robot starts
+  std::uint64_t plates = 0;
+  double plate_height_m = 0.004;
+  double contact_time_s = 0.004;  // of the contact's spring; rubber soles have a longer one
 };
 
 /// Feet: soles, or wheels for the skating motions.
@@ -70,6 +82,9 @@ struct ImuParameters {
   Vec3 accel_bias_m_s2{0, 0, 0};
   Vec3 gyro_bias_rad_s{0, 0, 0};
   Vec3 orientation_bias_rad{0, 0, 0};  // mounting error, roll pitch yaw
+  double yaw_drift_rad_s = 0.0;
+  // the filter takes the felt force for gravity with this time constant; 0 = never
+  double gravity_filter_s = 0.0;
 };
 
 struct PoseParameters {
@@ -78,6 +93,9 @@ struct PoseParameters {
   double position_noise_m = 0.001;
   double velocity_noise_m_s = 0.02;
   double orientation_noise_rad = 0.004;
+  double drift_m = 0.0;         // of the position, standard deviation after one second
+  double dropouts_per_s = 0.0;  // on average
+  double dropout_s = 0.1;       // how long one lasts
 };
 
 struct World {
@@ -91,12 +109,20 @@ struct World {
   PoseParameters pose;
 };
 
-/// "nominal", "lab", "hard", "back", "worst" (files of worlds/), "seed:17" (drawn), or the path of
-/// a TOML file. Throws WorldError.
+/// "nominal", "lab", "hard", "back", "worst" (files of worlds/), "seed:17" or "honest:17" (drawn),
+/// or the path of a TOML file. Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.
 World draw_world(std::uint64_t seed);
+
+/// Drawn by `seed` so that nothing cancels by design: signs of centre of mass, stiffness, friction
+/// and delay are independent, every joint has its own zero and gain, the floor is not level and the
+/// sensors drift. Ranges: docs/howto/emulator.md.
+World draw_honest_world(std::uint64_t seed);
+
+/// A world file with all that `world` says; parse_world() gives it back to the last bit.
+std::string to_toml(const World& world);
 
 /// Parses a world file's text; `origin` names it in messages. Unknown keys are errors. Throws
 /// WorldError.

@@ -9,6 +9,8 @@
 #include "tools/bench/bench_dynamics.h"
 #include "tools/bench/bench_tick.h"
 #include "tools/bench/mpc/bench_mpc.h"
+#include "tools/campaign/campaign.h"
+#include "tools/campaign/soak.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/loop_study.h"
 
@@ -87,6 +89,35 @@ void add_loop(CLI::App& bench, int& result) {
   command->callback([o, &result] { result = bench_loop(*o); });
 }
 
+void add_faults(CLI::App& bench, int& result) {
+  auto o = std::make_shared<campaign::Options>();
+  CLI::App* command = bench.add_subcommand(
+      "faults",
+      "what the controller makes of each fault, in virtual time (docs/results/faults.md)");
+  command->add_flag("--json", o->json, "rows as JSON");
+  command->add_option("--filter", o->filter, "only scenarios with this in their name");
+  command->add_option("--seed", o->seed, "of the emulated robots")->capture_default_str();
+  command->add_option("--threads", o->threads, "scenarios at a time")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--page", o->page, "write the page to this file");
+  command->footer("Example:\n  sanso bench faults --filter walk_forward/bus");
+  command->callback([o, &result] { result = campaign::bench_faults(*o); });
+}
+
+void add_soak(CLI::App& bench, int& result) {
+  auto o = std::make_shared<campaign::SoakOptions>();
+  CLI::App* command =
+      bench.add_subcommand("soak", "one controller for many ticks under random faults and hosts");
+  command->add_flag("--json", o->json, "figures as JSON");
+  command->add_option("--ticks", o->ticks, "of 10 ms; 8640000 are a day")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "of everything random")->capture_default_str();
+  command->footer("Example:\n  sanso bench soak --ticks 8640000");
+  command->callback([o, &result] { result = campaign::bench_soak(*o); });
+}
+
 void add_simple(CLI::App& bench, const Bench& b, int& result) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = bench.add_subcommand(b.name, b.about);
@@ -102,6 +133,8 @@ void add_bench(CLI::App& app, int& result) {
   bench->footer("Example:\n  sanso bench tick");
   add_mpc(*bench, result);
   add_loop(*bench, result);
+  add_faults(*bench, result);
+  add_soak(*bench, result);
   for (const Bench& b : kBenches) add_simple(*bench, b, result);
 }
 

@@ -9,6 +9,7 @@
 
 #include "host/learn/session/robot_access.h"
 #include "host/link/udp_channel.h"
+#include "tools/plant/world.h"
 #include "tools/sanso/emulated_processes.h"
 #include "tools/sanso/truth_sampler.h"
 
@@ -24,6 +25,7 @@ class EmulatedAccess : public learn::RobotAccess {
   std::string description() const override {
     return "emulated (three processes, real clock), world " + world_;
   }
+  std::string world_file() const override { return plant::to_toml(plant::load_world(world_)); }
   bool real_time() const override { return true; }
 
  private:

@@ -4,6 +4,7 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -83,6 +84,23 @@ void EmulatedProcesses::check() {
     throw std::runtime_error("sanso-emulator ended:\n" + last_lines(emulator_->log()));
   if (!firmware_->running())
     throw std::runtime_error("sanso-firmware ended:\n" + last_lines(firmware_->log()));
+}
+
+void EmulatedProcesses::signal_firmware(int signal) const { ::kill(firmware_->pid(), signal); }
+
+bool EmulatedProcesses::firmware_ends(double within_s) {
+  constexpr auto kLook = std::chrono::milliseconds(10);
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
+  while (firmware_->running()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(kLook);
+  }
+  return true;
+}
+
+void EmulatedProcesses::restart_firmware() {
+  firmware_.reset();
+  start_firmware();
 }
 
 void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t seed) {

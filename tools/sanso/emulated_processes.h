@@ -32,6 +32,14 @@ class EmulatedProcesses {
   void check();
   std::string firmware_log() const;
 
+  /// Sends a signal to the controller.
+  void signal_firmware(int signal) const;
+  /// True when the controller has ended, within so long.
+  bool firmware_ends(double within_s);
+  /// Starts the controller again, on the same address, bus and key. From the thread that made this:
+  /// the child ends with it.
+  void restart_firmware();
+
  private:
   void start_emulator(const std::string& world, std::uint64_t seed);
   void start_firmware();

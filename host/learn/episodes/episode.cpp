@@ -9,7 +9,7 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kMagic[] = "SANSOEPI";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 /// One list of the fields for both directions: `io` is called with every field in the stored order.
 void visit_fields(auto& o, auto&& io) {
@@ -87,6 +87,8 @@ const char* to_string(TrialEnd end) {
       return "no observations";
     case TrialEnd::ended_early:
       return "ended early by the controller";
+    case TrialEnd::fell_before:
+      return "fell before the trial";
   }
   return "unknown";
 }
@@ -124,6 +126,11 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
   });
   put_all(out, episode.truth, [&](const TrueSample& s) { put(s.x), put(s.foot_load_N); });
   put_all(out, episode.reference, put);
+  put_all(out, episode.before, [&](const wire::Observation& o) {
+    put_observation(out, o);
+    visit_timing(o, put);
+  });
+  out.put(static_cast<std::uint8_t>(episode.quiet_at_start));
   files::save_framed(path, kMagic, kVersion, out.bytes());
 }
 
@@ -147,6 +154,12 @@ Episode load_episode(const std::filesystem::path& path) {
   for (TrueSample& s : episode.truth) get(s.x), get(s.foot_load_N);
   episode.reference.resize(read_count(in));
   for (auto& v : episode.reference) get(v);
+  episode.before.resize(read_count(in));
+  for (wire::Observation& o : episode.before) {
+    visit_fields(o, get);
+    visit_timing(o, get);
+  }
+  episode.quiet_at_start = in.read<std::uint8_t>() != 0;
   return episode;
 }
 

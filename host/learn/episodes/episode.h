@@ -22,6 +22,7 @@ enum class TrialEnd : std::uint8_t {
   link_lost = 5,   // no observation for too long
   // the controller left the trial before its time (it lost the host, or was told to stop)
   ended_early = 6,
+  fell_before = 7,  // while standing up or holding the first pose; there are no ticks
 };
 const char* to_string(TrialEnd end);
 
@@ -55,6 +56,10 @@ struct Episode {
   std::vector<wire::Observation> ticks;  // every 10 ms of the trial, trial_tick ascending
   std::vector<std::array<float, model::kNx>> reference;  // x_DMP at every entry of `ticks`
   std::vector<PlanRecord> plans;
+  // holding the first pose, every 10 ms until the trial began, nobody's hand at the robot; outside
+  // the digest, which is of the trial itself
+  std::vector<wire::Observation> before;
+  bool quiet_at_start = false;
   // one for every entry of `ticks`; empty when nobody can tell
   std::vector<TrueSample> truth;
   bool failed() const { return end != TrialEnd::completed; }

@@ -73,11 +73,21 @@ std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episod
   return upright_windows_of(episode, settings_.tilt_limit_rad, settings_.window_stride_ticks);
 }
 
+std::vector<PredictionWindow> ModelLearner::learning_windows(const Episode& episode) const {
+  if (!episode.failed()) return usable_windows(episode);
+  std::vector<PredictionWindow> windows;
+  for (const auto* ticks : {&episode.before, &episode.ticks})
+    for (const PredictionWindow& w : cut_windows_of(*ticks, episode.trial, settings_.tilt_limit_rad,
+                                                    settings_.window_stride_ticks))
+      windows.push_back(w);
+  return windows;
+}
+
 /// The newest episodes that have something to learn from: not those that fell at once.
 std::vector<Episode> ModelLearner::usable(const std::vector<Episode>& all) const {
   const auto keep = std::min(all.size(), static_cast<std::size_t>(settings_.newest_episodes));
   std::vector<Episode> episodes(all.end() - static_cast<std::ptrdiff_t>(keep), all.end());
-  std::erase_if(episodes, [this](const Episode& e) { return usable_windows(e).empty(); });
+  std::erase_if(episodes, [this](const Episode& e) { return learning_windows(e).empty(); });
   return episodes;
 }
 
@@ -87,7 +97,7 @@ ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) con
       episodes.size() - newest_heldout(episodes.size(), settings_.residual.heldout_fraction);
   for (std::size_t i = 0; i < episodes.size(); ++i) {
     auto& part = i < trained ? data.train : data.heldout;
-    for (const PredictionWindow& w : usable_windows(episodes[i])) part.push_back(w);
+    for (const PredictionWindow& w : learning_windows(episodes[i])) part.push_back(w);
   }
   return data;
 }

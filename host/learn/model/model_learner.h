@@ -71,8 +71,9 @@ class ModelLearner {
   /// Empty for an episode without a window of N steps: nothing is known of a model then.
   std::optional<ModelLosses> losses(const Episode& episode) const;
 
-  /// Learns from the newest of `episodes` (ascending). Fewer than two usable episodes: nothing is
-  /// learned, nothing changes.
+  /// Learns from the newest of `episodes` (ascending); from those that failed also what came before
+  /// the fall, however short, and the hold before the trial. Fewer than two usable episodes:
+  /// nothing is learned, nothing changes.
   LearningRound learn(const std::vector<Episode>& episodes);
 
   /// Judges the residual network on a trial run since its training. True when current() has changed
@@ -84,6 +85,10 @@ class ModelLearner {
 
   /// Windows of an episode without the stretches in which the robot was already falling.
   std::vector<PredictionWindow> usable_windows(const Episode& episode) const;
+
+  /// What a round learns from: usable_windows(), and of a failed episode, which may have none, all
+  /// that the robot showed upright in trial and hold.
+  std::vector<PredictionWindow> learning_windows(const Episode& episode) const;
 
   void save(const std::filesystem::path& path) const;
   /// Throws std::runtime_error when the file is missing, damaged, or of another set of parameters.

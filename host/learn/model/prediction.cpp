@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "host/model/residual_network.h"
 #include "shared/model/step_batch.h"
@@ -50,10 +51,47 @@ void predict_group(const PredictionWindow* first, int lanes, const model::StepMo
             predicted, host::residual_tangent(*residual, state_in_lane(x, lane), first[lane].u[k]));
         set_lane(next, lane, predicted);
       }
-      see(lane, k, predicted);
+      if (k < first[lane].steps) see(lane, k, predicted);
     }
     x = next;
   }
+}
+
+using TicksByNumber = std::map<std::uint64_t, const wire::Observation*>;
+
+/// Mean target over the 60 ms that begin at `tick`; nothing when a tick or the state after them is
+/// missing, or the base leans too far there.
+std::optional<model::Input> step_input(const TicksByNumber& at, std::uint64_t tick,
+                                       double tilt_limit_rad) {
+  model::Input u = model::Input::Zero();
+  for (std::uint64_t k = 0; k < kTicksPerStep; ++k) {
+    const auto found = at.find(tick + k);
+    if (found == at.end()) return std::nullopt;
+    u += found->second->u_out / kTicksPerStep;
+  }
+  const auto next = at.find(tick + kTicksPerStep);
+  if (next == at.end() || tilt_of(next->second->x) > tilt_limit_rad) return std::nullopt;
+  return u;
+}
+
+/// The window that begins at `start`, with as many steps as there are; false for none.
+bool fill_window(const TicksByNumber& at, std::uint64_t start, double tilt_limit_rad,
+                 PredictionWindow& w) {
+  const auto first = at.find(start);
+  if (first == at.end() || tilt_of(first->second->x) > tilt_limit_rad) return false;
+  w.x[0] = first->second->x;
+  for (w.steps = 0; w.steps < kPredictionSteps; ++w.steps) {
+    const std::uint64_t tick = start + static_cast<std::uint64_t>(w.steps * kTicksPerStep);
+    const std::optional<model::Input> u = step_input(at, tick, tilt_limit_rad);
+    if (!u) break;
+    w.u[w.steps] = *u;
+    w.x[w.steps + 1] = at.at(tick + kTicksPerStep)->x;
+  }
+  if (w.steps == 0) return false;
+  // the lanes roll all windows out to the end: numbers, never compared
+  std::fill(w.u + w.steps, w.u + kPredictionSteps, w.u[w.steps - 1]);
+  std::fill(w.x + w.steps + 1, w.x + kPredictionSteps + 1, w.x[w.steps]);
+  return true;
 }
 
 }  // namespace
@@ -98,6 +136,22 @@ std::vector<PredictionWindow> upright_windows_of(const Episode& episode, double 
   return windows;
 }
 
+std::vector<PredictionWindow> cut_windows_of(const std::vector<wire::Observation>& ticks,
+                                             std::uint32_t trial, double tilt_limit_rad,
+                                             int stride_ticks) {
+  std::map<std::uint64_t, const wire::Observation*> at;
+  for (const wire::Observation& o : ticks) at[o.tick] = &o;
+  std::vector<PredictionWindow> windows;
+  if (at.empty()) return windows;
+  const auto stride = static_cast<std::uint64_t>(stride_ticks);
+  for (std::uint64_t start = at.begin()->first; start < at.rbegin()->first; start += stride) {
+    PredictionWindow w;
+    w.trial = trial;
+    if (fill_window(at, start, tilt_limit_rad, w)) windows.push_back(w);
+  }
+  return windows;
+}
+
 std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows,
                                       std::size_t count) {
   if (windows.size() <= count) return windows;
@@ -110,7 +164,8 @@ double n_step_loss(const std::vector<PredictionWindow>& windows, const model::St
                    const model::Ground& ground, const model::Tangent& weights,
                    const host::ResidualNetwork* residual) {
   if (windows.empty()) return 0.0;
-  double sum = 0.0;
+  double sum = 0.0, steps = 0.0;
+  for (const PredictionWindow& w : windows) steps += w.steps;
   for (std::size_t first = 0; first < windows.size(); first += kLanes) {
     const int lanes = static_cast<int>(std::min<std::size_t>(kLanes, windows.size() - first));
     predict_group(&windows[first], lanes, step_model, ground, residual,
@@ -120,7 +175,7 @@ double n_step_loss(const std::vector<PredictionWindow>& windows, const model::St
                     sum += e.dot(weights.cwiseProduct(e));
                   });
   }
-  const double loss = sum / static_cast<double>(windows.size() * kPredictionSteps);
+  const double loss = sum / steps;
   return std::isfinite(loss) ? loss : std::numeric_limits<double>::infinity();
 }
 

@@ -14,9 +14,11 @@ namespace sanso::learn {
 inline constexpr int kPredictionSteps = 12;           // N
 inline constexpr int kTicksPerStep = kTicksPerUpper;  // one model step is 60 ms
 
-/// A stretch of a recording: state, then what followed. x[0] is given, x[1..N] are compared.
+/// A stretch of a recording: state, then what followed. x[0] is given, x[1..steps] are compared;
+/// what stands beyond are numbers, never compared.
 struct PredictionWindow {
   std::uint32_t trial = 0;
+  int steps = kPredictionSteps;  // 1 .. N
   model::State x[kPredictionSteps + 1];
   model::Input u[kPredictionSteps];  // mean of the applied targets over each 60 ms, rad
 };
@@ -34,13 +36,21 @@ std::vector<PredictionWindow> upright_windows_of(const Episode& episode,
                                                  double tilt_limit_rad = kUprightTilt_rad,
                                                  int stride_ticks = kTicksPerStep);
 
+/// What a recording of `ticks` (tick ascending; of a trial, or of the hold before it) has for
+/// learning when it is too short or too bad for windows of N steps alone: every window, cut to the
+/// steps before the base leans more than `tilt_limit_rad`, before a gap or before the end; at least
+/// one step each.
+std::vector<PredictionWindow> cut_windows_of(const std::vector<wire::Observation>& ticks,
+                                             std::uint32_t trial, double tilt_limit_rad,
+                                             int stride_ticks = kTicksPerStep);
+
 /// At most `count` of them, spread evenly: keeps the work of identification bounded.
 std::vector<PredictionWindow> thinned(const std::vector<PredictionWindow>& windows,
                                       std::size_t count);
 
-/// Mean over windows and steps of ||x ⊖ x̂||²_W with x̂ from N steps of the analytical model, plus
-/// the residual network when `residual` is not null. Infinity when a prediction is not finite; 0
-/// for no windows.
+/// Mean over windows and their steps of ||x ⊖ x̂||²_W with x̂ from the analytical model, plus the
+/// residual network when `residual` is not null. Infinity when a prediction is not finite; 0 for no
+/// windows.
 double n_step_loss(const std::vector<PredictionWindow>& windows, const model::StepModel& model,
                    const model::Ground& ground, const model::Tangent& weights,
                    const host::ResidualNetwork* residual = nullptr);

@@ -21,6 +21,9 @@ class RobotAccess {
   virtual void add_measurements(Episode& episode) = 0;
   /// For reports: "in-process, world lab".
   virtual std::string description() const = 0;
+  /// The world as a file that gives it again, for the session's folder; empty for a real robot.
+  /// Nothing reads it back.
+  virtual std::string world_file() const { return {}; }
   /// Real time: the planner gets a budget and lateness means something.
   virtual bool real_time() const = 0;
 };

@@ -10,6 +10,7 @@
 
 #include "host/learn/seeds.h"
 #include "host/learn/session/summary.h"
+#include "shared/files/atomic_file.h"
 #include "shared/policy/layer_sum.h"
 #include "shared/policy/policy_bytes.h"
 
@@ -33,12 +34,12 @@ fs::path episode_file(const fs::path& out, std::uint32_t trial) {
 
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
-  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {}",
+  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}",
                      task.name, s.seed, s.world, s.layers.mask(),
                      s.layers.residual ? "" : " no-residual",
                      s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
                      s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
-                     s.middle.start_at_reference, s.learn_model_every);
+                     s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures);
 }
 
 ModelLearningSettings model_settings_of(const SessionSettings& settings) {
@@ -110,6 +111,22 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
   return out;
 }
 
+double cost_of_truth(const Episode& episode, const mpc::CostWeights& weights) {
+  if (episode.truth.size() != episode.ticks.size() || episode.ticks.empty()) return -1.0;
+  double cost = 0.0;
+  int next_step = 0;  // as the trial was judged
+  for (std::size_t i = 0; i < episode.ticks.size(); ++i) {
+    const wire::Observation& o = episode.ticks[i];
+    if (o.trial_tick < next_step * kTicksPerUpper) continue;
+    next_step = o.trial_tick / kTicksPerUpper + 1;
+    const model::State x_ref =
+        Eigen::Map<const Eigen::Matrix<float, model::kNx, 1>>(episode.reference[i].data())
+            .cast<double>();
+    cost += mpc::stage_cost(weights, episode.truth[i].x, x_ref, o.u_upper);
+  }
+  return cost;
+}
+
 Session::Session(const Task& task, const SessionSettings& settings, RobotAccess& robot,
                  mpc::UpperLayer& upper, const host::AugmentedModel& model)
     : task_(task),
@@ -145,6 +162,8 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
     state_->sigma = settings_.layers.stochastic ? learner_.sigma() : 0.0;
     state_->primitives = task_.primitives;
     start_middle_layer(x_init_, settings_.middle, state_->middle);
+    if (const std::string world = robot_.world_file(); !world.empty())
+      files::write_atomically(settings_.out / "world.toml", world);
   }
   finished_before_ = static_cast<int>(state_->next_trial);
 }
@@ -178,14 +197,14 @@ TrialSummary Session::run_one() {
 
   link::RobotLink& link =
       robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
-  prepare_trial(link, setup, settings_.trial);
-  Episode episode = run_trial(link, upper_, setup, settings_.trial);
+  Episode episode = run_episode(link, setup);
   episode.trial = trial;
   episode.seed = settings_.seed;
   robot_.add_measurements(episode);
 
   TrialSummary summary = summarize(episode, *rounded_middle);
   summary.sigma = setup.sigma;
+  summary.cost_true = cost_of_truth(episode, task_.weights);
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
@@ -201,11 +220,38 @@ TrialSummary Session::run_one() {
   state_->history.push_back(summary);
   state_->next_trial = trial + 1;
   save_episode(episode_file(settings_.out, trial), episode);
-  if (settings_.learn_model_every > 0 &&
-      state_->next_trial % static_cast<std::uint32_t>(settings_.learn_model_every) == 0)
-    learn_model();
+  if (time_to_learn_model()) learn_model();
   store();
   return summary;
+}
+
+/// A robot that falls before its trial has failed it, with the hold as its data.
+Episode Session::run_episode(link::RobotLink& link, const TrialSetup& setup) {
+  try {
+    Preparation preparation = prepare_trial(link, setup, settings_.trial);
+    Episode episode = run_trial(link, upper_, setup, settings_.trial);
+    episode.before = std::move(preparation.seen);
+    episode.quiet_at_start = preparation.quiet;
+    return episode;
+  } catch (const FellBefore& fell) {
+    Episode episode;
+    episode.end = TrialEnd::fell_before;
+    episode.fault = kFaultFallen;
+    // no better than a trial that was stopped for its cost
+    episode.cost = settings_.trial.cost_limit;
+    episode.before = fell.preparation.seen;
+    return episode;
+  }
+}
+
+/// After every tenth trial, and after every third failure in a row.
+bool Session::time_to_learn_model() const {
+  const int every = settings_.learn_model_every, failures = settings_.learn_after_failures;
+  if (every <= 0) return false;
+  if (state_->next_trial % static_cast<std::uint32_t>(every) == 0) return true;
+  int failed = 0;
+  for (auto t = state_->history.rbegin(); t != state_->history.rend() && t->failed(); ++t) ++failed;
+  return failures > 0 && failed > 0 && failed % failures == 0;
 }
 
 void Session::learn_from(const Episode& episode, const std::vector<model::State>& reference) {

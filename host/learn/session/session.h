@@ -35,6 +35,9 @@ struct SessionSettings {
   Layers layers;
   std::string world;           // for the summary
   int learn_model_every = 10;  // trials (paper); 0 = the model stays as it is
+  // so many failures in a row bring a round of learning of their own, and again after as many; 0 =
+  // never. A robot that falls at once otherwise repeats what a bad model plans ten times.
+  int learn_after_failures = 3;
   ModelLearningSettings model;
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
@@ -63,7 +66,9 @@ class Session {
  private:
   TrialSummary run_one();
   void learn_from(const Episode& episode, const std::vector<model::State>& reference);
+  bool time_to_learn_model() const;
   void learn_model();
+  Episode run_episode(link::RobotLink& link, const TrialSetup& setup);
   void store();
 
   Task task_;
@@ -79,6 +84,10 @@ class Session {
 /// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first
 /// plan see its first knot.
 std::vector<UpperSample> upper_samples(const Episode& episode);
+
+/// J of an episode with the true states in the estimates' place: what the controller believes of
+/// itself, and so an error of its attitude, is left out. Negative without truth.
+double cost_of_truth(const Episode& episode, const mpc::CostWeights& weights);
 
 /// The same motion beginning at the origin of the trial, which the controller puts under the robot
 /// when the trial starts.

@@ -12,7 +12,7 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kMagic[] = "SANSOSES";
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 5;
 
 void visit_summary(auto& s, auto&& io) {
   io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss),
@@ -20,7 +20,7 @@ void visit_summary(auto& s, auto&& io) {
   io(s.model_loss_initial), io(s.residual_share), io(s.u_upper_rms);
   io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost),
       io(s.bus_corrupt);
-  io(s.digest), io(s.wall_s);
+  io(s.quiet_at_start), io(s.cost_true), io(s.digest), io(s.wall_s);
 }
 
 void visit_knot(auto& k, auto&& io) { io(k.u), io(k.x), io(k.K); }
@@ -56,6 +56,7 @@ TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle
   s.cost = episode.cost;
   s.end = episode.end;
   s.fault = episode.fault;
+  s.quiet_at_start = episode.quiet_at_start;
   s.digest = digest(episode);
   double upper = 0, middle_u = 0;
   for (const wire::Observation& o : episode.ticks) {

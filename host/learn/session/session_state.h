@@ -15,6 +15,7 @@ namespace sanso::learn {
 struct TrialSummary {
   std::uint32_t trial = 0;
   double cost = 0.0;
+  double cost_true = -1.0;  // the same from the true states; negative: nobody can tell
   TrialEnd end = TrialEnd::completed;
   std::uint16_t fault = 0;
   double duration_s = 0.0;  // how long the motion ran
@@ -28,6 +29,7 @@ struct TrialSummary {
   double u_middle_rms = 0.0;            // rad
   double gain_upper = 0.0;              // mean Frobenius norm of K_up as used
   double gain_middle = 0.0;             // mean Frobenius norm of K_mid
+  bool quiet_at_start = false;          // the robot stood still when the trial began
   std::uint32_t late_updates = 0;
   std::uint32_t bus_lost = 0, bus_corrupt = 0;
   std::uint64_t digest = 0;      // of the episode; equal for equal runs

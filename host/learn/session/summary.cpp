@@ -20,20 +20,23 @@ Json updates_json(const std::vector<float>& ms) {
       {"p50", percentile(ms, 0.5)}, {"p99", percentile(ms, 0.99)}, {"max", percentile(ms, 1.0)}};
 }
 
-/// Null where it was not computed: a trial that falls at once says nothing about a model.
-Json known_loss(double loss) { return loss >= 0.0 ? Json(loss) : Json(nullptr); }
+/// Null where it was not computed: a trial that falls at once says nothing about a model, a real
+/// robot nothing about the truth.
+Json known(double value) { return value >= 0.0 ? Json(value) : Json(nullptr); }
 
 Json iteration_json(const TrialSummary& s) {
   Json j{{"trial", s.trial},
          {"cost", s.cost},
+         {"cost_true", known(s.cost_true)},
          {"failed", s.failed()},
          {"end", to_string(s.end)},
          {"succeeded", s.succeeded()},
          {"broken_clauses", s.broken_clauses},
          {"duration_s", s.duration_s},
-         {"model_loss", known_loss(s.model_loss)},
-         {"model_loss_analytical", known_loss(s.model_loss_analytical)},
-         {"model_loss_initial", known_loss(s.model_loss_initial)},
+         {"quiet_at_start", s.quiet_at_start},
+         {"model_loss", known(s.model_loss)},
+         {"model_loss_analytical", known(s.model_loss_analytical)},
+         {"model_loss_initial", known(s.model_loss_initial)},
          {"residual_share", s.residual_share},
          {"sigma", s.sigma},
          {"fault", s.fault},

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <memory>
 
 #include "shared/policy/layer_sum.h"
@@ -56,6 +57,38 @@ double tilt_between(const model::State& a, const model::State& b) {
   const math::Vec3 up_a = math::rotation_matrix(model::base_quat(a)).transpose().col(2);
   const math::Vec3 up_b = math::rotation_matrix(model::base_quat(b)).transpose().col(2);
   return std::acos(std::clamp(up_a.dot(up_b), -1.0, 1.0));
+}
+
+double tilt_rate(const model::State& x) { return x.segment<2>(model::kXOmega).norm(); }
+
+/// True when the robot has been quiet for quiet_s, false when it was not within the patience or is
+/// no longer in hold.
+bool wait_until_quiet(link::RobotLink& robot, const model::State& first,
+                      const TrialSettings& settings) {
+  const Nanoseconds give_up = robot.clock().now() + from_seconds(settings.quiet_patience_s);
+  // what has passed counts: a robot that settled quietly does not wait
+  const auto wanted = std::lround(settings.quiet_s / to_seconds(kTickPeriod));
+  long quiet = wanted;
+  for (;;) {
+    const wire::Observation& o = robot.latest();
+    const bool calm = tilt_between(o.x, first) < settings.quiet_tilt_rad &&
+                      tilt_rate(o.x) < settings.quiet_rate_rad_s;
+    quiet = calm ? quiet + 1 : 0;
+    if (quiet >= wanted) return true;
+    if (o.state != SupervisorState::hold || robot.clock().now() >= give_up) return false;
+    robot.wait_observation(give_up);
+  }
+}
+
+/// Of all that was seen: the hold, from when nobody's hand is at the robot any more.
+std::vector<wire::Observation> standing(const std::vector<wire::Observation>& all,
+                                        const TrialSettings& settings) {
+  std::vector<wire::Observation> seen;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(seen),
+               [](const wire::Observation& o) { return o.state == SupervisorState::hold; });
+  const auto held = std::lround(settings.let_go_s / to_seconds(kTickPeriod));
+  seen.erase(seen.begin(), seen.begin() + std::min<std::ptrdiff_t>(held, std::ssize(seen)));
+  return seen;
 }
 
 /// The trial under way: keeps what has been seen and sent, and judges it.
@@ -230,7 +263,8 @@ Episode Trial::run() {
 
 }  // namespace
 
-void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings) {
+Preparation prepare_trial(link::RobotLink& robot, const TrialSetup& setup,
+                          const TrialSettings& settings) {
   upload_primitives(robot, *setup.primitives);
   if (setup.layers.middle && setup.middle)
     require(robot.upload(*setup.middle), "upload of the middle layer", robot);
@@ -238,11 +272,21 @@ void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialS
                          .trial_id = setup.trial_id,
                          .layers = setup.layers.mask()}),
           "arm", robot);
-  constexpr double kStandUp_s = 10.0;
-  wait_for_state(robot, SupervisorState::hold, kStandUp_s, "standing up");
-  const Nanoseconds settled = robot.clock().now() + from_seconds(settings.settle_s);
-  while (robot.clock().now() < settled) robot.wait_observation(settled);
-  wait_for_state(robot, SupervisorState::hold, 0.1, "settling");
+  Preparation preparation;
+  try {
+    constexpr double kStandUp_s = 10.0;
+    wait_for_state(robot, SupervisorState::hold, kStandUp_s, "standing up");
+    const Nanoseconds settled = robot.clock().now() + from_seconds(settings.settle_s);
+    while (robot.clock().now() < settled) robot.wait_observation(settled);
+    preparation.quiet = wait_until_quiet(robot, setup.reference.front(), settings);
+    wait_for_state(robot, SupervisorState::hold, 0.1, "settling");
+  } catch (const TrialError& error) {
+    if (robot.latest().fault != kFaultFallen) throw;
+    preparation.seen = standing(robot.take_observations(), settings);
+    throw FellBefore(error.what(), preparation);
+  }
+  preparation.seen = standing(robot.take_observations(), settings);
+  return preparation;
 }
 
 Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup,

@@ -22,6 +22,14 @@ struct Layers : policy::LayerSwitches {
 struct TrialSettings {
   // standing in the first pose before the trial, lower and middle layer on
   double settle_s = 1.5;
+  // a person, or who stands for one in an emulated robot, has let go so long after the hold began
+  double let_go_s = 0.4;
+  // a trial begins when trunk tilt against the first pose and its rate were below these for
+  // quiet_s; after quiet_patience_s more than settle_s it begins all the same
+  double quiet_tilt_rad = 0.25;
+  double quiet_rate_rad_s = 0.25;
+  double quiet_s = 0.1;
+  double quiet_patience_s = 3.0;
   double cost_limit = 350.0;      // J_th (paper)
   double tilt_limit_rad = 0.698;  // 40 deg between the base's and the reference's vertical
   double drop_limit_m = 0.09;     // base below the reference
@@ -52,9 +60,27 @@ struct TrialError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Brings the controller from idle to hold in the first pose: uploads, arm, settle. Throws
-/// TrialError.
-void prepare_trial(link::RobotLink& robot, const TrialSetup& setup, const TrialSettings& settings);
+/// What was seen between arming and the trial.
+struct Preparation {
+  std::vector<wire::Observation> seen;  // the hold, without its first let_go_s
+  bool quiet = false;                   // at the end of it; false: waited for long enough
+};
+
+/// The robot fell while it stood up or held its first pose. What was seen until then can be learned
+/// from.
+struct FellBefore : TrialError {
+  FellBefore(const std::string& what, Preparation before)
+      : TrialError(what), preparation(std::move(before)) {}
+  Preparation preparation;
+};
+
+/// Number of the controller's fault for a fallen robot (docs/faults.md).
+inline constexpr std::uint16_t kFaultFallen = 40;
+
+/// Brings the controller from idle to hold in the first pose: uploads, arm, settle, and waits until
+/// the robot is quiet. Throws FellBefore or another TrialError.
+Preparation prepare_trial(link::RobotLink& robot, const TrialSetup& setup,
+                          const TrialSettings& settings);
 
 /// Runs the trial on a controller in hold. Returns when the controller is out of `run`.
 Episode run_trial(link::RobotLink& robot, mpc::UpperLayer& upper, const TrialSetup& setup,

@@ -115,17 +115,22 @@ TEST_P(BusFaults, AnAlertAloneIsAReading) {
   EXPECT_TRUE(readings.servo[kKneeSlot].alert);
 }
 
-TEST_P(BusFaults, AJumpThatNoJointCanMakeIsNoReadingForATenthOfASecond) {
+TEST_P(BusFaults, AJumpThatNoJointCanMakeIsNoReadingHoweverLongItLasts) {
   read({});
-  for (int k = 0; k < 9; ++k) {
+  for (int k = 1; k < 300; ++k) {
     read({.odd_id = kKneeId, .odd_position_raw = 0});
-    EXPECT_EQ(readings.servo[kKneeSlot].position_raw, 2048) << k;
+    ASSERT_EQ(readings.servo[kKneeSlot].position_raw, 2048) << k;
+    ASSERT_EQ(readings.servo[kKneeSlot].age_ticks, k);
   }
-  EXPECT_EQ(readings.servo[kKneeSlot].age_ticks, 9);
   read({});
   EXPECT_EQ(readings.servo[kKneeSlot].age_ticks, 0);
-  for (int k = 0; k < 12; ++k) read({.odd_id = kKneeId, .odd_position_raw = 1000});
-  EXPECT_EQ(readings.servo[kKneeSlot].position_raw, 1000) << "it stays: it has been turned by hand";
+}
+
+TEST_P(BusFaults, AfterATenthOfASecondOfSilenceAJointMayBeAnywhere) {
+  read({});
+  for (int k = 0; k < 10; ++k) read({.dead_id = kKneeId});
+  read({.odd_id = kKneeId, .odd_position_raw = 1000});
+  EXPECT_EQ(readings.servo[kKneeSlot].position_raw, 1000) << "it has been turned by hand";
 }
 
 TEST_P(BusFaults, APositionOutsideTheEncoderIsNoReading) {

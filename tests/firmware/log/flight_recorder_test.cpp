@@ -47,7 +47,7 @@ struct Recorder : testing::Test {
 };
 
 TEST_F(Recorder, AFaultLeavesOneFileWithTheMinuteBeforeAndHalfASecondAfter) {
-  FlightRecorder recorder(*handover, folder);
+  FlightRecorder recorder(*handover, folder, "0badb007");
   EXPECT_EQ(fly(recorder, 0, 8000, 7900), 1);
   const recording::Recording read = recording::read_csv(recorder.last_file());
   ASSERT_EQ(read.rows(), FlightRecorder::kTicksKept);
@@ -60,20 +60,20 @@ TEST_F(Recorder, AFaultLeavesOneFileWithTheMinuteBeforeAndHalfASecondAfter) {
 }
 
 TEST_F(Recorder, TheFileIsNamedAfterTheFaultEvenWhenItWasClearedAtOnce) {
-  FlightRecorder recorder(*handover, folder);
+  FlightRecorder recorder(*handover, folder, "0badb007");
   EXPECT_EQ(fly(recorder, 0, 200, 100, 110), 1);
-  EXPECT_EQ(fs::path(recorder.last_file()).filename(), "F30-tick100.csv");
+  EXPECT_EQ(fs::path(recorder.last_file()).filename(), "F30-0badb007-1000ms.csv");
 }
 
 TEST_F(Recorder, WithoutAFaultNothingIsWritten) {
-  FlightRecorder recorder(*handover, folder);
+  FlightRecorder recorder(*handover, folder, "0badb007");
   EXPECT_EQ(fly(recorder, 0, 500, 1000), 0);
   EXPECT_TRUE(fs::is_empty(folder));
   EXPECT_EQ(recorder.records().size(), 501u);
 }
 
 TEST_F(Recorder, AFolderThatIsNotThereIsSaidAndTheNextFaultTriesAgain) {
-  FlightRecorder recorder(*handover, folder / "missing");
+  FlightRecorder recorder(*handover, folder / "missing", "0badb007");
   EXPECT_EQ(fly(recorder, 0, 200, 100), 0);
   EXPECT_NE(recorder.error().find("missing/F30"), std::string::npos) << recorder.error();
   EXPECT_TRUE(recorder.last_file().empty());

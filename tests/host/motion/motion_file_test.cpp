@@ -13,6 +13,7 @@
 #include "host/motion/make/import.h"
 #include "host/motion/motion.h"
 #include "shared/model/joints.h"
+#include "tests/support/temp_folder.h"
 
 namespace sanso::motion {
 namespace {
@@ -132,6 +133,15 @@ TEST(MotionLibrary, HoldsTheCatalogueAndNamesItWhenAskedForSomethingElse) {
     EXPECT_THAT(error.what(), HasSubstr("no motion named 'cartwheel'"));
     EXPECT_THAT(error.what(), HasSubstr("squat"));
   }
+}
+
+TEST(MotionLibrary, OfAnInstalledProgramStandsBesideIt) {
+  const test::TempFolder prefix;
+  const auto motions = prefix.path() / "share" / "sanso" / "motions";
+  EXPECT_EQ(installed_motions(prefix.path() / "bin" / "sanso"), "") << "nothing installed there";
+  std::filesystem::create_directories(motions);
+  EXPECT_EQ(installed_motions(prefix.path() / "bin" / "sanso"), motions);
+  EXPECT_EQ(installed_motions(prefix.path() / "sanso"), "") << "a build tree";
 }
 
 TEST(MotionFile, MessagesNameLineKeyAndExpectation) {

@@ -42,6 +42,18 @@ TEST(Trial, OneSeedGivesTheSameBits) {
   EXPECT_NE(a, c) << "another seed has to give another trial";
 }
 
+TEST(Trial, TheCostOfTheTruthIsThatOfTheEstimatesWhereTheyAgree) {
+  Loop loop("stand");
+  learn::Episode episode = loop.run(1);
+  const double believed = episode.cost, real = learn::cost_of_truth(episode, loop.motion.weights);
+  EXPECT_NEAR(real, believed, 0.5 * believed) << "the estimator is good, not perfect";
+  EXPECT_NE(real, believed);
+  for (std::size_t i = 0; i < episode.ticks.size(); ++i) episode.truth[i].x = episode.ticks[i].x;
+  EXPECT_NEAR(learn::cost_of_truth(episode, loop.motion.weights), believed, 1e-3 * believed);
+  episode.truth.clear();
+  EXPECT_LT(learn::cost_of_truth(episode, loop.motion.weights), 0.0);
+}
+
 TEST(Trial, APushMovesTheTorsoFromItsTickOnAndNotBefore) {
   constexpr int kPushTick = 60;
   Loop calm("stand"), pushed("stand");

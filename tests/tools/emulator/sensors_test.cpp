@@ -8,6 +8,7 @@
 #include "tests/shared/servo_bus/hex.h"
 #include "tools/emulator/emulated_robot.h"
 #include "tools/emulator/hid_imu.h"
+#include "tools/emulator/pose_source.h"
 
 namespace sanso::emulator {
 namespace {
@@ -49,6 +50,82 @@ TEST(HidImu, ReportsAreTheExampleBytes) {
   ASSERT_EQ(imu.read(buffer), 19u);
   EXPECT_EQ(hex({buffer, 19}), "03 01 03 00 00 00 00 85 4C 0D 00 00 00 00 00 DB 01 98 00");
   EXPECT_EQ(imu.read(buffer), 0u);
+}
+
+/// Orientation after `seconds` in which the sensor feels `force`, base axes, and does not turn.
+plant::Quat felt_orientation(const plant::ImuParameters& p, const plant::Vec3& force,
+                             double seconds) {
+  HidImu imu(p, 1);
+  EXPECT_TRUE(imu.set_feature(bytes("03 01 01 05 00 00 00")));
+  std::uint8_t buffer[64];
+  plant::Quat q{};
+  for (int ms = 0; ms < 1000 * seconds; ++ms) {
+    imu.update(ms * kMillisecond, {force, {0, 0, 0}, {1, 0, 0, 0}}, false, false);
+    if (imu.read(buffer) == 0) continue;
+    for (std::size_t i = 0; i < 4; ++i)  // x y z w
+      q[(i + 1) % 4] =
+          1e-7 * static_cast<std::int32_t>(servo_bus::get_u32({buffer + 3 + 4 * i, 4}));
+  }
+  return q;
+}
+
+TEST(HidImu, TakesAnAccelerationForATiltWithItsTimeConstant) {
+  plant::ImuParameters p = exact();
+  p.gravity_filter_s = 2.0;
+  constexpr double kG = 9.81;
+  EXPECT_NEAR(felt_orientation(p, {0, 0, kG}, 5.0)[2], 0.0, 1e-6) << "nothing to mistake at rest";
+  // accelerating forward looks like a nose that rises: the felt up leans forward
+  const double slope = std::sin(std::atan2(1.0, kG));
+  const plant::Quat q = felt_orientation(p, {1.0, 0, kG}, 2.0);
+  EXPECT_NEAR(2.0 * std::asin(q[2]), -slope * (1.0 - std::exp(-1.0)), 0.003);
+  EXPECT_NEAR(q[1], 0.0, 1e-6);
+  EXPECT_NEAR(felt_orientation(exact(), {1.0, 0, kG}, 2.0)[2], 0.0, 1e-6) << "no filter, no error";
+}
+
+TEST(HidImu, HeadingRunsAwayAtItsRate) {
+  plant::ImuParameters p = exact();
+  p.yaw_drift_rad_s = 0.01;
+  const plant::Quat q = felt_orientation(p, {0, 0, 9.81}, 10.0);
+  EXPECT_NEAR(2.0 * std::asin(q[3]), 0.1, 0.001);
+}
+
+TEST(PoseSource, DropsOutAsOftenAsItsWorldSays) {
+  plant::PoseParameters p;
+  p.delay_s = 0.0;
+  p.dropouts_per_s = 0.5;
+  p.dropout_s = 0.2;
+  PoseSource source(p, 1);
+  std::vector<std::uint8_t> buffer(kPoseReportBytes);
+  int lost = 0, all = 0;
+  for (std::int64_t ms = 0; ms < 400'000; ++ms) {
+    source.update(ms * kMillisecond, {}, false);
+    if (source.read(buffer, ms * kMillisecond) == 0) continue;
+    ++all;
+    lost += decode_pose_report(buffer)->confidence == 0;
+  }
+  // begun at 0.5 a second, 0.2 s each, those that begin within another not counted twice
+  EXPECT_NEAR(static_cast<double>(lost) / all, 1.0 - std::exp(-0.5 * 0.2), 0.02);
+}
+
+TEST(PoseSource, DriftsAsTheRootOfTime) {
+  plant::PoseParameters p;
+  p.delay_s = p.position_noise_m = 0.0;
+  p.drift_m = 0.01;
+  std::vector<std::uint8_t> buffer(kPoseReportBytes);
+  double at_one = 0.0, at_four = 0.0;
+  constexpr int kSources = 300;
+  for (std::uint64_t seed = 0; seed < kSources; ++seed) {
+    PoseSource source(p, seed);
+    for (std::int64_t ms = 0; ms <= 4000; ++ms) {
+      source.update(ms * kMillisecond, {}, false);
+      if (source.read(buffer, ms * kMillisecond) == 0 || (ms != 1000 && ms != 4000)) continue;
+      const double x = decode_pose_report(buffer)->p_world_base[0];
+      (ms == 1000 ? at_one : at_four) += x * x;
+    }
+  }
+  // the deviation of 300 draws is known to 4 %
+  EXPECT_NEAR(std::sqrt(at_one / kSources), p.drift_m, 0.16 * p.drift_m);
+  EXPECT_NEAR(std::sqrt(at_four / kSources), 2.0 * p.drift_m, 0.32 * p.drift_m);
 }
 
 TEST(HidImu, SilentUntilAskedAndFeaturesReadBack) {

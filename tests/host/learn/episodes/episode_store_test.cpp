@@ -35,6 +35,8 @@ Episode example() {
             .ticks = {},
             .reference = {},
             .plans = {},
+            .before = {},
+            .quiet_at_start = false,
             .truth = {{.foot_load_N = {1.5f, 2.5f}}}};
   wire::Observation o;
   o.trial_tick = 12;
@@ -49,6 +51,9 @@ Episode example() {
   plan.policy.knots.try_push(
       {model::Input::Constant(0.1), model::neutral_state(), model::Gain::Random()});
   e.plans = {plan};
+  e.before = {o, o, o};
+  e.before[2].trial_tick = -1;
+  e.quiet_at_start = true;
   return e;
 }
 
@@ -58,6 +63,10 @@ TEST_F(EpisodeStore, GivesBackTheSameBits) {
   const Episode r = load_episode(folder / "t.episode");
   EXPECT_EQ(r.cost, e.cost);
   EXPECT_EQ(r.end, e.end);
+  EXPECT_EQ(r.quiet_at_start, e.quiet_at_start);
+  ASSERT_EQ(r.before.size(), 3u);
+  EXPECT_EQ(r.before[2].trial_tick, -1);
+  EXPECT_TRUE(r.before[0].u_out == e.before[0].u_out);
   EXPECT_EQ(r.cost_terms, e.cost_terms);
   ASSERT_EQ(r.ticks.size(), 2u);
   EXPECT_EQ(r.ticks[1].x, e.ticks[1].x);

@@ -1,0 +1,92 @@
+// A robot that falls before its trial: the session goes on, keeps what it saw and learns from it.
+#include "firmware/exchange/faults.h"
+#include "host/learn/model/prediction.h"
+#include "tests/loop/support/loop_fixture.h"
+#include "tests/support/temp_folder.h"
+
+namespace sanso::loop {
+namespace {
+
+static_assert(learn::kFaultFallen == static_cast<std::uint16_t>(firmware::Fault::fallen));
+
+/// Throws the robot over its heels while it holds its first pose.
+class Pushing : public inprocess::InProcessAccess {
+ public:
+  Pushing() : InProcessAccess("lab") {}
+  link::RobotLink& place(const model::State& x, std::uint64_t seed) override {
+    link::RobotLink& link = InProcessAccess::place(x, seed);
+    const Nanoseconds begin = robot().now() + from_seconds(2.0);  // of a hold from 1 s to 2.5 s
+    robot().robot().push({-40.0, 0.0, 0.0}, {}, begin, begin + 100 * kMillisecond);
+    return link;
+  }
+};
+
+void expect_one_tick_apart(const std::vector<wire::Observation>& seen) {
+  for (std::size_t i = 1; i < seen.size(); ++i) EXPECT_EQ(seen[i].tick, seen[i - 1].tick + 1);
+}
+
+TEST(Rescue, AFallBeforeTheTrialIsToldWithWhatWasSeen) {
+  Loop loop("stand");
+  Pushing robot;
+  link::RobotLink& link = robot.place(loop.reference.front(), 1);
+  try {
+    learn::prepare_trial(link, loop.setup, loop.settings);
+    FAIL() << "the premise: this robot falls";
+  } catch (const learn::FellBefore& fell) {
+    ASSERT_GT(fell.preparation.seen.size(), 40u);
+    expect_one_tick_apart(fell.preparation.seen);
+    EXPECT_LT(learn::tilt_of(fell.preparation.seen.front().x), 0.1);
+    EXPECT_GT(learn::tilt_of(fell.preparation.seen.back().x), 0.5);
+  }
+}
+
+TEST(Rescue, ASessionThatOnlyFallsLearnsAfterThreeTrials) {
+  const test::TempFolder temporary;
+  const motion::Motion stand = motion::MotionLibrary().load("stand");
+  learn::Task task{"stand", stand.primitives, stand.weights, {}};
+  Pushing robot;
+  mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
+  learn::SessionSettings settings;
+  settings.iterations = 3;
+  settings.out = temporary.path() / "session";
+  learn::Session session(task, settings, robot, upper);
+  std::vector<std::uint32_t> rounds;
+  session.run([&](const learn::TrialSummary&) { rounds.push_back(session.state().model_rounds); });
+  EXPECT_EQ(rounds, (std::vector<std::uint32_t>{0, 0, 1}));
+  for (const learn::TrialSummary& t : session.state().history) {
+    EXPECT_EQ(t.end, learn::TrialEnd::fell_before);
+    EXPECT_GE(t.cost, settings.trial.cost_limit) << "a fall is never the cheapest trial";
+    EXPECT_LT(t.model_loss, 0.0) << "no window of N steps: the loss is not known";
+  }
+  EXPECT_GT(learn::load_episode(settings.out / "trial_0001.episode").before.size(), 40u);
+}
+
+TEST(Rescue, ARobotStandsInEveryWorldBeforeItHasLearnedAnything) {
+  for (const char* world : {"nominal", "lab", "hard", "back", "worst"}) {
+    Loop loop("walk_forward", world);
+    EXPECT_NO_THROW(loop.stand(1)) << world;
+    EXPECT_TRUE(loop.on_its_feet()) << world;
+  }
+}
+
+TEST(Rescue, ATrialBeginsQuietOrSaysThatItDidNot) {
+  Loop loop("stand");
+  link::RobotLink& robot = loop.access.place(loop.reference.front(), 1);
+  const learn::Preparation calm = learn::prepare_trial(robot, loop.setup, loop.settings);
+  EXPECT_TRUE(calm.quiet);
+  const double held_s = to_seconds(kTickPeriod) * static_cast<double>(calm.seen.size());
+  EXPECT_NEAR(held_s, loop.settings.settle_s - loop.settings.let_go_s, 0.05)
+      << "a quiet robot does not wait";
+
+  Loop never("stand");
+  never.settings.quiet_rate_rad_s = 0.0;  // nothing is as quiet as that
+  link::RobotLink& other = never.access.place(never.reference.front(), 1);
+  const learn::Preparation restless = learn::prepare_trial(other, never.setup, never.settings);
+  EXPECT_FALSE(restless.quiet);
+  EXPECT_NEAR(to_seconds(kTickPeriod) * static_cast<double>(restless.seen.size()),
+              never.settings.settle_s - never.settings.let_go_s + never.settings.quiet_patience_s,
+              0.1);
+}
+
+}  // namespace
+}  // namespace sanso::loop

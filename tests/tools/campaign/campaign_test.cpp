@@ -1,0 +1,102 @@
+// The fault campaign: its list is the product it claims to be, its judge sees each kind of defect,
+// and the rows that once failed run here too.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tools/campaign/campaign.h"
+#include "tools/campaign/run_scenario.h"
+#include "tools/campaign/soak.h"
+
+namespace sanso::campaign {
+namespace {
+
+using firmware::Fault;
+
+Scenario find(const std::string& name) {
+  for (const Scenario& scenario : scenarios())
+    if (scenario.name() == name) return scenario;
+  throw std::invalid_argument("no scenario " + name);
+}
+
+TEST(Campaign, EveryCellRunsInEveryMotionUnderANameOfItsOwn) {
+  std::set<std::string> names;
+  std::set<int> words, directions;
+  for (const Scenario& s : scenarios()) {
+    EXPECT_TRUE(names.insert(s.name()).second) << s.name();
+    words.insert(static_cast<int>(s.word));
+    directions.insert(static_cast<int>(s.direction));
+    EXPECT_FALSE(s.expected.endings.empty()) << s.name();
+    EXPECT_TRUE(s.trouble.fault.has_value() != (s.trouble.act != Act::none)) << s.name();
+  }
+  EXPECT_EQ(names.size(), cells().size() * kMotions.size());
+  EXPECT_GE(names.size(), 60u);
+  EXPECT_EQ(words.size(), 7u) << "each word occurs";
+  EXPECT_EQ(directions.size(), 3u);
+}
+
+TEST(Campaign, TheJudgeSeesEachDefect) {
+  const Expected expected{{Fault::imu_silent}, {Ending::lowered}, 0.08, false};
+  Found good;
+  good.fault = Fault::imu_silent;
+  good.reaction_s = 0.07;
+  good.ending = Ending::lowered;
+  good.step_rad = 0.15;
+  EXPECT_TRUE(broken_of(expected, good, "").empty());
+  const auto defects = [&](auto&& spoil) {
+    Found found = good;
+    spoil(found);
+    return broken_of(expected, found, "").size();
+  };
+  EXPECT_EQ(defects([](Found& f) { f.fault = Fault::imu_frozen; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.fault = Fault::none; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.reaction_s = 0.09; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.ending = Ending::limp; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.step_rad = 0.16; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.fell = true, f.torque_Nm = 0.0; }), 1u);
+  EXPECT_EQ(defects([](Found& f) { f.fell = true, f.torque_Nm = 0.1; }), 2u);
+  const Expected nothing{{}, {Ending::completes}, 0, false};
+  Found calm;
+  EXPECT_TRUE(broken_of(nothing, calm, "").empty());
+  EXPECT_EQ(broken_of(nothing, calm, "tilt").size(), 1u);
+  calm.fault = Fault::imu_silent;
+  EXPECT_EQ(broken_of(nothing, calm, "").size(), 1u);
+}
+
+class Rows : public testing::TestWithParam<const char*> {};
+
+TEST_P(Rows, AreAsExpected) {
+  const Found found = run_scenario(find(GetParam()), 1);
+  for (const std::string& what : found.broken) ADD_FAILURE() << what;
+  EXPECT_EQ(found.ticks_lost, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Rows,
+                         testing::Values("stand/servo_14/wrong/reply/zeros_for_ever",
+                                         "squat/servo_14/wrong/reply/zeros_for_5_ticks",
+                                         "squat/bus/intermittent/request/lost",
+                                         "walk_forward/bus/delayed/reply/20_ms",
+                                         "walk_forward/bus/intermittent/reply/lost",
+                                         "walk_forward/person/off/emergency_stop"),
+                         [](const auto& p) {
+                           std::string name = p.param;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return c == '/'; }, '_');
+                           return name;
+                         });
+
+TEST(Soak, AFewRoundsOfAnythingBreakNoLaw) { EXPECT_EQ(bench_soak({12'000, 1, false}), 0); }
+
+TEST(Campaign, ThePageAndTheJsonHaveARowForEachScenario) {
+  std::vector<Row> rows{{find("stand/imu/off"), {}}, {find("squat/imu/stuck"), {}}};
+  rows[1].found.broken.push_back("falls");
+  const std::string page = page_of(rows, {});
+  EXPECT_NE(page.find("2 rows, 1 not as expected"), std::string::npos);
+  EXPECT_NE(page.find("| squat | imu | stuck |"), std::string::npos);
+  EXPECT_NE(page.find("**no**: falls"), std::string::npos);
+  EXPECT_NE(json_of(rows, {}).find("\"name\": \"stand/imu/off\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sanso::campaign

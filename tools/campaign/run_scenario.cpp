@@ -1,0 +1,134 @@
+// The host of a scenario is the host of a session: uploads, arm, a trial with the planner in the
+// loop, and then waiting until nothing more can happen.
+#include "tools/campaign/run_scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "host/learn/session/session.h"
+#include "host/motion/motion.h"
+#include "tools/inprocess/inprocess_access.h"
+
+namespace sanso::campaign {
+namespace {
+
+constexpr double kMaxStep_rad = 0.15 + 1e-9;  // 15 rad/s, one tick
+constexpr Nanoseconds kSignOfLife = 50 * kMillisecond;
+
+/// When trouble begins, in ticks of the trial: standing, on the way down, in mid-step.
+std::int32_t trouble_tick(Motion motion) {
+  constexpr std::array<std::int32_t, 3> kTicks{100, 250, 310};
+  return kTicks[static_cast<std::size_t>(motion)];
+}
+
+/// Brings the trouble when its tick has come.
+class Troublemaker {
+ public:
+  Troublemaker(const Scenario& scenario, inprocess::InProcessRobot& robot, Witness& witness)
+      : scenario_(scenario), robot_(robot), witness_(witness) {}
+  void look() {
+    if (begun_ || robot_.controller().observation().trial_tick < trouble_tick(scenario_.motion))
+      return;
+    begun_ = true;
+    const Nanoseconds now = robot_.now();
+    witness_.trouble_at(now);
+    if (scenario_.trouble.fault) {
+      emulator::Fault fault = *scenario_.trouble.fault;
+      fault.start += now;
+      fault.stop += now;
+      robot_.robot().faults().add(fault);
+    }
+    if (scenario_.trouble.act == Act::pull_bus) robot_.bus().pull(true);
+    if (scenario_.trouble.act == Act::lose_host) robot_.lose_host_at(0);
+    if (scenario_.trouble.act == Act::emergency_stop) robot_.handover().emergency_stop = true;
+  }
+
+ private:
+  const Scenario& scenario_;
+  inprocess::InProcessRobot& robot_;
+  Witness& witness_;
+  bool begun_ = false;
+};
+
+/// Observations missing between those that came.
+int gaps(const std::vector<wire::Observation>& seen, std::uint64_t& last) {
+  std::uint64_t missing = 0;
+  for (const wire::Observation& o : seen) {
+    if (last != 0 && o.tick > last + 1) missing += o.tick - last - 1;
+    last = o.tick;
+  }
+  return static_cast<int>(missing);
+}
+
+}  // namespace
+
+std::vector<std::string> broken_of(const Expected& expected, const Found& found,
+                                   const std::string& trial_end) {
+  std::vector<std::string> broken;
+  const bool right_fault =
+      expected.faults.empty()
+          ? found.fault == firmware::Fault::none
+          : std::count(expected.faults.begin(), expected.faults.end(), found.fault) > 0;
+  if (!right_fault) broken.push_back(fmt::format("fault {}", name_of(found.fault)));
+  if (!expected.faults.empty() && right_fault && found.reaction_s > expected.within_s)
+    broken.push_back(fmt::format("after {:.3f} s", found.reaction_s));
+  if (std::count(expected.endings.begin(), expected.endings.end(), found.ending) == 0)
+    broken.push_back(fmt::format("ends {}", name_of(found.ending)));
+  if (found.fell && !expected.fall_allowed) broken.push_back("falls");
+  const bool can_be_told =
+      std::count(expected.endings.begin(), expected.endings.end(), Ending::fell) == 0;
+  if (found.fell && can_be_told && found.torque_Nm != 0.0)
+    broken.push_back(fmt::format("{:.1f} N m after the fall", found.torque_Nm));
+  if (found.step_rad > kMaxStep_rad)
+    broken.push_back(fmt::format("a step of {:.2f} rad", found.step_rad));
+  if (expected.faults.empty() && !trial_end.empty()) broken.push_back("trial: " + trial_end);
+  return broken;
+}
+
+Found run_scenario(const Scenario& scenario, std::uint64_t seed) {
+  motion::Motion motion = motion::MotionLibrary().load(name_of(scenario.motion));
+  motion.primitives = learn::from_origin(motion.primitives);
+  const std::vector<model::State> reference = learn::reference_of(motion.primitives);
+  learn::TrialSetup setup;
+  setup.primitives = &motion.primitives;
+  setup.reference = reference;
+  setup.weights = motion.weights;
+  setup.layers.middle = false;
+  setup.duration_ticks = motion.primitives.duration_ticks();
+  learn::TrialSettings settings;
+  settings.settle_s = 0.3;
+  mpc::MpcSettings planner;
+  planner.threads = 1;
+  mpc::UpperLayer upper(planner, host::AugmentedModel{});
+
+  inprocess::InProcessAccess access("lab");
+  link::RobotLink& link = access.place(reference.front(), seed);
+  inprocess::InProcessRobot& robot = access.robot();
+  Witness witness(robot);
+  Troublemaker troublemaker(scenario, robot, witness);
+  robot.after_tick([&] {
+    witness.look();
+    troublemaker.look();
+  });
+  learn::prepare_trial(link, setup, settings);
+  const learn::Episode episode = learn::run_trial(link, upper, setup, settings);
+  std::uint64_t last_tick = 0;
+  int lost = gaps(episode.ticks, last_tick);
+  last_tick = 0;  // an episode keeps none of those after its trial
+  while (!witness.settled()) {
+    link.wait_observation(robot.now() + kSignOfLife);
+    link.send_sign_of_life();
+    lost += gaps(link.take_observations(), last_tick);
+  }
+  Found found = witness.found();
+  found.ticks_lost = lost;
+  const bool by_host = scenario.trouble.act == Act::lose_host;  // ends early by design
+  found.broken = broken_of(scenario.expected, found,
+                           episode.end == learn::TrialEnd::completed || by_host
+                               ? ""
+                               : std::string(learn::to_string(episode.end)));
+  return found;
+}
+
+}  // namespace sanso::campaign
