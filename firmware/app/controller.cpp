@@ -67,7 +67,7 @@ void Controller::read_sensors(Nanoseconds now) {
                            state == SupervisorState::soft_stop;
     bus_.read_feedback(legs_only ? model::kNumJoints : kNumServos, servos_);
     fresh_ticks_ = servos_.answered == kNumServos ? std::min(fresh_ticks_ + 1, 1000) : 0;
-    if (servos_.port_gone && slow_read_tick_++ % kReopenTicks == 0) (void)bus_.reopen();
+    if (servos_.port_gone && slow_read_tick_++ % kReopenTicks == 0) (void)bus_.ready();
   }
   if (settings_.imu.from_board && !servos_.port_gone && !release_in_silence()) {
     if (const Result<BoardReading> board = bus_.read_board(); board.ok())

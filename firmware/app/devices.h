@@ -35,7 +35,7 @@ class SwitchedBus final : public SerialPort {
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override {
     return port_ ? port_->read(buffer, deadline) : Result<std::size_t>(Status::io_error);
   }
-  Status reopen() override { return port_ ? port_->reopen() : Status::not_ready; }
+  Status ready() override { return port_ ? port_->ready() : Status::not_ready; }
 
  private:
   firmware::DeviceConfig config_;

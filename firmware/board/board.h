@@ -32,7 +32,7 @@ class SerialPort {
  public:
   virtual ~SerialPort() = default;
   /// Queues all bytes for sending. io_error: the device is gone (unplugged); it stays so until
-  /// reopen().
+  /// ready().
   virtual Status write(Bytes data) = 0;
   /// Bytes that have arrived, as soon as there is at least one; waits for it until `deadline` at
   /// most (a deadline in the past: takes what is there). Returns 0 at the deadline. io_error as for
@@ -40,7 +40,7 @@ class SerialPort {
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
   /// Asks whether a lost device is back: ok, or why not. Does not block and does not allocate:
   /// opening is the helper thread's work (reconnect.h).
-  virtual Status reopen() = 0;
+  virtual Status ready() = 0;
 };
 
 /// Which device it is; 0:0 when nobody knows.

@@ -21,7 +21,7 @@ class LinuxSerial : public OpenableSerial {
 
   Status write(Bytes data) override;
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override;
-  Status reopen() override { return descriptor_ >= 0 ? Status::ok : Status::not_ready; }
+  Status ready() override { return descriptor_ >= 0 ? Status::ok : Status::not_ready; }
 
  private:
   void close();

@@ -73,7 +73,7 @@ class ReconnectingSerial final : public SerialPort, public Reconnecting {
   Status write(Bytes data) override;
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override;
   /// ok when the helper has the device back, else not_ready. Never blocks.
-  Status reopen() override { return up() ? Status::ok : Status::not_ready; }
+  Status ready() override { return up() ? Status::ok : Status::not_ready; }
 
  private:
   std::unique_ptr<OpenableSerial> port_;

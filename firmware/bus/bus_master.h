@@ -82,8 +82,8 @@ class BusMaster {
   void use_fast_read(bool on) { fast_ = on; }
   bool fast_read() const { return fast_; }
   const BusCounters& counters() const { return counters_; }
-  /// Tries to get a lost port back. May block: not while torque is commanded.
-  Status reopen() { return port_.reopen(); }
+  /// Asks whether a lost port is back; opening it is not the tick's work.
+  Status ready() { return port_.ready(); }
 
  private:
   enum class Wait : std::uint8_t { more, done };

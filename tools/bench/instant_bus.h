@@ -17,7 +17,7 @@ class InstantBus : public board::SerialPort {
   InstantBus();
   Status write(board::Bytes data) override;
   Result<std::size_t> read(board::Buffer buffer, Nanoseconds deadline) override;
-  Status reopen() override { return Status::ok; }
+  Status ready() override { return Status::ok; }
 
   /// Servos behind this slot do not answer any more (kNumServos: all answer).
   void silence_from(int slot) { silent_from_ = slot; }

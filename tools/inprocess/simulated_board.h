@@ -25,7 +25,7 @@ class SimulatedSerialPort : public board::SerialPort {
   explicit SimulatedSerialPort(emulator::EmulatedRobot& robot) : robot_(robot) {}
   Status write(board::Bytes data) override;
   Result<std::size_t> read(board::Buffer buffer, Nanoseconds deadline) override;
-  Status reopen() override { return pulled_ ? Status::io_error : Status::ok; }
+  Status ready() override { return pulled_ ? Status::io_error : Status::ok; }
   /// The cable is pulled out (true) or put back.
   void pull(bool pulled) { pulled_ = pulled; }
   /// What happens to one request or to its reply.

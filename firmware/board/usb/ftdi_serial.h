@@ -49,7 +49,7 @@ class FtdiSerial final : public OpenableSerial {
   /// full: the bytes before have not left yet.
   Status write(Bytes data) override;
   Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) override;
-  Status reopen() override { return gone_ ? Status::not_ready : Status::ok; }
+  Status ready() override { return gone_ ? Status::not_ready : Status::ok; }
   const Counters& counters() const { return counters_; }
 
  private:

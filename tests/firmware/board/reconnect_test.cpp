@@ -34,7 +34,7 @@ class FakePort : public OpenableSerial {
     out[0] = 1;
     return std::size_t{1};
   }
-  Status reopen() override { return Status::ok; }
+  Status ready() override { return Status::ok; }
   bool works() const { return present && !broken; }
   bool present = true, broken = false, silent = false;
   int opens = 0, touched = 0;
@@ -74,7 +74,7 @@ TEST(Reconnect, NobodyTouchesADeviceThatIsDown) {
   EXPECT_TRUE(k.read().ok());
   k.port.broken = true;
   EXPECT_EQ(k.read().status(), Status::io_error);
-  EXPECT_EQ(k.bus.reopen(), Status::not_ready);
+  EXPECT_EQ(k.bus.ready(), Status::not_ready);
   const int touched = k.port.touched;
   EXPECT_EQ(k.read().status(), Status::io_error);
   EXPECT_EQ(k.port.touched, touched);

@@ -41,7 +41,7 @@ struct ScriptedPort : board::SerialPort {
     pending.erase(pending.begin(), pending.begin() + static_cast<long>(n));
     return n;
   }
-  Status reopen() override { return Status::ok; }
+  Status ready() override { return Status::ok; }
 
   Clock& clock;
   std::function<std::vector<std::uint8_t>(const std::vector<std::uint8_t>&)> answer;

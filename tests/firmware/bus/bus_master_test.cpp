@@ -37,7 +37,7 @@ class SpoiledPort : public board::SerialPort {
     std::copy(bytes.begin(), bytes.end(), buffer.begin());
     return bytes.size();
   }
-  Status reopen() override { return Status::ok; }
+  Status ready() override { return Status::ok; }
 
   bench::InstantBus bus;
   std::function<void(std::vector<std::uint8_t>&)> spoil;

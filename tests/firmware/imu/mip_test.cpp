@@ -78,7 +78,7 @@ class ListedPort : public board::SerialPort {
     coming.erase(coming.begin(), coming.begin() + static_cast<std::ptrdiff_t>(n));
     return n;
   }
-  Status reopen() override { return Status::ok; }
+  Status ready() override { return Status::ok; }
   ByteList sent, coming;
   bool gone = false;
 };

@@ -42,7 +42,7 @@ class RobotPort : public board::SerialPort {
       robot_.advance(std::min(deadline, robot_.next_bus_byte()));
     }
   }
-  Status reopen() override { return pulled ? Status::io_error : Status::ok; }
+  Status ready() override { return pulled ? Status::io_error : Status::ok; }
   bool pulled = false;
   Spoil spoil = Spoil::nothing;
   int writes = 0, spoil_at = -1;  // requests so far; the one that is struck
