@@ -47,10 +47,11 @@ inline constexpr std::array kFaultWords{
                "the id table; another servo type needs other limits and gains, so it is refused."},
     FaultWords{
         Fault::servo_register,
-        "A register does not hold what was written, or a servo that was found with torque on "
-        "has another operating or drive mode. Detail: the servo's id.",
-        "a servo in hardware shutdown refuses torque settings: reboot it (F21). "
-        "`--self-test` shows the registers of all servos."},
+        "A register does not hold what was written, or the EEPROM has another return delay, "
+        "operating or drive mode than the controller needs; a start writes nothing there. Detail: "
+        "the servo's id.",
+        "`sanso-firmware --config FILE --self-test` shows what differs, with `--write-eeprom` it "
+        "writes it. A servo in hardware shutdown refuses torque settings: reboot it (F21)."},
     FaultWords{
         Fault::bus_foreign,
         "Another program is on the servo bus: bytes before the first request (detail: how "

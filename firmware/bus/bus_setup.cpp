@@ -1,5 +1,5 @@
-// A state machine of one bus transaction a call; registers are read, written only when
-// different, and read back.
+// A state machine of one bus transaction a call; registers are read, those of the RAM written when
+// different, and read back. What differs in the EEPROM is the owner's to write.
 #include "firmware/bus/bus_setup.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Wanted {
 
 bool in_eeprom(const servo_bus::Register& r) { return r.address < xm430::kFirstRamAddress; }
 
-/// In this order: torque off first (EEPROM), mode before gains (a mode change resets them).
+/// In this order: torque off first.
 std::array<Wanted, 10> wanted_registers(const BusSettings& s) {
   return {{{xm430::kTorqueEnable, 0},
            {xm430::kReturnDelayTime, s.return_delay_raw},
@@ -36,12 +36,14 @@ std::array<Wanted, 10> wanted_registers(const BusSettings& s) {
            {xm430::kProfileAcceleration, 0}}};
 }
 
-/// Makes a register hold `value`: reads, writes only when it differs, reads back.
+/// Makes a register of the RAM hold `value`: reads, writes only when it differs, reads back. One of
+/// the EEPROM has to hold it already.
 Status ensure(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   const servo_bus::Register& r = wanted.reg;
   Result<std::int64_t> value = bus.read_register(id, r.address, r.size, r.is_signed);
   if (!value.ok()) return value.status();
   if (*value == wanted.value) return Status::ok;
+  if (in_eeprom(r)) return Status::rejected;
   if (const Status status = bus.write_register(id, r.address, r.size, wanted.value);
       status != Status::ok)
     return status;
@@ -50,16 +52,13 @@ Status ensure(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   return *value == wanted.value ? Status::ok : Status::rejected;
 }
 
-/// For a servo with torque on: its torque is left on; what the EEPROM has to say must be right
-/// already, but for the return delay, which only costs time.
+/// For a servo with torque on: its torque is left on, and a long return delay, which only costs
+/// time, is no reason to refuse it.
 Status ensure_alive(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   const servo_bus::Register& r = wanted.reg;
   if (r.address == xm430::kTorqueEnable.address || r.address == xm430::kReturnDelayTime.address)
     return Status::ok;
-  if (!in_eeprom(r)) return ensure(bus, id, wanted);
-  const Result<std::int64_t> value = bus.read_register(id, r.address, r.size, r.is_signed);
-  if (!value.ok()) return value.status();
-  return *value == wanted.value ? Status::ok : Status::rejected;
+  return ensure(bus, id, wanted);
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // Start-up of the bus, one small step a tick: listen, supply on, every servo there and an XM430,
 // registers as the controller needs them and read back. What the servos are doing is read before
 // anything is written: a robot that is found standing keeps its torque, its goals and its EEPROM,
-// and the controller adopts it. Leaves a servo's EEPROM alone when it already holds what is needed.
+// and the controller adopts it. A servo's EEPROM is never written: what differs there is a fault
+// that names the servo, and the owner's self-test writes it when told to.
 #pragma once
 
 #include "firmware/bus/bus_master.h"

@@ -37,6 +37,7 @@ InstantBus::InstantBus() {
       if (r.address + r.size <= kTable)
         bus::put_le(&table_[static_cast<std::size_t>(slot)][r.address], r.size, r.initial_raw);
     poke(slot, 6, 1, bus::xm430::kFirmwareWithFastRead);
+    poke(slot, 9, 1, 1);  // return delay, as the maker sets up an OP3
     poke(slot, 132, 4, 2048);
     poke(slot, 144, 2, 120);
     poke(slot, 146, 1, 35);

@@ -200,6 +200,22 @@ TEST_F(BusSetupTest, LeavesEveryServoReadyWithTorqueOff) {
   EXPECT_TRUE(master.fast_read());
 }
 
+TEST_F(BusSetupTest, WhatDiffersInTheEepromIsNamedAndNotWritten) {
+  const struct {
+    std::uint16_t address;
+    std::int32_t value;
+  } kDifferences[] = {{9, 250}, {10, 1}, {11, 4}};  // return delay, drive mode, operating mode
+  for (const auto& d : kDifferences) {
+    port.bus.poke(13, d.address, 1, d.value);
+    ASSERT_EQ(run(), BusSetup::Progress::failed) << d.address;
+    EXPECT_EQ(setup.fault(), Fault::servo_register);
+    EXPECT_EQ(setup.fault_detail(), kServoIds[13]);
+    EXPECT_EQ(port.bus.get(13, d.address, 1), d.value);
+    port.bus.poke(13, d.address, 1, d.address == 9 ? 1 : d.address == 11 ? 3 : 0);
+    setup.restart();
+  }
+}
+
 TEST_F(BusSetupTest, FindsARobotThatStandsAndLeavesItsTorqueAlone) {
   for (int s = 0; s < kNumServos; ++s) {
     port.bus.poke(s, 84, 2, 800);
