@@ -126,7 +126,7 @@ struct GuardSettings {
   double fall_height_m = 0.10;
   double fall_time_s = 0.05;
   int overrun_ticks = 20;
-  double max_duty = 1.0;
+  double max_duty = 0.9;  // leaves a tenth of the torque as what no gain and no defect can ask for
   double hot_duty = 0.5;
   double max_held_rate_rad_s = 3.0;
   double tuck_s = 0.2;
