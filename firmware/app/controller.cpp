@@ -74,6 +74,8 @@ void Controller::read_sensors(Nanoseconds now) {
       board_imu_.take(now, *board);
   }
   imu_new_ = handover_.imu.update();
+      take_buttons(board->buttons);
+    }
   handover_.pose.update();
   if (!bus_in_use()) return;
   x_ = estimator_.update(now, servos_, handover_.imu.front(), handover_.pose.front());

@@ -50,6 +50,7 @@ class Controller {
   Refusal execute(const wire::Command& command);
   void acknowledge(std::uint32_t sequence, Refusal refusal);
   void take_emergency();
+  void take_buttons(std::uint8_t down);
   void take_end_request(Nanoseconds now);
   Refusal arm(const wire::Command& command);
   void try_to_arm(Nanoseconds now);
@@ -122,6 +123,7 @@ class Controller {
   int arm_wait_ticks_ = -1;     // ticks that it has waited for the gate; -1: none waits
   int fresh_ticks_ = 0;         // ticks in a row in which all servos have answered
   bool imu_new_ = false;        // a sample came since the last tick
+  std::uint8_t buttons_ = 0;    // of the OpenCR board, as they were in the last tick
 
   Torque torque_ = Torque::off;
   int torque_ticks_ = 0;  // ticks since torque on

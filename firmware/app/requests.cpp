@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "firmware/app/controller.h"
+#include "shared/servo_bus/opencr.h"
 
 namespace sanso::firmware {
 namespace {
@@ -69,6 +70,16 @@ void Controller::take_emergency() {
   enter_fault(Fault::emergency_stop, 0);
   // whatever the bookkeeping says: it costs nothing to say it again
   if (torque_ == Torque::off && !servos_.port_gone) (void)bus_.write_torque(false, servos_);
+}
+
+/// OpenCR's buttons, when they go down: User stops at once, Mode lowers. Reset is the board's own
+/// (it cuts the supply), Start means nothing: no robot begins to move because somebody touches it.
+void Controller::take_buttons(std::uint8_t down) {
+  namespace opencr = servo_bus::opencr;
+  const auto pressed = static_cast<std::uint8_t>(down & ~buttons_);
+  buttons_ = down;
+  if ((pressed & opencr::kButtonUser) != 0) handover_.emergency_stop.store(true);
+  if ((pressed & opencr::kButtonMode) != 0) (void)disarm(Event::lower);
 }
 
 /// The program is to end: lower the robot first. What lowers is left_alone(); here is when it may.

@@ -69,5 +69,29 @@ TEST(BoardImu, ButtonsAndVoltageComeWithIt) {
   EXPECT_NEAR(rig.bus.read_board()->voltage_V, rig.robot.truth().supply_V, 0.1);
 }
 
+/// A robot with OpenCR's own IMU: its buttons mean something while it stands.
+TEST(BoardImu, UserStopsAtOnceAndModeLowersOnceForEachPress) {
+  Settings settings;
+  settings.imu.from_board = true;
+  for (const bool user : {true, false}) {
+    SCOPED_TRACE(user);
+    testing::EmulatedController c("nominal", settings);
+    c.without_hid = true;
+    ASSERT_TRUE(c.stand());
+    c.robot.press(servo_bus::opencr::kButtonStart);
+    c.ticks(5);
+    EXPECT_EQ(c.controller->state(), wire::SupervisorState::hold) << "Start moves nothing";
+    c.robot.press(user ? servo_bus::opencr::kButtonUser : servo_bus::opencr::kButtonMode);
+    c.ticks(3);
+    if (user) {
+      EXPECT_EQ(c.controller->fault(), Fault::emergency_stop);
+      continue;
+    }
+    EXPECT_EQ(c.controller->state(), wire::SupervisorState::soft_stop);
+    EXPECT_TRUE(c.run_until(wire::SupervisorState::idle, 6));
+    ASSERT_EQ(c.command(wire::CommandKind::arm).accepted, 1) << "held down it asks no more";
+  }
+}
+
 }  // namespace
 }  // namespace sanso::firmware
