@@ -28,6 +28,7 @@
 #include "firmware/log/black_box.h"
 #include "firmware/log/flight_recorder.h"
 
+#include "firmware/log/times_file.h"
 namespace {
 
 using namespace sanso;
@@ -94,8 +95,11 @@ void run_ticks(firmware::Firmware& controller, int priority, bool allow_without)
     board::LinuxClock::sleep_until(due);
     const Nanoseconds begin = clock.now();
     if (signals > 0) controller.handover().end_requested = true;
+    const bool works = controller.controller().state() > wire::SupervisorState::self_test;
+    if (works) controller.handover().times.wake.add(begin - due);
     controller.tick(begin);
     if (controller.handover().may_end || signals > 1) stop_requested = true;
+    if (works) controller.handover().times.tick.add(clock.now() - begin);
     do due += kTickPeriod;
     while (due < clock.now());
   }
@@ -256,6 +260,14 @@ int run(const std::string& config_path) {
   board::Devices devices;
   if (!board::make_devices(config.device, config.settings.bus, devices, error))
     return refuse(error);
+/// One line at the end; with a log directory the histograms too.
+void tell_times(const firmware::TickTimes& times, const std::string& directory) {
+  std::fputs(firmware::times_line(times).c_str(), stderr);
+  if (directory.empty()) return;
+  const std::string file = directory + "/times-" + firmware::boot_name() + ".csv";
+  if (!firmware::write_times(times, file)) warn(file + ": cannot be written");
+}
+
   if (devices.imu)
     devices.imu->set_explanation(
         [&imu = *devices.imu] { return firmware::why_no_imu(imu.last_descriptor()); });
@@ -293,6 +305,7 @@ int self_test(const std::string& config_path, bool reboot, bool write_eeprom) {
   std::string error;
   if (!firmware::read_program_config(config_path, config, error)) return refuse(error);
   const firmware::BusSettings& settings = config.settings.bus;
+  tell_times(controller->handover().times, config.device.log_directory);
   board::SwitchedBus bus(config.device);
   if (!bus.set_baud(static_cast<int>(settings.byte_rate_baud))) return refuse(bus.message());
   board::LinuxClock clock;

@@ -65,7 +65,9 @@ void Controller::read_sensors(Nanoseconds now) {
     const SupervisorState state = supervisor_.state();
     const bool legs_only = state == SupervisorState::run || state == SupervisorState::hold ||
                            state == SupervisorState::soft_stop;
+    const Nanoseconds asked = clock_.now();
     bus_.read_feedback(legs_only ? model::kNumJoints : kNumServos, servos_);
+    handover_.times.reply.add(clock_.now() - asked);
     fresh_ticks_ = servos_.answered == kNumServos ? std::min(fresh_ticks_ + 1, 1000) : 0;
     if (servos_.port_gone && slow_read_tick_++ % kReopenTicks == 0) (void)bus_.ready();
   }
@@ -78,6 +80,8 @@ void Controller::read_sensors(Nanoseconds now) {
     }
   handover_.pose.update();
   if (!bus_in_use()) return;
+  if (const Nanoseconds taken = handover_.imu.front().time; taken != 0)
+    handover_.times.imu_age.add(clock_.now() - taken);
   x_ = estimator_.update(now, servos_, handover_.imu.front(), handover_.pose.front());
   if (estimator_.ready()) imu_watch_.update(now, handover_.imu.front(), estimator_);
 }

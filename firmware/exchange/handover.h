@@ -8,6 +8,7 @@
 #include "firmware/exchange/record.h"
 #include "firmware/exchange/samples.h"
 #include "firmware/exchange/spsc_ring.h"
+#include "firmware/exchange/tick_times.h"
 #include "shared/policy/policy_types.h"
 #include "shared/policy/primitives.h"
 #include "shared/wire/messages.h"
@@ -33,6 +34,7 @@ struct Handover {
   // tick -> main: after end_requested, the program may end
   std::atomic<bool> may_end{false};
   std::atomic<std::uint64_t> ticks{0};  // so many are done
+  TickTimes times;                      // and took so long
 
   // IMU and pose threads -> tick
   Mailbox<ImuSample> imu;
