@@ -18,6 +18,7 @@
 #include "firmware/app/firmware.h"
 #include "firmware/app/servo_check.h"
 #include "firmware/board/device_list.h"
+#include "firmware/board/holders.h"
 #include "firmware/board/linux_clock.h"
 #include "firmware/board/linux_socket.h"
 #include "firmware/board/realtime.h"
@@ -27,8 +28,8 @@
 #include "firmware/imu/hid_description.h"
 #include "firmware/log/black_box.h"
 #include "firmware/log/flight_recorder.h"
-
 #include "firmware/log/times_file.h"
+
 namespace {
 
 using namespace sanso;
@@ -94,12 +95,12 @@ void run_ticks(firmware::Firmware& controller, int priority, bool allow_without)
   while (!stop_requested) {
     board::LinuxClock::sleep_until(due);
     const Nanoseconds begin = clock.now();
-    if (signals > 0) controller.handover().end_requested = true;
     const bool works = controller.controller().state() > wire::SupervisorState::self_test;
     if (works) controller.handover().times.wake.add(begin - due);
+    if (signals > 0) controller.handover().end_requested = true;
     controller.tick(begin);
-    if (controller.handover().may_end || signals > 1) stop_requested = true;
     if (works) controller.handover().times.tick.add(clock.now() - begin);
+    if (controller.handover().may_end || signals > 1) stop_requested = true;
     do due += kTickPeriod;
     while (due < clock.now());
   }
@@ -179,6 +180,14 @@ void run_watch(firmware::Firmware& controller, const board::ServiceManager& mana
   }
 }
 
+/// The other master, when it is a program of this computer that has the same device open.
+void tell_holders(const std::string& bus) {
+  const std::string holders = board::holders_of(bus);
+  if (!holders.empty())
+    std::fprintf(stderr, "sanso-firmware: %s is also open in process %s\n", bus.c_str(),
+                 holders.c_str());
+}
+
 /// Says state changes and faults in words, writes every tick and the flight record of a fault.
 void run_log(firmware::Firmware& controller, const firmware::DeviceConfig& device,
              const board::ServiceManager& manager) {
@@ -211,6 +220,8 @@ void run_log(firmware::Firmware& controller, const firmware::DeviceConfig& devic
         std::fprintf(stderr, "sanso-firmware: F%d %s (%d) at t=%.2f s; docs/faults.md#f%d\n", told,
                      firmware::name_of(static_cast<firmware::Fault>(told)), record.fault_detail,
                      to_seconds(record.observation.time), told);
+      if (told == static_cast<std::uint16_t>(firmware::Fault::bus_foreign))
+        tell_holders(device.bus);
     }
   }
 }
@@ -249,6 +260,14 @@ std::vector<std::thread> start_threads(firmware::Firmware& controller,
   return threads;
 }
 
+/// One line at the end; with a log directory the histograms too.
+void tell_times(const firmware::TickTimes& times, const std::string& directory) {
+  std::fputs(firmware::times_line(times).c_str(), stderr);
+  if (directory.empty()) return;
+  const std::string file = directory + "/times-" + firmware::boot_name() + ".csv";
+  if (!firmware::write_times(times, file)) warn(file + ": cannot be written");
+}
+
 int run(const std::string& config_path) {
   firmware::ProgramConfig config;
   std::string error;
@@ -260,14 +279,6 @@ int run(const std::string& config_path) {
   board::Devices devices;
   if (!board::make_devices(config.device, config.settings.bus, devices, error))
     return refuse(error);
-/// One line at the end; with a log directory the histograms too.
-void tell_times(const firmware::TickTimes& times, const std::string& directory) {
-  std::fputs(firmware::times_line(times).c_str(), stderr);
-  if (directory.empty()) return;
-  const std::string file = directory + "/times-" + firmware::boot_name() + ".csv";
-  if (!firmware::write_times(times, file)) warn(file + ": cannot be written");
-}
-
   if (devices.imu)
     devices.imu->set_explanation(
         [&imu = *devices.imu] { return firmware::why_no_imu(imu.last_descriptor()); });
@@ -294,6 +305,7 @@ void tell_times(const firmware::TickTimes& times, const std::string& directory) 
   std::vector<std::thread> threads = start_threads(*controller, devices, config, manager);
   for (std::thread& thread : threads) thread.join();
   manager.stopping();
+  tell_times(controller->handover().times, config.device.log_directory);
   if (controller->controller().torque_on())
     std::fprintf(stderr, "sanso-firmware: ended with torque on: the robot holds its last goals\n");
   return 0;
@@ -305,7 +317,6 @@ int self_test(const std::string& config_path, bool reboot, bool write_eeprom) {
   std::string error;
   if (!firmware::read_program_config(config_path, config, error)) return refuse(error);
   const firmware::BusSettings& settings = config.settings.bus;
-  tell_times(controller->handover().times, config.device.log_directory);
   board::SwitchedBus bus(config.device);
   if (!bus.set_baud(static_cast<int>(settings.byte_rate_baud))) return refuse(bus.message());
   board::LinuxClock clock;
