@@ -72,18 +72,20 @@ void Controller::read_sensors(Nanoseconds now) {
     if (servos_.port_gone && slow_read_tick_++ % kReopenTicks == 0) (void)bus_.ready();
   }
   if (settings_.imu.from_board && !servos_.port_gone && !release_in_silence()) {
-    if (const Result<BoardReading> board = bus_.read_board(); board.ok())
+    if (const Result<BoardReading> board = bus_.read_board(); board.ok()) {
       board_imu_.take(now, *board);
-  }
-  imu_new_ = handover_.imu.update();
       take_buttons(board->buttons);
     }
+  }
+  imu_new_ = handover_.imu.update();
   handover_.pose.update();
   if (!bus_in_use()) return;
   if (const Nanoseconds taken = handover_.imu.front().time; taken != 0)
     handover_.times.imu_age.add(clock_.now() - taken);
   x_ = estimator_.update(now, servos_, handover_.imu.front(), handover_.pose.front());
-  if (estimator_.ready()) imu_watch_.update(now, handover_.imu.front(), estimator_);
+  if (estimator_.ready())
+    imu_watch_.update(now, handover_.imu.front(), estimator_,
+                      torque_ == Torque::on && !arming_.active());
 }
 
 void Controller::judge(Nanoseconds now) {

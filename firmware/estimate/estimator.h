@@ -37,6 +37,8 @@ class Estimator {
   math::Vec3 base_rate_by_leg(Leg leg) const {
     return -sole_[static_cast<std::size_t>(leg)].w_sole_in_base;
   }
+  /// Where this leg has its sole, by its joints.
+  const SoleKinematics& sole(Leg leg) const { return sole_[static_cast<std::size_t>(leg)]; }
   /// Base origin above the lower sole's lowest corner, along world z [m].
   double height_above_soles() const { return height_; }
   /// Angle between base z and world z [rad].

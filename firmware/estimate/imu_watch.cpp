@@ -1,4 +1,6 @@
-// Three comparisons over short fading windows; each needs motion or time, none needs stillness.
+// Comparisons over fading windows; each needs motion or time, none needs stillness. The lean is
+// compared until it has once agreed: a screw does not turn a sensor by a right angle later, and a
+// robot that is pushed onto the edge of its feet leans where its legs do not say so.
 #include "firmware/estimate/imu_watch.h"
 
 #include <cmath>
@@ -14,6 +16,12 @@ constexpr double kRateWindow_s = 0.2, kRateTolerance_rad = 0.2;
 constexpr double kLegsWindow_s = 0.4, kEnoughMotion = 0.01;  // rad^2/s
 constexpr double kLikeAmounts = 2.5, kLeastCorrelation = 0.3;
 constexpr int kContradictingTicks = 5;
+// mounting: a lean of 0.7 degrees tells; noise and play of a standing robot are a third of it, and
+// at twice as much a robot that is corrected the wrong way can no longer be saved
+constexpr double kLeanMean_s = 3.0, kEnoughLean_rad = 0.012;
+constexpr double kAgreement = 0.8;
+// soles that lie on one plane
+constexpr double kParallel_rad = 0.06, kLevel_m = 0.006;
 // the legs turn the trunk alike while both soles stand: a sole that slips or lifts says otherwise
 constexpr double kLegsAgree_rad_s = 0.3;
 
@@ -23,7 +31,8 @@ void fade(double& sum, double dt, double window_s, double increment) {
 
 }  // namespace
 
-void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& estimator) {
+void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& estimator,
+                      bool standing) {
   if (imu.time == 0 || now - imu.time > from_seconds(settings_.silent_s)) return;
   const double dt = to_seconds(imu.time - last_.time);
   const bool first = last_.time == 0;
@@ -38,6 +47,8 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
   if (gravity_wrong(dt, imu)) reason_ = kGravity;
   if (rate_wrong(dt, imu)) reason_ = kRate;
   if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
+  if (!standing) lean_ = Lean{};
+  if (standing && !mounting_known_ && leans_another_way(dt, imu, estimator)) reason_ = kAgainstLegs;
   last_ = imu;
 }
 
@@ -75,6 +86,42 @@ bool ImuWatch::legs_contradict(double dt, const ImuSample& imu, const Estimator&
       telling && legs_imu_ < kLeastCorrelation * std::sqrt(legs_legs_ * imu_imu_);
   contradicting_ticks_ = contradicts ? contradicting_ticks_ + 1 : 0;
   return contradicting_ticks_ >= kContradictingTicks;
+}
+
+/// Which way the trunk leans on soles that lie on the ground, told by the legs and by the IMU. Does
+/// not ask the estimator which soles are loaded: it asks the IMU.
+bool ImuWatch::leans_another_way(double dt, const ImuSample& imu, const Estimator& estimator) {
+  const SoleKinematics& right = estimator.sole(kRightLeg);
+  const SoleKinematics& left = estimator.sole(kLeftLeg);
+  const Vec3 up_right = right.R_base_sole.col(2), up_left = left.R_base_sole.col(2);
+  const bool on_one_plane =
+      (up_right - up_left).norm() < kParallel_rad &&
+      std::abs((right.p_base_sole - left.p_base_sole).dot(up_right)) < kLevel_m;
+  if (!on_one_plane) {
+    lean_ = Lean{};
+    return false;
+  }
+  const Eigen::Vector2d by_legs = 0.5 * (up_right + up_left).head<2>();
+  const math::Mat3 R_world_base = math::rotation_matrix(math::quat_normalized(imu.quat_world_base));
+  const Eigen::Vector2d by_imu = R_world_base.row(2).head<2>().transpose();
+  if (!lean_.begun) {
+    lean_.begun = true;
+    lean_.mean_by_legs = by_legs;
+    lean_.mean_by_imu = by_imu;
+  }
+  lean_.mean_by_legs += (by_legs - lean_.mean_by_legs) * (dt / kLeanMean_s);
+  lean_.mean_by_imu += (by_imu - lean_.mean_by_imu) * (dt / kLeanMean_s);
+  const Eigen::Vector2d legs = by_legs - lean_.mean_by_legs, sensor = by_imu - lean_.mean_by_imu;
+  const double size = legs.norm(), other = sensor.norm();
+  const bool telling =
+      size > kEnoughLean_rad && other > size / kLikeAmounts && other < size * kLikeAmounts;
+  const double agreement = telling ? legs.dot(sensor) / (size * other) : 0.0;
+  const bool agrees = agreement > kAgreement;
+  lean_.agreeing_ticks = agrees ? lean_.agreeing_ticks + 1 : 0;
+  mounting_known_ = lean_.agreeing_ticks >= kContradictingTicks;
+  const bool contradicts = telling && agreement < kLeastCorrelation;
+  lean_.contradicting_ticks = contradicts ? lean_.contradicting_ticks + 1 : 0;
+  return lean_.contradicting_ticks >= kContradictingTicks;
 }
 
 }  // namespace sanso::firmware

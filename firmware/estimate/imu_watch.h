@@ -22,8 +22,8 @@ class ImuWatch {
   explicit ImuWatch(const ImuSettings& settings) : settings_(settings) {}
   void reset() { *this = ImuWatch(settings_); }
 
-  /// Once a tick, after the estimator.
-  void update(Nanoseconds now, const ImuSample& imu, const Estimator& estimator);
+  /// Once a tick, after the estimator. `standing`: the servos carry the robot.
+  void update(Nanoseconds now, const ImuSample& imu, const Estimator& estimator, bool standing);
   /// Why the IMU cannot be believed at the moment.
   Reason reason() const { return reason_; }
 
@@ -31,6 +31,7 @@ class ImuWatch {
   bool gravity_wrong(double dt, const ImuSample& imu);
   bool rate_wrong(double dt, const ImuSample& imu);
   bool legs_contradict(double dt, const ImuSample& imu, const Estimator& estimator);
+  bool leans_another_way(double dt, const ImuSample& imu, const Estimator& estimator);
 
   ImuSettings settings_;
   Reason reason_ = kPlausible;
@@ -40,6 +41,15 @@ class ImuWatch {
   math::Vec3 drift_in_base_ = math::Vec3::Zero();      // orientation ahead of the gyro  rad
   double legs_legs_ = 0, imu_imu_ = 0, legs_imu_ = 0;  // fading sums of products  rad^2/s
   int contradicting_ticks_ = 0;
+
+  /// Two accounts of the lean since the soles lie on one plane: x and y of the vertical, base axes.
+  struct Lean {
+    bool begun = false;
+    Eigen::Vector2d mean_by_legs = Eigen::Vector2d::Zero(), mean_by_imu = Eigen::Vector2d::Zero();
+    int agreeing_ticks = 0, contradicting_ticks = 0;
+  };
+  Lean lean_;
+  bool mounting_known_ = false;  // the two have agreed over a lean that was large enough to tell
 };
 
 }  // namespace sanso::firmware

@@ -86,6 +86,34 @@ TEST(ImuWatch, EveryWrongRightAngleIsFoundBeforeItCanDoHarm) {
   EXPECT_EQ(found_in_motion, 3) << "turned about the vertical: only motion tells";
 }
 
+/// A sensor turned about the vertical makes every correction a push: it has to be found in a lean
+/// that is too small to do harm.
+TEST(ImuWatch, ASmallLeanTellsOfATurnedSensor) {
+  for (const double turn : {0.5, 1.0, 1.5}) {
+    SCOPED_TRACE(turn);
+    EmulatedController c("nominal", mounted(math::quat_exp({0, 0, turn * model::kPi})), false);
+    if (c.stand())  // else it was found while the robot settled
+      c.upload(testing::still_primitives(leaning(0.06), 3.0));
+    for (int tick = 0; tick < 150 && c.controller->state() != SupervisorState::fault; ++tick)
+      c.tick();
+    EXPECT_EQ(c.controller->fault(), Fault::imu_implausible);
+    EXPECT_EQ(c.controller->fault_detail(), ImuWatch::kAgainstLegs);
+    c.ticks(150);
+    EXPECT_EQ(c.robot.truth().other_contacts, 0) << "it is lowered, not fallen";
+  }
+}
+
+/// Once the two accounts have agreed, a push onto the edge of the feet is no turned sensor.
+TEST(ImuWatch, APushedRobotIsNoTurnedSensor) {
+  EmulatedController c("lab");
+  ASSERT_TRUE(c.stand());
+  for (const double force : {8.0, -8.0, 14.0, -14.0}) {
+    c.robot.push({force, 0, 0}, {0, 0, 0}, c.robot.now(), c.robot.now() + 100 * kMillisecond);
+    c.ticks(150);
+    EXPECT_NE(c.controller->fault(), Fault::imu_implausible) << force;
+  }
+}
+
 // --- by samples ----------------------------------------------------------------------------------
 
 struct Sensor {
@@ -100,7 +128,7 @@ struct Sensor {
       ++sample.sequence;
       sample.quat_world_base =
           math::quat_multiply(sample.quat_world_base, math::quat_exp(0.01 * turning));
-      watch.update(sample.time, sample, estimator);
+      watch.update(sample.time, sample, estimator, true);
       if (watch.reason() != ImuWatch::kPlausible) seen = watch.reason();
     }
     return seen;
