@@ -7,6 +7,8 @@
 #include <array>
 #include <cstdio>
 #include <deque>
+#include <memory>
+#include <utility>
 
 namespace sanso::board {
 namespace {
@@ -43,10 +45,18 @@ UsbIdentity identity_of(libusb_device* device, libusb_device_handle* handle) {
   return id;
 }
 
+using Context = std::shared_ptr<libusb_context>;
+
+Context new_context() {
+  libusb_context* context = nullptr;
+  if (libusb_init(&context) != 0) return nullptr;
+  return {context, libusb_exit};
+}
+
 class LibusbLine final : public UsbLine {
  public:
-  LibusbLine(libusb_context* context, libusb_device_handle* handle, UsbIdentity identity)
-      : context_(context), handle_(handle), identity_(std::move(identity)) {
+  LibusbLine(Context context, libusb_device_handle* handle, UsbIdentity identity)
+      : context_(std::move(context)), handle_(handle), identity_(std::move(identity)) {
     const int packet = libusb_get_max_packet_size(libusb_get_device(handle), kBulkIn);
     packet_bytes_ = packet > 0 ? static_cast<std::size_t>(packet) : 64;
     for (int i = 0; i <= kReads; ++i) {
@@ -103,7 +113,7 @@ class LibusbLine final : public UsbLine {
     const unsigned char endpoint = which == UsbEvent::Kind::read ? kBulkIn : kBulkOut;
     return libusb_clear_halt(handle_, endpoint) == 0 ? Status::ok : Status::io_error;
   }
-  void wake() override { libusb_interrupt_event_handler(context_); }
+  void wake() override { libusb_interrupt_event_handler(context_.get()); }
 
  private:
   struct Job {
@@ -120,7 +130,7 @@ class LibusbLine final : public UsbLine {
   }
   void handle_events(int timeout_ms) {
     timeval wait{timeout_ms / 1000, (timeout_ms % 1000) * 1000};
-    libusb_handle_events_timeout_completed(context_, &wait, nullptr);
+    libusb_handle_events_timeout_completed(context_.get(), &wait, nullptr);
   }
   Status submit(Job& job, unsigned char endpoint, std::uint8_t* data, std::size_t size) {
     if (job.transfer == nullptr || job.busy) return Status::io_error;
@@ -143,7 +153,7 @@ class LibusbLine final : public UsbLine {
     job.owner->ended_.push_back(event);
   }
 
-  libusb_context* context_;
+  Context context_;
   libusb_device_handle* handle_;
   UsbIdentity identity_;
   std::size_t packet_bytes_ = 64;
@@ -153,18 +163,11 @@ class LibusbLine final : public UsbLine {
 
 }  // namespace
 
-LibusbLibrary::LibusbLibrary() {
-  if (libusb_init(&context_) != 0) context_ = nullptr;
-}
-
-LibusbLibrary::~LibusbLibrary() {
-  if (context_ != nullptr) libusb_exit(context_);
-}
-
 std::vector<LibusbLibrary::Listed> LibusbLibrary::list(std::uint16_t vendor) const {
   std::vector<Listed> found;
+  const Context context = new_context();
   libusb_device** devices = nullptr;
-  const ssize_t count = context_ != nullptr ? libusb_get_device_list(context_, &devices) : 0;
+  const ssize_t count = context ? libusb_get_device_list(context.get(), &devices) : 0;
   for (ssize_t i = 0; i < count; ++i) {
     if (identity_of(devices[i], nullptr).vendor != vendor) continue;
     libusb_device_handle* handle = nullptr;
@@ -180,8 +183,9 @@ std::unique_ptr<UsbLine> LibusbLibrary::open(const UsbIdentity& wanted, std::str
   const std::string name = "USB device " + hex_name(wanted.vendor, wanted.product) +
                            (wanted.serial.empty() ? "" : " " + wanted.serial);
   message = name + ": not plugged in";
+  const Context context = new_context();
   libusb_device** devices = nullptr;
-  const ssize_t count = context_ != nullptr ? libusb_get_device_list(context_, &devices) : 0;
+  const ssize_t count = context ? libusb_get_device_list(context.get(), &devices) : 0;
   std::unique_ptr<UsbLine> line;
   for (ssize_t i = 0; i < count && !line; ++i) {
     const UsbIdentity bare = identity_of(devices[i], nullptr);
@@ -203,7 +207,7 @@ std::unique_ptr<UsbLine> LibusbLibrary::open(const UsbIdentity& wanted, std::str
       libusb_close(handle);
       continue;
     }
-    line = std::make_unique<LibusbLine>(context_, handle, std::move(id));
+    line = std::make_unique<LibusbLine>(context, handle, std::move(id));
     message.clear();
   }
   if (devices != nullptr) libusb_free_device_list(devices, 1);

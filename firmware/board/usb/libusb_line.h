@@ -1,19 +1,13 @@
-// UsbLibrary on libusb-1.0.
+// UsbLibrary on libusb-1.0. Every search begins with a context of its own: an old one learns of new
+// devices only from udev, which a container or a first boot stage has not.
 #pragma once
 
 #include "firmware/board/usb/usb_line.h"
-
-struct libusb_context;
 
 namespace sanso::board {
 
 class LibusbLibrary final : public UsbLibrary {
  public:
-  LibusbLibrary();
-  ~LibusbLibrary() override;
-  LibusbLibrary(const LibusbLibrary&) = delete;
-  LibusbLibrary& operator=(const LibusbLibrary&) = delete;
-
   std::unique_ptr<UsbLine> open(const UsbIdentity& wanted, std::string& message) override;
 
   /// A device as the bus lists it, and why it cannot be opened (empty: it can).
@@ -23,9 +17,6 @@ class LibusbLibrary final : public UsbLibrary {
   };
   /// All devices of this vendor, serial numbers read where permitted.
   std::vector<Listed> list(std::uint16_t vendor) const;
-
- private:
-  libusb_context* context_ = nullptr;
 };
 
 }  // namespace sanso::board

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <cstring>
 #include <cwchar>
+#include <set>
+#include <string>
 
 #include "firmware/board/device_list.h"
 #include "firmware/board/usb/hidapi_source.h"
@@ -35,7 +37,9 @@ void list_back_end(HidBackEnd which, const char* prefix, const DescriptorReader&
     return;
   }
   hid_device_info* list = api->enumerate(0, 0);
+  std::set<std::string> seen;  // the library lists a device once for each usage
   for (const hid_device_info* d = list; d != nullptr; d = d->next) {
+    if (!seen.insert(d->path).second) continue;
     device = {};
     device.setting = std::string("imu = \"") + prefix + ":" +
                      selector_of(d->vendor_id, d->product_id, narrow(d->serial_number)) + "\"";
