@@ -24,7 +24,8 @@ using wire::SupervisorState;
 
 class Soak {
  public:
-  explicit Soak(const SoakOptions& options) : options_(options), random_(options.seed) {
+  explicit Soak(const SoakOptions& options)
+      : options_(options), random_(options.seed), access_(options.world) {
     for (const char* name : {"stand", "squat"}) {
       motion::Motion motion = motion::MotionLibrary().load(name);
       motion.primitives = learn::from_origin(motion.primitives);
@@ -60,7 +61,7 @@ class Soak {
   SoakOptions options_;
   std::mt19937_64 random_;
   std::vector<motion::Motion> motions_;
-  inprocess::InProcessAccess access_{"lab"};
+  inprocess::InProcessAccess access_;
   link::RobotLink* link_ = nullptr;
   SoakLaws laws_;
   std::uint32_t trial_ = 0;
@@ -173,13 +174,11 @@ int Soak::report() const {
   for (const auto& [number, times] : laws_.faults()) faults[fmt::format("F{}", number)] = times;
   for (const auto& [law, times] : laws_.all_broken()) broken[law] = times;
   if (options_.json) {
-    const nlohmann::ordered_json all{{"seed", options_.seed},
-                                     {"ticks", laws_.ticks()},
-                                     {"rounds", rounds_},
-                                     {"falls", laws_.falls()},
-                                     {"largest_step_rad", laws_.largest_step_rad()},
-                                     {"faults", faults},
-                                     {"broken", broken}};
+    const nlohmann::ordered_json all{
+        {"seed", options_.seed},  {"world", options_.world},
+        {"ticks", laws_.ticks()}, {"rounds", rounds_},
+        {"falls", laws_.falls()}, {"largest_step_rad", laws_.largest_step_rad()},
+        {"faults", faults},       {"broken", broken}};
     fmt::print("{}\n", all.dump(2));
   } else {
     fmt::print("{} ticks in {} rounds, {} falls, largest step {:.3f} rad\nfaults latched: {}\n",

@@ -10,6 +10,7 @@ namespace sanso::campaign {
 struct SoakOptions {
   std::int64_t ticks = 100'000;  // 8.64 million are a day
   std::uint64_t seed = 1;
+  std::string world = "lab";  // "hung": without the physics of a body, many times as fast
   bool json = false;
 };
 

@@ -33,6 +33,7 @@ GearTrainParameters gear_parameters_of(const ServoParameters& s, Random& random)
   return p;
 }
 
+constexpr double kHung_m = 0.1;            // feet above the ground
 constexpr double kSupplyFilter_s = 0.002;  // smoothing by the servos' capacitors; chosen
 
 }  // namespace
@@ -75,6 +76,20 @@ struct Plant::Impl {
         supply_override >= 0 ? supply_override
                              : world.supply.voltage_V - world.supply.internal_ohm * battery_current;
     supply += (loaded - supply) * kPhysicsStep_s / kSupplyFilter_s;
+  }
+
+  /// Of a robot on a stand: every link by itself, as a mass on its gear.
+  void swing_links() {
+    constexpr double kLink_kgm2 = 0.01;  // about a shank with its foot
+    for (int i = 0; i < kNumServos; ++i) {
+      double& rate = data->qvel[dof[i]];
+      rate += kPhysicsStep_s * data->qfrc_applied[dof[i]] / kLink_kgm2;
+      double& angle = data->qpos[qpos[i]];
+      angle += kPhysicsStep_s * rate;
+      if (std::abs(angle) <= kPi) continue;
+      angle = std::copysign(kPi, angle);  // its stop
+      rate = 0;
+    }
   }
 
   void clamp_base() {
@@ -149,7 +164,10 @@ void Plant::override_supply(double volt) { impl_->supply_override = volt; }
 
 void Plant::step() {
   impl_->step_gears();
-  mj_step(impl_->model.get(), impl_->data.get());
+  if (impl_->world.body.hung)
+    impl_->swing_links();
+  else
+    mj_step(impl_->model.get(), impl_->data.get());
   if (impl_->held) impl_->clamp_base();
   ++impl_->steps;
 }
@@ -165,6 +183,7 @@ void Plant::place(const std::array<double, kNumServos>& q, double x_m, double y_
     impl_->gears[i].place(q[i]);
   }
   impl_->stand_on_ground(x_m, y_m, yaw_rad);
+  if (impl_->world.body.hung) d->qpos[2] += kHung_m;
   mj_forward(m, d);
   std::copy(d->qpos, d->qpos + 7, impl_->held_pose.begin());
 }

@@ -150,6 +150,7 @@ void visit_world(const auto& t, auto& world) {
     b.vector("torso_com_offset_m", world.body.torso_com_offset_m, 0.1);
     b.number("leg_mass_scale", world.body.leg_mass_scale, 0.5, 2);
     b.flag("self_collision", world.body.self_collision);
+    b.flag("hung", world.body.hung);
   });
   t.table("servo", [&](const auto& s) { visit_servo(s, world.servo); });
   t.table("supply", [&](const auto& s) {
@@ -216,8 +217,8 @@ World load_world(const std::string& name_or_path) {
   std::ifstream file(name_or_path);
   if (!file) {
     throw WorldError(fmt::format(
-        "world '{}': expected nominal, lab, hard, back, worst, seed:N, honest:N or the path of a "
-        "TOML file",
+        "world '{}': expected nominal, lab, hard, back, worst, hung, seed:N, honest:N or the path "
+        "of a TOML file",
         name_or_path));
   }
   std::ostringstream text;

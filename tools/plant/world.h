@@ -17,6 +17,9 @@ struct BodyParameters {
   Vec3 torso_com_offset_m{0, 0, 0};  // shift of the torso's centre of mass, body axes
   double leg_mass_scale = 1.0;
   bool self_collision = false;  // legs and feet meet those of the other side
+  // in the air on a stand: the trunk is fixed, links move each by itself, nothing touches. Costs a
+  // hundredth of the physics; for programs and long runs, not for motion
+  bool hung = false;
 };
 
 /// Motor, gear train and position loop: one set for all servos, with a spread between them.
@@ -109,8 +112,8 @@ struct World {
   PoseParameters pose;
 };
 
-/// "nominal", "lab", "hard", "back", "worst" (files of worlds/), "seed:17" or "honest:17" (drawn),
-/// or the path of a TOML file. Throws WorldError.
+/// "nominal", "lab", "hard", "back", "worst", "hung" (files of worlds/), "seed:17" or "honest:17"
+/// (drawn), or the path of a TOML file. Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.

@@ -114,7 +114,11 @@ void add_soak(CLI::App& bench, int& result) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
       ->capture_default_str();
   command->add_option("--seed", o->seed, "of everything random")->capture_default_str();
-  command->footer("Example:\n  sanso bench soak --ticks 8640000");
+  command
+      ->add_option("--world", o->world,
+                   "of the robot; hung: no physics of a body, many times as fast")
+      ->capture_default_str();
+  command->footer("Example:\n  sanso bench soak --world hung --ticks 8640000");
   command->callback([o, &result] { result = campaign::bench_soak(*o); });
 }
 

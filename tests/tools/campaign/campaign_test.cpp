@@ -72,21 +72,27 @@ TEST_P(Rows, AreAsExpected) {
   EXPECT_EQ(found.ticks_lost, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, Rows,
-                         testing::Values("stand/servo_14/wrong/reply/zeros_for_ever",
-                                         "squat/servo_14/wrong/reply/zeros_for_5_ticks",
-                                         "squat/bus/intermittent/request/lost",
-                                         "walk_forward/bus/delayed/reply/20_ms",
-                                         "walk_forward/bus/intermittent/reply/lost",
-                                         "walk_forward/person/off/emergency_stop"),
-                         [](const auto& p) {
-                           std::string name = p.param;
-                           std::replace_if(
-                               name.begin(), name.end(), [](char c) { return c == '/'; }, '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Each, Rows,
+    testing::Values("stand/servo_14/wrong/reply/zeros_for_ever",
+                    "squat/servo_14/wrong/reply/zeros_for_5_ticks",
+                    "squat/bus/intermittent/request/lost", "walk_forward/bus/delayed/reply/20_ms",
+                    "walk_forward/bus/intermittent/reply/lost",
+                    "walk_forward/person/off/emergency_stop", "squat/imu/wrong/mounted_-x_-y_+z",
+                    "walk_forward/imu/wrong/mounted_+y_-x_+z",
+                    "arming/host/slow/0_ticks_after_idle", "arming/bus/off/request/packet_2_lost"),
+    [](const auto& p) {
+      std::string name = p.param;
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return std::isalnum(c) == 0; }, '_');
+      return name;
+    });
 
-TEST(Soak, AFewRoundsOfAnythingBreakNoLaw) { EXPECT_EQ(bench_soak({12'000, 1, false}), 0); }
+TEST(Soak, AFewRoundsOfAnythingBreakNoLaw) { EXPECT_EQ(bench_soak({12'000, 1, "lab", false}), 0); }
+
+TEST(Soak, ARobotOnAStandBreaksNoLawEither) {
+  EXPECT_EQ(bench_soak({60'000, 2, "hung", false}), 0);
+}
 
 TEST(Campaign, ThePageAndTheJsonHaveARowForEachScenario) {
   std::vector<Row> rows{{find("stand/imu/off"), {}}, {find("squat/imu/stuck"), {}}};
