@@ -1,5 +1,7 @@
 // What can go wrong, and what the controller owes the robot then. Expectations are stated here, not
 // taken from the controller's tables.
+#include <Eigen/Geometry>
+
 #include "tools/campaign/scenario.h"
 
 namespace sanso::campaign {
@@ -19,18 +21,26 @@ Trouble fault(FaultKind kind, int id = 0, double seconds = kForEver_s, double am
   f.stop = from_seconds(seconds);
   f.amount = amount;
   f.probability = probability;
-  return {f, Act::none};
+  Trouble trouble;
+  trouble.fault = f;
+  return trouble;
 }
-Trouble act(Act what) { return {std::nullopt, what}; }
+Trouble act(Act what) {
+  Trouble trouble;
+  trouble.act = what;
+  return trouble;
+}
 
-Expected completes() { return {{}, {Ending::completes}, 0, false}; }
-Expected held(Fault fault, double within_s) { return {{fault}, {Ending::held}, within_s, false}; }
+Expected completes() { return {{}, {Ending::completes}, 0, false, 0}; }
+Expected held(Fault fault, double within_s) {
+  return {{fault}, {Ending::held}, within_s, false, 0};
+}
 Expected lowered(Fault fault, double within_s) {
-  return {{fault}, {Ending::lowered}, within_s, false};
+  return {{fault}, {Ending::lowered}, within_s, false, 0};
 }
 /// The robot cannot be kept up, or nobody knows: down and without torque if it falls.
 Expected may_fall(std::vector<Fault> faults, double within_s, std::vector<Ending> endings) {
-  return {std::move(faults), std::move(endings), within_s, true};
+  return {std::move(faults), std::move(endings), within_s, true, 0};
 }
 
 // bounds of the reaction: the settings' times, a tick to read and one to judge; for the IMU the
@@ -153,6 +163,31 @@ void add_sensors(std::vector<Cell>& all) {
   add("person", Word::off, "emergency stop", act(Act::emergency_stop), stopped, stopped);
 }
 
+/// The 23 ways to screw the sensor on by right angles that are not the one in the settings.
+void add_mountings(std::vector<Cell>& all) {
+  // refused before torque, or found while the feet still carry: a robot that believes a turned
+  // sensor falls
+  const Expected found{
+      {Fault::imu_implausible}, {Ending::refused, Ending::lowered}, kForEver_s, false, 0};
+  constexpr std::array kAxes{"x", "y", "z"};
+  constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+  for (const auto& order : kOrders)
+    for (int signs = 0; signs < 8; ++signs) {
+      Eigen::Matrix3d R_base_sensor = Eigen::Matrix3d::Zero();
+      std::string what = "mounted";
+      for (int axis = 0; axis < 3; ++axis) {
+        const bool minus = (signs >> axis & 1) != 0;
+        R_base_sensor(order[axis], axis) = minus ? -1 : 1;
+        what += std::string(minus ? " -" : " +") + kAxes[static_cast<std::size_t>(order[axis])];
+      }
+      if (R_base_sensor.determinant() < 0 || R_base_sensor.isIdentity()) continue;
+      const Eigen::Quaterniond quat(R_base_sensor);
+      Trouble trouble = act(Act::turn_imu);
+      trouble.quat_base_sensor = {quat.w(), quat.x(), quat.y(), quat.z()};
+      all.push_back({Word::wrong, "imu", Direction::none, what, trouble, found, found});
+    }
+}
+
 }  // namespace
 
 std::vector<Cell> cells() {
@@ -161,6 +196,7 @@ std::vector<Cell> cells() {
   add_servos(all);
   add_supply(all);
   add_sensors(all);
+  add_mountings(all);
   return all;
 }
 

@@ -26,10 +26,13 @@ std::vector<std::string> numbers_of(const std::vector<firmware::Fault>& faults) 
 std::string expectation(const Expected& e) {
   const std::string endings = fmt::format("{}", fmt::join(names_of(e.endings), " or "));
   if (e.faults.empty()) return endings;
+  if (e.within_s > 100)
+    return fmt::format("{}, {}", fmt::join(numbers_of(e.faults), " or "), endings);
   return fmt::format("{} in {:.2f} s, {}", fmt::join(numbers_of(e.faults), " or "), e.within_s,
                      endings);
 }
 std::string finding(const Found& f) {
+  if (f.refusal != 0) return fmt::format("R{}, {}", f.refusal, name_of(f.ending));
   if (f.fault == firmware::Fault::none) return name_of(f.ending);
   return fmt::format("{}, {}", number_of(f.fault), name_of(f.ending));
 }
@@ -42,7 +45,7 @@ std::string verdict(const Found& found) {
 
 constexpr const char* kIntroduction =
     "# Faults, made to happen\n\n"
-    "Made by `sanso bench faults --page docs/results/faults.md`{}; seed {}.\n\n"
+    "Made by `sanso bench faults --page {}`{}; seed {}.\n\n"
     "Every row is a trial of its own on the emulated robot (world lab) in virtual time, the real\n"
     "bytes of bus, IMU and link, planner in the loop: {} rows, {} not as expected. Trouble comes\n"
     "while the robot stands (1.0 s into the trial), on its way down in a squat (2.5 s), or in a\n"
@@ -53,7 +56,43 @@ constexpr const char* kIntroduction =
     "`fell` with torque still on. *Reaction* counts from the beginning of trouble to the latched\n"
     "fault. *Step* is the largest change of a target in one tick (allowed: 0.15 rad). *Torque*\n"
     "is the sum over the servos 5 s after a fall. *Lost* are ticks whose observation the host\n"
-    "did not get. Falls are judged by the physics.\n\n";
+    "did not get. Falls are judged by the physics.\n\n"
+    "*mounted* names where the sensor's axes x, y and z point in the robot: it is screwed on\n"
+    "another way than the settings say, from the start.\n\n";
+
+constexpr const char* kTrials =
+    "| motion | device | word | direction | what | expected | found | reaction s | step rad | "
+    "fall | torque N m | lost | as expected |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+    "---|\n";
+
+constexpr const char* kArming =
+    "\n## Arming\n\n"
+    "A robot in a person's hands is armed soon after it has become idle, or with one packet\n"
+    "lost or damaged; packets count from the command. In all rows but the first eleven it was\n"
+    "armed before and stopped, its legs put elsewhere, and the fault cleared: its servos have\n"
+    "old goals. *Step* is the largest of a target with torque on (at most 0.15 rad), *speed* that\n"
+    "of the fastest joint in the half second after torque (at most 1.5 rad/s).\n\n"
+    "| word | direction | what | found | step rad | speed rad/s | as expected |\n"
+    "|---|---|---|---|---|---|---|\n";
+
+std::string direction_of(const Scenario& s) {
+  return s.direction == Direction::none ? "" : name_of(s.direction);
+}
+std::string trial_row(const Row& row) {
+  const Scenario& s = row.scenario;
+  const Found& f = row.found;
+  return fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                     name_of(s.motion), s.device, name_of(s.word), direction_of(s), s.what,
+                     expectation(s.expected), finding(f), if_any(f.reaction_s), if_any(f.step_rad),
+                     f.fell ? "yes" : "no", if_any(f.torque_Nm), f.ticks_lost, verdict(f));
+}
+std::string arming_row(const Row& row) {
+  const Scenario& s = row.scenario;
+  const Found& f = row.found;
+  const std::string found = f.ending == Ending::completes && f.refusal == 0 ? "armed" : finding(f);
+  return fmt::format("| {} | {} | {} | {} | {:.3f} | {:.2f} | {} |\n", name_of(s.word),
+                     direction_of(s), s.what, found, f.step_rad, f.speed_rad_s, verdict(f));
+}
 
 }  // namespace
 
@@ -70,21 +109,16 @@ std::string page_of(const std::vector<Row>& rows, const Options& options) {
       std::count_if(rows.begin(), rows.end(), [](const Row& r) { return !r.found.passed(); });
   const std::string filter =
       options.filter.empty() ? "" : fmt::format(" with `--filter {}`", options.filter);
-  std::string page =
-      fmt::format(fmt::runtime(kIntroduction), filter, options.seed, rows.size(), failed);
-  page +=
-      "| motion | device | word | direction | what | expected | found | reaction s | step rad | "
-      "fall | torque N m | lost | as expected |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
-      "---|\n";
-  for (const Row& row : rows) {
-    const Scenario& s = row.scenario;
-    const Found& f = row.found;
-    page += fmt::format(
-        "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", name_of(s.motion),
-        s.device, name_of(s.word), s.direction == Direction::none ? "" : name_of(s.direction),
-        s.what, expectation(s.expected), finding(f), if_any(f.reaction_s), if_any(f.step_rad),
-        f.fell ? "yes" : "no", if_any(f.torque_Nm), f.ticks_lost, verdict(f));
-  }
+  std::string page = fmt::format(fmt::runtime(kIntroduction), options.page, filter, options.seed,
+                                 rows.size(), failed);
+  std::string trials, arming;
+  for (const Row& row : rows)
+    if (row.scenario.motion == Motion::arming)
+      arming += arming_row(row);
+    else
+      trials += trial_row(row);
+  if (!trials.empty()) page += kTrials + trials;
+  if (!arming.empty()) page += kArming + arming;
   return page;
 }
 
@@ -107,6 +141,7 @@ std::string json_of(const std::vector<Row>& rows, const Options& options) {
                     {"found",
                      {{"fault", static_cast<int>(f.fault)},
                       {"detail", f.detail},
+                      {"refusal", f.refusal},
                       {"ending", name_of(f.ending)},
                       {"reaction_s", f.reaction_s},
                       {"step_rad", f.step_rad},

@@ -1,7 +1,8 @@
-// Multiplies the cells by the motions.
+// Multiplies the cells by the motions, and adds the rows of arming.
 #include "tools/campaign/scenario.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sanso::campaign {
 
@@ -19,6 +20,7 @@ std::vector<Scenario> scenarios() {
     for (const Motion motion : kMotions)
       all.push_back({cell.word, cell.device, cell.direction, cell.what, motion, cell.trouble,
                      motion == Motion::walk ? cell.walk : cell.calm});
+  for (Scenario& scenario : arming_scenarios()) all.push_back(std::move(scenario));
   return all;
 }
 
@@ -32,7 +34,7 @@ const char* name_of(Direction direction) {
   return kNames[static_cast<std::size_t>(direction)];
 }
 const char* name_of(Motion motion) {
-  constexpr std::array kNames{"stand", "squat", "walk_forward"};
+  constexpr std::array kNames{"stand", "squat", "walk_forward", "arming"};
   return kNames[static_cast<std::size_t>(motion)];
 }
 const char* name_of(Ending ending) {

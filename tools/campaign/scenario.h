@@ -1,6 +1,7 @@
 // A scenario of the fault campaign: what goes wrong, at which device, in which direction, during
 // which motion, and what the controller has to do about it. The list is generated: fault words
-// times devices times directions (cells.cpp) times motions.
+// times devices times directions (cells.cpp) times motions, and what can come in the way of arming
+// (arming_cells.cpp).
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 
 #include "firmware/exchange/faults.h"
 #include "tools/emulator/fault_plan.h"
+#include "tools/inprocess/simulated_board.h"
 
 namespace sanso::campaign {
 
@@ -18,7 +20,8 @@ namespace sanso::campaign {
 enum class Word : std::uint8_t { off, stuck, garbage, wrong, slow, delayed, intermittent };
 /// Which way the bytes were going that it happens to.
 enum class Direction : std::uint8_t { none, request, reply };
-enum class Motion : std::uint8_t { stand, squat, walk };
+enum class Motion : std::uint8_t { stand, squat, walk, arming };
+/// Those that every cell runs in; arming has rows of its own.
 inline constexpr std::array kMotions{Motion::stand, Motion::squat, Motion::walk};
 
 /// How a scenario may end for the robot.
@@ -32,12 +35,29 @@ enum class Ending : std::uint8_t {
 };
 
 /// What happens beyond the emulator's own fault switches.
-enum class Act : std::uint8_t { none, pull_bus, lose_host, emergency_stop };
+enum class Act : std::uint8_t {
+  none,
+  pull_bus,
+  lose_host,
+  emergency_stop,
+  turn_imu,  // from the beginning: the sensor is mounted another way than the settings say
+  arm_early  // the arm command comes soon after idle, with a packet spoiled or with none
+};
+
+/// How a robot is armed: how soon, and what happens to one packet on the bus.
+struct ArmTrouble {
+  int ticks_after_idle = 5;
+  bool after_clear = false;  // idle after a cleared fault, else after the start
+  std::optional<inprocess::SimulatedSerialPort::Spoil> spoil;
+  int packet = 0;  // the one that is spoiled, 1: the first after the command
+};
 
 /// What is made to go wrong.
 struct Trouble {
   std::optional<emulator::Fault> fault;  // its start and stop count from the beginning of trouble
   Act act = Act::none;
+  std::array<double, 4> quat_base_sensor{1, 0, 0, 0};  // Act::turn_imu
+  ArmTrouble arm;                                      // Act::arm_early
 };
 
 /// What the controller has to make of it.
@@ -46,6 +66,7 @@ struct Expected {
   std::vector<Ending> endings;          // one of these
   double within_s = 0;                  // from the beginning of trouble to the fault
   bool fall_allowed = false;            // no controller could keep it up
+  double max_speed_rad_s = 0;  // of any joint in the half second after torque; 0: not asked
 };
 
 struct Scenario {
@@ -70,6 +91,9 @@ struct Cell {
   Expected walk;  // in mid-step
 };
 std::vector<Cell> cells();
+
+/// The rows of arming: each packet of the sequence lost or damaged, each wait after idle.
+std::vector<Scenario> arming_scenarios();
 
 /// Every scenario, in the order of the page.
 std::vector<Scenario> scenarios();

@@ -30,11 +30,11 @@ double torque_sum(const emulator::Truth& truth, emulator::FaultPlan& faults) {
 }  // namespace
 
 void Witness::look_at_targets() {
-  const bool torque = robot_.controller().torque_on();
   const model::Input target = robot_.controller().observation().u_out;
-  if (torque && commanded_)
+  // without torque the target is where the joints are: the first step counts too
+  if (robot_.controller().torque_on() && looked_)
     found_.step_rad = std::max(found_.step_rad, (target - target_).cwiseAbs().maxCoeff());
-  commanded_ = torque;
+  looked_ = true;
   target_ = target;
 }
 

@@ -47,7 +47,7 @@ class Witness {
   Found found_;
   Nanoseconds trouble_at_ = INT64_MAX;
   Nanoseconds fault_at_ = -1, fell_at_ = -1, torque_since_ = -1, torque_off_at_ = -1;
-  bool torque_ = false, lowered_ = false, commanded_ = false;
+  bool torque_ = false, lowered_ = false, looked_ = false;
   model::Input target_ = model::Input::Zero();
 };
 

@@ -30,14 +30,16 @@ TEST(Campaign, EveryCellRunsInEveryMotionUnderANameOfItsOwn) {
     EXPECT_FALSE(s.expected.endings.empty()) << s.name();
     EXPECT_TRUE(s.trouble.fault.has_value() != (s.trouble.act != Act::none)) << s.name();
   }
-  EXPECT_EQ(names.size(), cells().size() * kMotions.size());
+  const std::size_t arming = arming_scenarios().size();
+  EXPECT_EQ(arming, 2u * 11u + 4u * 24u);
+  EXPECT_EQ(names.size(), cells().size() * kMotions.size() + arming);
   EXPECT_GE(names.size(), 60u);
   EXPECT_EQ(words.size(), 7u) << "each word occurs";
   EXPECT_EQ(directions.size(), 3u);
 }
 
 TEST(Campaign, TheJudgeSeesEachDefect) {
-  const Expected expected{{Fault::imu_silent}, {Ending::lowered}, 0.08, false};
+  const Expected expected{{Fault::imu_silent}, {Ending::lowered}, 0.08, false, 0};
   Found good;
   good.fault = Fault::imu_silent;
   good.reaction_s = 0.07;
@@ -56,12 +58,37 @@ TEST(Campaign, TheJudgeSeesEachDefect) {
   EXPECT_EQ(defects([](Found& f) { f.step_rad = 0.16; }), 1u);
   EXPECT_EQ(defects([](Found& f) { f.fell = true, f.torque_Nm = 0.0; }), 1u);
   EXPECT_EQ(defects([](Found& f) { f.fell = true, f.torque_Nm = 0.1; }), 2u);
-  const Expected nothing{{}, {Ending::completes}, 0, false};
+  const Expected nothing{{}, {Ending::completes}, 0, false, 0};
   Found calm;
   EXPECT_TRUE(broken_of(nothing, calm, "").empty());
   EXPECT_EQ(broken_of(nothing, calm, "tilt").size(), 1u);
   calm.fault = Fault::imu_silent;
   EXPECT_EQ(broken_of(nothing, calm, "").size(), 1u);
+}
+
+TEST(Campaign, ARefusalNeedsANumberAndArmingACalmRobot) {
+  const Expected arming{{}, {Ending::completes, Ending::refused}, 0, false, 1.5};
+  Found refused;
+  refused.ending = Ending::refused;
+  EXPECT_EQ(broken_of(arming, refused, "").size(), 1u);
+  refused.refusal = 109;
+  EXPECT_TRUE(broken_of(arming, refused, "").empty());
+  Found whipped;
+  whipped.speed_rad_s = 1.6;
+  EXPECT_EQ(broken_of(arming, whipped, "").size(), 1u);
+  // of a turned sensor: refused, or the fault and down; nothing else
+  const Expected turned{
+      {Fault::imu_implausible}, {Ending::refused, Ending::lowered}, 1e3, false, 0};
+  EXPECT_TRUE(broken_of(turned, refused, "not armed").empty());
+  EXPECT_FALSE(broken_of(turned, Found{}, "").empty());
+}
+
+TEST(Campaign, TheWrongMountingsAreTheOthersOfTwentyFour) {
+  std::set<std::array<double, 4>> quats;
+  for (const Cell& cell : cells())
+    if (cell.trouble.act == Act::turn_imu) quats.insert(cell.trouble.quat_base_sensor);
+  EXPECT_EQ(quats.size(), 23u);
+  EXPECT_EQ(quats.count({1, 0, 0, 0}), 0u);
 }
 
 class Rows : public testing::TestWithParam<const char*> {};
