@@ -68,9 +68,10 @@ EmulatorConfig read_config(const TomlTable& table) {
   TomlTable::into(config.directory, table.string("directory"));
   config.baud = read_baud(table, config.baud);
   TomlTable::into(config.hid_imu, table.boolean("hid_imu"));
+  TomlTable::into(config.usb, table.boolean("usb"));
   for (const TomlTable& servo : table.tables("servo")) config.servos.push_back(read_servo(servo));
   for (const TomlTable& fault : table.tables("fault")) config.faults.push_back(read_fault(fault));
-  table.finish("world, seed, directory, baud, hid_imu, [[servo]] or [[fault]]");
+  table.finish("world, seed, directory, baud, hid_imu, usb, [[servo]] or [[fault]]");
   return config;
 }
 

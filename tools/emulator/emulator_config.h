@@ -16,6 +16,7 @@ struct EmulatorConfig {
   std::string directory = "/tmp/sanso-robot";  // bus, imu, pose and control appear here
   std::int64_t baud = 2'000'000;
   bool hid_imu = true;             // false: no HID sensor, OpenCR's own is all there is
+  bool usb = false;                // bus and IMU as USB devices of this kernel (vhci_hcd; root)
   std::vector<ServoSetup> servos;  // those that differ
   std::vector<Fault> faults;       // times count from the start of the process
 };

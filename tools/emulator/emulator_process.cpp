@@ -11,7 +11,7 @@
 
 #include "shared/servo_bus/xm430.h"
 #include "tools/emulator/control.h"
-#include "tools/emulator/line_speed.h"
+#include "tools/emulator/usb/usb_bus.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::emulator {
@@ -41,13 +41,17 @@ std::string prepared(const std::string& directory) {
 
 EmulatorProcess::EmulatorProcess(const EmulatorConfig& config)
     : robot_(plant::load_world(config.world), config.seed, config.baud),
-      bus_(prepared(config.directory) + "/bus"),
-      pose_(config.directory + "/pose"),
+      pose_(prepared(config.directory) + "/pose"),
       control_(config.directory + "/control") {
   for (const Fault& fault : config.faults) robot_.faults().add(fault);
   for (const ServoSetup& servo : config.servos) robot_.set_up(servo);
-  if (config.hid_imu) imu_.emplace(config.directory + "/imu");
-  bus_.plug();
+  if (config.usb)
+    bus_ = std::make_unique<UsbBus>();
+  else
+    bus_ = std::make_unique<BusPty>(config.directory + "/bus");
+  bus_->plug();
+  if (config.hid_imu && config.usb) usb_imu_.emplace(robot_);
+  if (config.hid_imu && !config.usb) imu_.emplace(config.directory + "/imu");
 }
 
 void EmulatorProcess::run(const volatile std::sig_atomic_t& stop) {
@@ -69,15 +73,16 @@ void EmulatorProcess::run(const volatile std::sig_atomic_t& stop) {
 
 void EmulatorProcess::serve_bus() {
   std::uint8_t buffer[4096];
+  (void)bus_->serve(robot_.now());
   // a client that sets no speed of the servos' (a pty begins with 38400) talks at theirs
   const auto& rates = servo_bus::xm430::kBaudRates;
-  const int baud = line_speed(bus_.fd());
+  const int baud = bus_->baud();
   if (baud != line_baud_ && std::find(rates.begin(), rates.end(), baud) != rates.end()) {
     line_baud_ = baud;
     robot_.set_line_baud(baud);
   }
-  for (std::size_t count; (count = bus_.read(buffer)) > 0;) robot_.bus_write({buffer, count});
-  for (std::size_t count; (count = robot_.bus_read(buffer)) > 0;) bus_.write({buffer, count});
+  for (std::size_t count; (count = bus_->read(buffer)) > 0;) robot_.bus_write({buffer, count});
+  for (std::size_t count; (count = robot_.bus_read(buffer)) > 0;) bus_->write({buffer, count});
 }
 
 void EmulatorProcess::serve_sensors() {
@@ -89,6 +94,7 @@ void EmulatorProcess::serve_sensors() {
       robot_.imu_set_feature({buffer, size});
     for (std::size_t size; (size = robot_.imu_read(buffer)) > 0;) imu_->send_all({buffer, size});
   }
+  if (usb_imu_) usb_imu_->plug.serve(robot_.now());
   pose_.accept_new();
   while (pose_.receive(buffer, client) > 0) {
   }
@@ -108,10 +114,10 @@ bool EmulatorProcess::serve_control() {
       case ProcessRequest::none:
         break;
       case ProcessRequest::unplug_bus:
-        bus_.unplug();
+        bus_->unplug();
         break;
       case ProcessRequest::replug_bus:
-        bus_.plug();
+        bus_->plug();
         break;
       case ProcessRequest::quit:
         return false;
@@ -127,10 +133,12 @@ void EmulatorProcess::wait_for_work(Nanoseconds wall) {
   Nanoseconds next = (now / kSensorPeriod + 1) * kSensorPeriod;
   if (const Nanoseconds byte = robot_.next_bus_byte(); byte != kNever)
     next = std::min(next, byte + kReplyGrain);
+  next = std::min(next, bus_->serve(now));
   const Nanoseconds wait = std::max<Nanoseconds>(0, next + wall_offset_ - wall);
 
   std::vector<int> descriptors;
-  if (bus_.fd() >= 0) descriptors.push_back(bus_.fd());
+  if (bus_->fd() >= 0) descriptors.push_back(bus_->fd());
+  if (usb_imu_ && usb_imu_->plug.fd() >= 0) descriptors.push_back(usb_imu_->plug.fd());
   if (imu_) imu_->add_descriptors(descriptors);
   pose_.add_descriptors(descriptors);
   control_.add_descriptors(descriptors);

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "tools/emulator/line_speed.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::emulator {
@@ -65,11 +66,13 @@ void BusPty::plug() {
   if (symlink(name, link_.c_str()) != 0) fail("cannot make the link " + link_);
 }
 
-void BusPty::unplug() {
+void BusPty::take_away() {
   if (master_.open()) unlink(link_.c_str());
   far_end_.reset();
   master_.reset();
 }
+
+int BusPty::baud() const { return line_speed(master_.get()); }
 
 std::size_t BusPty::read(std::span<std::uint8_t> out) {
   if (!master_.open()) return 0;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/emulator/bus_end.h"
+
 namespace sanso::emulator {
 
 class FileDescriptor {
@@ -24,18 +26,24 @@ class FileDescriptor {
 };
 
 /// A pty in raw mode whose far end is reachable under `link`.
-class BusPty {
+class BusPty final : public BusEnd {
  public:
   explicit BusPty(std::string link) : link_(std::move(link)) {}
-  ~BusPty() { unplug(); }
-  void plug();    // throws plant::WorldError
-  void unplug();  // whoever has the far end open reads end of file and fails to write
-  int fd() const { return master_.get(); }
-  const std::string& device() const { return device_; }
-  std::size_t read(std::span<std::uint8_t> out);
-  void write(std::span<const std::uint8_t> bytes);
+  ~BusPty() override { take_away(); }
+  BusPty(const BusPty&) = delete;
+  BusPty& operator=(const BusPty&) = delete;
+  void plug() override;
+  /// Whoever has the far end open reads end of file and fails to write.
+  void unplug() override { take_away(); }
+  int fd() const override { return master_.get(); }
+  std::string device() const override { return device_; }
+  std::size_t read(std::span<std::uint8_t> out) override;
+  void write(std::span<const std::uint8_t> bytes) override;
+  int baud() const override;
+  Nanoseconds serve(Nanoseconds) override { return INT64_MAX; }
 
  private:
+  void take_away();
   std::string link_;
   std::string device_;
   FileDescriptor master_;
