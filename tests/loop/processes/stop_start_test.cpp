@@ -3,12 +3,14 @@
 // the robot lowered.
 //
 // SANSO_STOP_START_RUNS: runs of each of the nine cases (default 1; 100 is the whole campaign).
+// SANSO_STOP_START_ROBOTS: robots at a time (default 2).
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <mutex>
 #include <random>
@@ -116,8 +118,9 @@ void bring_into(Situation situation, Host& host, const Robot& robot, std::mt1993
   live(host, up_to(1.0));
 }
 
-Finding end_and_start(Robot& robot, const Case& which, std::mt19937& random) {
-  const double pause_s = std::uniform_real_distribution<>(0.2, 5.0)(random);
+Finding end_and_start(Robot& robot, const Case& which, std::mt19937& random,
+                      double longest_pause_s) {
+  const double pause_s = std::uniform_real_distribution<>(0.2, longest_pause_s)(random);
   {
     Host host(robot.processes);
     if (!host.open()) return "the controller does not answer";
@@ -144,31 +147,44 @@ Finding end_and_start(Robot& robot, const Case& which, std::mt19937& random) {
   return onlooker.finding();
 }
 
-class StopStart : public testing::TestWithParam<Case> {};
+constexpr Case kCases[] = {{"TERM in hold", SIGTERM, Situation::hold},
+                           {"TERM in a squat", SIGTERM, Situation::squat},
+                           {"TERM in a soft stop", SIGTERM, Situation::soft_stop},
+                           {"KILL in hold", SIGKILL, Situation::hold},
+                           {"KILL in a squat", SIGKILL, Situation::squat},
+                           {"KILL in a soft stop", SIGKILL, Situation::soft_stop},
+                           {"abort in hold", SIGABRT, Situation::hold},
+                           {"abort in a squat", SIGABRT, Situation::squat},
+                           {"abort in a soft stop", SIGABRT, Situation::soft_stop}};
 
-TEST_P(StopStart, NobodyFallsAndNoTorqueGoesThatNobodyAskedToGo) {
-  const char* wanted = std::getenv("SANSO_STOP_START_RUNS");
-  const int runs = wanted != nullptr ? std::max(1, std::atoi(wanted)) : 1;
-  for (int run = 0; run < runs && !HasFatalFailure() && !IsSkipped(); ++run) {
-    SCOPED_TRACE("run " + std::to_string(run));
-    on_a_robot([&](Robot& robot) {
-      std::mt19937 random(static_cast<unsigned>(run));
-      return end_and_start(robot, GetParam(), random);
-    });
-  }
+int number_from(const char* variable, int otherwise) {
+  const char* text = std::getenv(variable);
+  return text != nullptr ? std::max(1, std::atoi(text)) : otherwise;
 }
 
-INSTANTIATE_TEST_SUITE_P(Each, StopStart,
-                         testing::Values(Case{"TermInHold", SIGTERM, Situation::hold},
-                                         Case{"TermInSquat", SIGTERM, Situation::squat},
-                                         Case{"TermInSoftStop", SIGTERM, Situation::soft_stop},
-                                         Case{"KillInHold", SIGKILL, Situation::hold},
-                                         Case{"KillInSquat", SIGKILL, Situation::squat},
-                                         Case{"KillInSoftStop", SIGKILL, Situation::soft_stop},
-                                         Case{"AbortInHold", SIGABRT, Situation::hold},
-                                         Case{"AbortInSquat", SIGABRT, Situation::squat},
-                                         Case{"AbortInSoftStop", SIGABRT, Situation::soft_stop}),
-                         [](const auto& p) { return std::string(p.param.name); });
+TEST(StopStart, NobodyFallsAndNoTorqueGoesThatNobodyAskedToGo) {
+  const int runs = number_from("SANSO_STOP_START_RUNS", 1);
+  const int robots = number_from("SANSO_STOP_START_ROBOTS", 2);
+  const int jobs = runs * static_cast<int>(std::size(kCases));
+  const double longest_pause_s = runs > 1 ? 5.0 : 1.0;
+  std::atomic<int> next{0}, done{0};
+  const auto work = [&] {
+    for (int job = next++; job < jobs; job = next++) {
+      const Case& which = kCases[job % static_cast<int>(std::size(kCases))];
+      const int run = job / static_cast<int>(std::size(kCases));
+      SCOPED_TRACE(std::string(which.name) + ", run " + std::to_string(run));
+      on_a_robot([&](Robot& robot) {
+        std::mt19937 random(static_cast<unsigned>(run));
+        return end_and_start(robot, which, random, longest_pause_s);
+      });
+      std::printf("%d of %d: %s, run %d\n", ++done, jobs, which.name, run);
+      std::fflush(stdout);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < robots; ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+}
 
 }  // namespace
 }  // namespace sanso::loop
