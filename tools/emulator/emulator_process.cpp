@@ -143,6 +143,7 @@ void EmulatorProcess::wait_for_work(Nanoseconds wall) {
   pose_.add_descriptors(descriptors);
   control_.add_descriptors(descriptors);
   std::vector<pollfd> polled;
+  polled.reserve(descriptors.size());
   for (const int fd : descriptors) polled.push_back({fd, POLLIN, 0});
   const timespec timeout{wait / kSecond, wait % kSecond};
   ppoll(polled.data(), polled.size(), &timeout, nullptr);

@@ -68,14 +68,14 @@ std::optional<UsbBytes> UsbFunction::control(const UsbSetup& setup,
   std::optional<UsbBytes> answer;
   const bool to_host = (setup.type & kToHost) != 0;
   const bool of_device = (setup.type & kRecipientMask) == kDevice;
-  if ((setup.type & kKindMask) != 0)
+  const bool asks_descriptor = to_host && setup.request == kGetDescriptor;
+  // of the interface, the class knows the descriptors
+  if ((setup.type & kKindMask) != 0 || (asks_descriptor && !of_device))
     answer = own_request(setup, out);
   else if (!to_host)
     answer = UsbBytes{};  // configuration, interface, features: there is only one of each
-  else if (setup.request == kGetDescriptor && of_device)
+  else if (asks_descriptor)
     answer = descriptor(setup.value);
-  else if (setup.request == kGetDescriptor)
-    answer = own_request(setup, out);  // of the interface: the class knows
   else if (setup.request == kGetStatus)
     answer = UsbBytes{0, 0};
   else if (setup.request == kGetConfiguration)
