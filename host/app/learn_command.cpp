@@ -31,6 +31,7 @@ learn::SessionSettings session_settings(const LearnOptions& options, const motio
   s.resume = options.resume;
   s.layers = layers_without(options.without);
   s.world = options.world;
+  s.trial.watcher = options.watcher;
   s.trial.cost_limit = motion.stop.cost_limit;
   s.trial.tilt_limit_rad = motion.stop.tilt_limit_rad;
   s.trial.drop_limit_m = motion.stop.drop_limit_m;
@@ -49,12 +50,19 @@ std::string note_of(const learn::TrialSummary& t) {
 /// Throws std::runtime_error when a person has stopped the session before its last trial.
 void run_trials(learn::Session& session, const std::string& motion, const LearnOptions& options) {
   const Interrupt interrupt;
+  learn::SessionWatcher* const watcher = options.watcher;
+  bool ended_by_watcher = false;
   learn::Progress progress(stdout, motion, options.iterations, session.finished_before());
   session.run(
       [&](const learn::TrialSummary& t) {
         if (!options.quiet) progress.update(static_cast<int>(t.trial) + 1, note_of(t));
+        if (watcher) watcher->trial_ended(t);
       },
-      Interrupt::requested);
+      [&] {
+        ended_by_watcher = watcher && watcher->ends_session();
+        return ended_by_watcher || Interrupt::requested();
+      });
+  if (ended_by_watcher) return;
   const auto done = static_cast<int>(session.state().history.size());
   if (done < options.iterations)
     throw std::runtime_error(fmt::format(
@@ -97,8 +105,10 @@ int learn(const LearnOptions& options, const RobotFactory& make_robot) {
   if (!options.quiet)
     fmt::print("{}: {} trials on {}, seed {}\n", motion.name, options.iterations,
                robot->description(), options.seed);
+  const std::vector<learn::TrialSummary>& history = session.state().history;
+  if (options.watcher) options.watcher->session_begins(motion.name, options.iterations, history);
   run_trials(session, motion.name, options);
-  return session.state().history.back().succeeded() ? 0 : 1;
+  return !history.empty() && history.back().succeeded() ? 0 : 1;
 }
 
 }  // namespace sanso::app

@@ -10,6 +10,7 @@
 
 #include "host/learn/session/robot_access.h"
 #include "host/learn/session/trial.h"
+#include "host/learn/session/watcher.h"
 
 namespace sanso::app {
 
@@ -25,6 +26,7 @@ struct LearnOptions {
   std::string world = "lab";         // of an emulated robot
   int threads = 2;
   bool quiet = false;
+  learn::SessionWatcher* watcher = nullptr;  // may be absent
 };
 
 /// Makes the robot that LearnOptions::robot names. Throws std::runtime_error saying what to do.

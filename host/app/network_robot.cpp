@@ -11,17 +11,6 @@ namespace {
 
 using wire::SupervisorState;
 
-wire::Key read_key(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const Result<wire::Key> key = wire::key_from_hex(text);
-  if (!in || !key.ok())
-    throw std::runtime_error(
-        "--key " + file.string() +
-        ": expected a file of 64 hexadecimal digits, the same as the controller's key_file");
-  return *key;
-}
-
 /// Why a controller may be there and yet say nothing.
 std::string who_answers(const std::optional<wire::Identity>& identity) {
   if (!identity) return "is sanso-firmware running there, is the port open?";
@@ -33,6 +22,17 @@ std::string who_answers(const std::optional<wire::Identity>& identity) {
 }
 
 }  // namespace
+
+wire::Key read_key(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const Result<wire::Key> key = wire::key_from_hex(text);
+  if (!in || !key.ok())
+    throw std::runtime_error(
+        "--key " + file.string() +
+        ": expected a file of 64 hexadecimal digits, the same as the controller's key_file");
+  return *key;
+}
 
 NetworkRobot::NetworkRobot(const std::string& address, const std::filesystem::path& key_file,
                            std::FILE* ask, std::FILE* answers)

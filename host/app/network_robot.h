@@ -12,6 +12,9 @@
 
 namespace sanso::app {
 
+/// The pre-shared key of a controller. Throws std::runtime_error saying what was expected.
+wire::Key read_key(const std::filesystem::path& file);
+
 class NetworkRobot : public learn::RobotAccess {
  public:
   /// `key_file`: the 64 hexadecimal digits that the controller also has. Questions go to `ask`,

@@ -136,6 +136,7 @@ void Trial::begin() {
   context.u_rest = model::joints(setup_.reference.front());
   context.weights = setup_.weights;
   upper_.begin_trial(context);
+  if (settings_.watcher) settings_.watcher->trial_begins(setup_);
   robot_.take_observations();  // from before the trial: not part of it
   wire::Command start{.kind = wire::CommandKind::start_trial,
                       .trial_id = setup_.trial_id,
@@ -170,6 +171,7 @@ void Trial::judge(const wire::Observation& o) {
   const model::State& x_ref = reference(o.trial_tick);
   episode_.cost_terms.push_back(mpc::stage_cost(setup_.weights, o.x, x_ref, o.u_upper));
   episode_.cost += episode_.cost_terms.back();
+  if (settings_.watcher) settings_.watcher->judged(episode_.cost);
   if (episode_.cost > settings_.cost_limit) episode_.end = TrialEnd::cost_limit;
   if (o.x[model::kXPos + 2] < x_ref[model::kXPos + 2] - settings_.drop_limit_m)
     episode_.end = TrialEnd::low_base;
@@ -201,6 +203,7 @@ void Trial::plan_from(const wire::Observation& o) {
   const double planned_ms = wall_ms() - wall_begin;  // before a virtual clock lets its world run on
   robot_.clock().finish_computation(begin, from_seconds(settings_.modelled_planning_s));
   robot_.send_policy(plan_->policy);
+  if (settings_.watcher) settings_.watcher->planned(planned_ms);
 
   PlanRecord record;
   record.policy = plan_->policy;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "host/learn/episodes/episode.h"
+#include "host/learn/session/watcher.h"
 #include "host/link/robot_link.h"
 #include "host/mpc/upper_layer.h"
 #include "shared/policy/primitives.h"
@@ -39,7 +40,8 @@ struct TrialSettings {
   double modelled_planning_s = 0.030;
   // real clocks: the planner returns its best after this; 0 = no budget
   double planning_budget_s = 0.0;
-  double silence_limit_s = 0.5;  // no observation for so long: link lost
+  double silence_limit_s = 0.5;       // no observation for so long: link lost
+  SessionWatcher* watcher = nullptr;  // may be absent; outlives the trial
 };
 
 /// What one trial is made of. Everything must outlive run_trial().
