@@ -26,6 +26,7 @@ MAY = {
     "firmware": REALTIME,
     "host": ["shared"],
     "tools/recording": ["shared/base", "shared/files", "shared/mcap"],
+    "tools/page": ["shared", "host", "tools/plant", "tools/emulator"],
     "tools/report": ["shared", "host", "tools/recording"],
     "tools/plant": ["shared/base", "shared/files", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/files", "shared/servo_bus", "tools/plant"],

@@ -9,7 +9,7 @@
 #include "shared/files/atomic_file.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
-#include "tools/sanso/emulated_access.h"
+#include "tools/sanso/page_option.h"
 
 namespace sanso::cli {
 namespace {
@@ -42,18 +42,24 @@ void add_demo(CLI::App& app, int& result) {
   command
       ->add_option("--out", options->out, "folder of the session; an older demo in it is replaced")
       ->capture_default_str();
+  auto page_options = std::make_shared<PageOptions>();
+  page_options->port = 0;  // on by default
+  auto no_page = std::make_shared<bool>(false);
+  add_page_options(*command, *page_options);
+  command->add_flag("--no-page", *no_page, "serve no page");
   command->footer("Example:\n  sanso demo --motion stand --iterations 3 --out out/stand");
-  command->callback([options, &result] {
+  command->callback([options, page_options, no_page, &result] {
     remove_older_demo(options->out);
     fs::create_directories(options->out);
     files::write_atomically(
         options->out / kDemoMark,
         std::string_view("made by sanso demo; the next demo replaces this folder\n"));
-    result = app::learn(*options, [](const app::LearnOptions& o) {
-      return std::make_unique<EmulatedAccess>(o.world, o.seed, o.out / "run");
+    const auto page =
+        *no_page ? nullptr : serve_page(*page_options, options->robot, options->world);
+    result = learn_with_page(*options, page.get(), *page_options, [](const auto& done) {
+      fmt::print("\n{}\n", report::session_table(done.out));
+      fmt::print("report: {}\n", report::write_session_report(done.out).string());
     });
-    fmt::print("\n{}\n", report::session_table(options->out));
-    fmt::print("report: {}\n", report::write_session_report(options->out).string());
   });
 }
 

@@ -27,6 +27,8 @@ class EmulatedAccess : public learn::RobotAccess {
   }
   std::string world_file() const override { return plant::to_toml(plant::load_world(world_)); }
   bool real_time() const override { return true; }
+  const EmulatedProcesses& processes() const { return processes_; }
+  const TruthSampler& truth() const { return *truth_; }
 
  private:
   bool reaches_idle(double patience_s);

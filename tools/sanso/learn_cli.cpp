@@ -1,32 +1,14 @@
-// `sanso learn`: options, and which robot stands behind the name that `--robot` gives.
+// `sanso learn`: options. Which robot stands behind the name that `--robot` gives: page_option.
 #include <fmt/format.h>
 
 #include <memory>
-#include <stdexcept>
 
 #include "host/app/learn_command.h"
-#include "host/app/network_robot.h"
-#include "tools/inprocess/inprocess_access.h"
 #include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
-#include "tools/sanso/emulated_access.h"
+#include "tools/sanso/page_option.h"
 
 namespace sanso::cli {
-namespace {
-
-std::unique_ptr<learn::RobotAccess> make_robot(const app::LearnOptions& options) {
-  if (options.robot == "in-process")
-    return std::make_unique<inprocess::InProcessAccess>(options.world);
-  if (options.robot == "emulated")
-    return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
-  if (options.robot.find(':') == std::string::npos)
-    throw std::runtime_error("--robot " + options.robot +
-                             ": expected in-process, emulated or HOST:PORT");
-  return std::make_unique<app::NetworkRobot>(options.robot, options.key, stderr, stdin);
-}
-
-}  // namespace
-
 void add_learn(CLI::App& app, int& result) {
   auto options = std::make_shared<app::LearnOptions>();
   CLI::App* command = app.add_subcommand("learn", "run and learn a motion, trial by trial");
@@ -70,9 +52,13 @@ void add_learn(CLI::App& app, int& result) {
       "  sanso learn --motion squat --iterations 200 --out results/squat --resume\n"
       "  sanso learn --motion squat --iterations 20 --out results/no_upper --without upper "
       "--world hard");
-  command->callback([options, &result] {
-    result = app::learn(*options, make_robot);
-    fmt::print("report: {}\n", report::write_session_report(options->out).string());
+  auto page_options = std::make_shared<PageOptions>();
+  add_page_options(*command, *page_options);
+  command->callback([options, page_options, &result] {
+    const auto page = serve_page(*page_options, options->robot, options->world);
+    result = learn_with_page(*options, page.get(), *page_options, [](const auto& done) {
+      fmt::print("report: {}\n", report::write_session_report(done.out).string());
+    });
   });
 }
 

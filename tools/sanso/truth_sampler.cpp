@@ -23,6 +23,11 @@ std::vector<TruthSampler::Sample> TruthSampler::take() {
   return out;
 }
 
+std::optional<TruthSampler::Sample> TruthSampler::latest() const {
+  const std::lock_guard lock(mutex_);
+  return latest_;
+}
+
 void TruthSampler::run() {
   using namespace std::chrono;
   for (auto next = steady_clock::now(); !stop_; next += 20ms) {
@@ -37,6 +42,7 @@ void TruthSampler::run() {
         sample.foot_load_N[foot] = answer.at("foot_force_in_world").at(foot).at(2);
       const std::lock_guard lock(mutex_);
       samples_.push_back(sample);
+      latest_ = sample;
     } catch (
         const std::exception&) {  // a busy emulator answers next time; a figure can spare a point
     }

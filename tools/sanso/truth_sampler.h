@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -29,12 +30,15 @@ class TruthSampler {
 
   /// All samples since the last call.
   std::vector<Sample> take();
+  /// The newest one, taken or not.
+  std::optional<Sample> latest() const;
 
  private:
   void run();
   std::string directory_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::vector<Sample> samples_;
+  std::optional<Sample> latest_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

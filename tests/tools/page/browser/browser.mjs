@@ -1,0 +1,30 @@
+// Debian's chromium without a display, drawing by software; what it complains about is collected.
+import { chromium } from "playwright-core";
+
+export async function openBrowser() {
+  return chromium.launch({
+    executablePath: "/usr/bin/chromium",
+    args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
+           "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+  });
+}
+
+/** A page whose errors go to `complaints`. The driver's own notes on slow drawing do not count. */
+export async function openPage(browser, address, size, complaints) {
+  const page = await browser.newPage({ viewport: size });
+  page.on("console", (m) => {
+    const ours = !/GL Driver Message|GPU stall|WebGL-/.test(m.text());
+    if (["error", "warning"].includes(m.type()) && ours) complaints.push(m.text());
+  });
+  page.on("pageerror", (e) => complaints.push(e.message));
+  page.on("request", (r) => {
+    const outside = !/^(data|blob|file):/.test(r.url()) && new URL(r.url()).hostname !== "127.0.0.1";
+    if (outside) complaints.push(`asks for ${r.url()}`);
+  });
+  await page.goto(address);
+  return page;
+}
+
+export async function fits(page) {
+  return page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth);
+}
