@@ -1,4 +1,4 @@
-// A report page: one self-contained HTML file (figures inline as SVG, no scripts, nothing fetched).
+// A report page: one self-contained HTML file (figures inline as SVG, nothing fetched).
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ struct Table {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// Collects the parts in reading order. Every text is escaped; only figures are taken as markup.
+/// Collects the parts in reading order. Every text is escaped; only figures and
+/// markup() are taken as they are.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);
@@ -26,6 +27,8 @@ class HtmlPage {
   void figure(const std::string& svg_markup, const std::string& caption = {});
   /// Figures two abreast, in reading order; one abreast on a narrow screen.
   void gallery(const std::vector<std::string>& svg_markups);
+  /// Markup as it is: made by this program, never by a person.
+  void markup(const std::string& text) { body_ += text; }
   /// The whole file.
   std::string finish() const;
 

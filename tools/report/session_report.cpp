@@ -15,6 +15,7 @@
 #include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
+#include "tools/report/replay.h"
 #include "tools/report/session_figures.h"
 #include "tools/report/svg_chart.h"
 
@@ -112,6 +113,14 @@ std::filesystem::path write_session_report(const fs::path& folder) {
       cost_over_trials(*state),
       "Sum over the 60 ms ticks of the weighted distance from the reference and of the upper "
       "layer's input. Shaded: failed.");
+  if (const std::string replay = replay_markup(folder, *state); !replay.empty()) {
+    page.heading("Replay");
+    page.markup(replay);
+    page.paragraph(
+        "Solid: the robot (what really was, where the world can tell; else what the controller "
+        "believed). Orange: the reference. Green: the load on each foot. Drag to turn, pinch or "
+        "roll to come closer.");
+  }
   page.gallery({layers_over_trials(*state), gains_over_trials(*state), model_over_trials(*state),
                 update_times(*state)});
   page.table(trial_table(*state));

@@ -16,5 +16,6 @@ if ! cmp -s package-lock.json installed-lock.json; then
   npm ci --no-audit --no-fund --ignore-scripts || skip "npm ci failed; is the registry reachable?"
   cp package-lock.json installed-lock.json
 fi
-rm -rf session && mkdir -p screenshots
+rm -rf session replay && mkdir -p screenshots
+node check_replay.mjs "$sanso" replay screenshots
 node check_page.mjs "$sanso" "$emulator" session screenshots

@@ -1,0 +1,210 @@
+// Columns are scaled to 16 bits each over their own range: a trial of 8 s takes about 12 kB packed,
+// and an angle is right to a tenth of a milliradian.
+#include "tools/report/replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tools/page/bundle.h"
+#include "tools/page/scene.h"
+#include "tools/plant/world_error.h"
+#include "tools/report/packing.h"
+
+namespace sanso::report {
+namespace {
+
+namespace fs = std::filesystem;
+using learn::Episode;
+using nlohmann::json;
+
+constexpr std::size_t kShown = 19;
+constexpr int kStride = 3;  // 30 ms: as smooth as a film
+constexpr double kSteps = 65535.0, kMiddle = 32768.0;
+
+double rms(const model::Input& u) { return u.norm() / std::sqrt(double{model::kNumJoints}); }
+
+ReplayRow row_of(const Episode& episode, std::size_t i) {
+  const wire::Observation& o = episode.ticks[i];
+  const bool seen = i < episode.truth.size();
+  const model::State& x = seen ? episode.truth[i].x : o.x;
+  ReplayRow row{};
+  for (std::size_t k = 0; k < kShown; ++k) {
+    row[k] = x[static_cast<int>(k)];
+    row[kShown + k] = static_cast<double>(episode.reference[i][k]);
+  }
+  model::Input rest;
+  for (int j = 0; j < model::kNumJoints; ++j)
+    rest[j] = static_cast<double>(
+        episode.reference.front()[static_cast<std::size_t>(model::kXJoint + j)]);
+  std::size_t c = 2 * kShown;
+  for (const std::size_t foot : {0, 1})
+    row[c++] = seen ? static_cast<double>(episode.truth[i].foot_load_N[foot]) : 0.0;
+  for (const double part : {rms(o.u_upper), rms(o.u_middle), rms(o.u_lower - rest)})
+    row[c++] = part;
+  return row;
+}
+
+std::vector<std::int16_t> quantised(const std::vector<ReplayRow>& rows, std::size_t column,
+                                    double low, double step) {
+  std::vector<std::int16_t> out;
+  std::int32_t before = 0;
+  for (const ReplayRow& row : rows) {
+    const auto value = static_cast<std::int32_t>(std::lround((row[column] - low) / step - kMiddle));
+    out.push_back(static_cast<std::int16_t>(static_cast<std::uint32_t>(value - before)));
+    before = value;
+  }
+  return out;
+}
+
+/// Both ends, and between them every so manieth, so that `keep` are left of `count`.
+std::set<int> spread(int count, int keep) {
+  std::set<int> out;
+  for (int i = 0; i < keep; ++i)
+    out.insert(keep > 1 ? static_cast<int>(std::lround(double(count - 1) * i / (keep - 1))) : 0);
+  return out;
+}
+
+int best_of(const std::vector<learn::TrialSummary>& history) {
+  return static_cast<int>(std::min_element(history.begin(), history.end(),
+                                           [](const auto& a, const auto& b) {
+                                             return std::make_pair(a.failed(), a.cost) <
+                                                    std::make_pair(b.failed(), b.cost);
+                                           }) -
+                          history.begin());
+}
+
+fs::path episode_file(const fs::path& folder, std::uint32_t trial) {
+  return folder / fmt::format("trial_{:04d}.episode", trial);
+}
+
+std::string scene_for(const fs::path& folder) {
+  try {
+    if (fs::exists(folder / "world.toml"))
+      return page::scene_of(plant::load_world((folder / "world.toml").string())).dump();
+  } catch (const plant::WorldError&) {  // of another version: the robot is the same
+  }
+  return page::scene_of(plant::load_world("nominal")).dump();
+}
+
+/// Packed and zipped, with these trials of the history in it, as far as they are stored and have
+/// moved.
+std::string data_of(const fs::path& folder, const learn::SessionState& state,
+                    const std::set<int>& wanted, int best) {
+  ReplayData data(scene_for(folder), kStride);
+  int second = -1;
+  for (const int i : wanted) {
+    const learn::TrialSummary& summary = state.history[static_cast<std::size_t>(i)];
+    if (!fs::exists(episode_file(folder, summary.trial))) continue;
+    const Episode episode = learn::load_episode(episode_file(folder, summary.trial));
+    if (episode.ticks.empty()) continue;
+    if (i == best && data.trials() > 0) second = data.trials();
+    data.add(summary, episode);
+  }
+  return data.trials() > 0 ? gzip(data.pack(0, second)) : std::string();
+}
+
+std::string hidden(const char* id, std::string_view bytes) {
+  return fmt::format("<script type='text/plain' id='{}'>{}</script>\n", id, base64(bytes));
+}
+
+std::string_view text_of(std::span<const unsigned char> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+constexpr char kLoader[] = R"(<script>(async()=>{
+const get=async id=>{const text=atob(document.getElementById(id).textContent);
+const zipped=Uint8Array.from(text,c=>c.charCodeAt(0));
+const plain=new Blob([zipped]).stream().pipeThrough(new DecompressionStream('gzip'));
+return new Uint8Array(await new Response(plain).arrayBuffer())};
+const add=async(tag,id)=>{const e=document.createElement(tag);
+e.textContent=new TextDecoder().decode(await get(id));document.head.append(e)};
+await add('style','replay-style');await add('script','replay-script');
+sansoPage.replay(document.getElementById('replay'),await get('replay-data'));
+})().catch(e=>{document.getElementById('replay').textContent='no replay here: '+e.message})</script>
+)";
+
+}  // namespace
+
+std::vector<ReplayRow> replay_rows(const Episode& episode, int stride) {
+  std::vector<ReplayRow> rows;
+  if (episode.ticks.empty() || episode.reference.size() != episode.ticks.size()) return rows;
+  std::size_t i = 0;
+  for (int tick = episode.ticks.front().trial_tick; tick <= episode.ticks.back().trial_tick;
+       tick += stride) {
+    while (i + 1 < episode.ticks.size() && episode.ticks[i + 1].trial_tick <= tick) ++i;
+    rows.push_back(row_of(episode, i));
+  }
+  for (const learn::PlanRecord& plan : episode.plans) {
+    const auto k = static_cast<std::size_t>(
+        std::max(0, plan.observed_tick - episode.ticks.front().trial_tick) / stride);
+    if (k < rows.size()) rows[k].back() = plan.update_ms;
+  }
+  // between two answers the last one holds
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    if (rows[k].back() == 0.0) rows[k].back() = rows[k - 1].back();
+  return rows;
+}
+
+ReplayData::ReplayData(std::string scene, int stride) : scene_(std::move(scene)), stride_(stride) {}
+
+void ReplayData::add(const learn::TrialSummary& summary, const Episode& episode) {
+  const std::vector<ReplayRow> rows = replay_rows(episode, stride_);
+  json lows = json::array(), steps = json::array();
+  for (std::size_t c = 0; c < kReplayColumns; ++c) {
+    double low = INFINITY, high = -INFINITY;
+    for (const ReplayRow& row : rows) low = std::min(low, row[c]), high = std::max(high, row[c]);
+    const double step = high > low ? (high - low) / kSteps : 1.0;
+    lows.push_back(low);
+    steps.push_back(step);
+    const std::vector<std::int16_t> column = quantised(rows, c, low, step);
+    words_.insert(words_.end(), column.begin(), column.end());
+  }
+  trials_.push_back(json{
+      {"n", summary.trial + 1},
+      {"cost", summary.cost},
+      {"failed", summary.failed()},
+      {"end", learn::to_string(summary.end)},
+      {"count", rows.size()},
+      {"low", lows},
+      {"step", steps}}.dump());
+}
+
+std::string ReplayData::pack(int first, int second) const {
+  json head = json::parse(scene_);
+  head["dt"] = to_seconds(kTickPeriod) * stride_;
+  head["columns"] = std::vector<int>(kReplayColumns);
+  head["first"] = first;
+  head["second"] = second;
+  head["trials"] = json::array();
+  for (const std::string& trial : trials_) head["trials"].push_back(json::parse(trial));
+  const std::string text = head.dump();
+  const auto size = static_cast<std::uint32_t>(text.size());
+  std::string out(reinterpret_cast<const char*>(&size), sizeof size);
+  out += text;
+  out.append(reinterpret_cast<const char*>(words_.data()), 2 * words_.size());
+  return out;
+}
+
+std::string replay_markup(const fs::path& folder, const learn::SessionState& state,
+                          std::size_t most_bytes) {
+  const page::Bundle& bundle = page::bundle();
+  if (bundle.empty() || state.history.empty()) return {};
+  const auto count = static_cast<int>(state.history.size());
+  const int best = best_of(state.history);
+  std::string data;
+  for (int keep = count; keep >= 1; keep = keep / 2) {
+    std::set<int> wanted = spread(count, keep);
+    wanted.insert(best);
+    data = data_of(folder, state, wanted, best);
+    if (4 * data.size() / 3 <= most_bytes) break;
+  }
+  if (data.empty()) return {};
+  return "<div id='replay'></div>\n" + hidden("replay-style", text_of(bundle.style)) +
+         hidden("replay-script", text_of(bundle.script)) + hidden("replay-data", data) + kLoader;
+}
+
+}  // namespace sanso::report
