@@ -27,6 +27,7 @@ MAY = {
     "host": ["shared"],
     "tools/recording": ["shared/base", "shared/files", "shared/mcap"],
     "tools/page": ["shared", "host", "tools/plant", "tools/emulator"],
+    "tools/export": ["shared", "firmware", "host", "tools/plant", "tools/emulator"],
     "tools/report": ["shared", "host", "tools/recording", "tools/page", "tools/plant"],
     "tools/plant": ["shared/base", "shared/files", "shared/servo_bus"],
     "tools/emulator": ["shared/base", "shared/files", "shared/servo_bus", "tools/plant"],

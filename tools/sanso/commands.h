@@ -22,6 +22,7 @@ void add_report(CLI::App& app, int& result);
 void add_reveal(CLI::App& app, int& result);
 void add_identify(CLI::App& app, int& result);
 void add_watch(CLI::App& app, int& result);
+void add_export(CLI::App& app, int& result);
 void add_score(CLI::App& app, int& result);
 void add_diagnose(CLI::App& app, int& result);
 void add_bench_diagnose(CLI::App& app, int& result);

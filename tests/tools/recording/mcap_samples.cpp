@@ -6,6 +6,7 @@
 #include <string>
 
 #include "firmware/log/black_box.h"
+#include "tools/export/trial_mcap.h"
 #include "tools/recording/mcap_file.h"
 #include "tools/recording/mcap_recording.h"
 
@@ -51,6 +52,30 @@ void write_export(const fs::path& file) {
   recording::write_mcap(r, file);
 }
 
+/// A trial in which a knee is bent, one foot carries more than the other, and a plan was late.
+void write_trial(const fs::path& file) {
+  learn::Episode episode;
+  for (int k = 0; k < kTicks; ++k) {
+    wire::Observation o;
+    o.time = (k + 1) * kTickPeriod;
+    o.trial_tick = k;
+    o.x[model::kXJoint + 3] = 0.7;
+    episode.ticks.push_back(o);
+    episode.reference.emplace_back();
+    learn::TrueSample truth;
+    truth.foot_load_N = {12.5F, 18.0F};
+    episode.truth.push_back(truth);
+  }
+  learn::PlanRecord plan;
+  plan.policy.sequence = 4;
+  plan.observed_tick = 6;
+  plan.late = 1;
+  plan.policy.knots.try_resize(2);
+  plan.policy.knots[1].u[3] = 0.25;
+  episode.plans.push_back(plan);
+  exports::write_trial_mcap(episode, file);
+}
+
 /// Joint states that our own reader finds in the file cut at every size, from the magic bytes on.
 std::string rows_of_cuts(const fs::path& box, const fs::path& scratch) {
   fs::copy_file(box, scratch);
@@ -75,6 +100,7 @@ int main(int argc, char** argv) {
   const fs::path folder = argv[1];
   fs::rename(write_box(folder), folder / "box.mcap");
   write_export(folder / "export.mcap");
+  write_trial(folder / "trial.mcap");
   std::FILE* out = std::fopen((folder / "expected.json").c_str(), "w");
   if (out == nullptr) return 2;
   std::fprintf(out, "{\"knee\": 0.7, \"command\": 0.5, \"files\": {\"box.mcap\": {");
@@ -86,7 +112,12 @@ int main(int argc, char** argv) {
   }
   std::fprintf(out,
                "}, \"export.mcap\": {\"/joint_states\": 5000, \"/joint_commands\": 5000, "
-               "\"/imu\": 5000}}, \"rows_of_cut\": [%s]}\n",
-               rows_of_cuts(folder / "box.mcap", folder / "cut.mcap").c_str());
+               "\"/imu\": 5000}, \"trial.mcap\": {\"/robot_description\": 1, \"/policy\": 1, "
+               "\"/tf\": %d, \"/reference\": %d, \"/foot_wrench/right\": %d, "
+               "\"/foot_wrench/left\": %d, \"/joint_states\": %d, \"/joint_commands\": %d, "
+               "\"/joint_currents\": %d, \"/supply_voltage\": %d, \"/imu\": %d, \"/odom\": %d, "
+               "\"/tick\": %d}}, \"rows_of_cut\": [%s]}\n",
+               kTicks, kTicks, kTicks, kTicks, kTicks, kTicks, kTicks, kTicks, kTicks, kTicks,
+               kTicks, rows_of_cuts(folder / "box.mcap", folder / "cut.mcap").c_str());
   return std::fclose(out) == 0 ? 0 : 2;
 }

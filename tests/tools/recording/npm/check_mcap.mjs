@@ -102,6 +102,27 @@ function checkValues(bytes) {
   assert.equal(tick.datagrams_dropped, 5, "the last field");
 }
 
+/** The tf of a trial is a tree of the robot's links, and the knee is turned in it. */
+function checkTrial(bytes) {
+  const first = {};
+  for (const { topic, message } of stream(bytes, true)) first[topic] ??= message;
+  const { transforms } = first["/tf"];
+  const parents = new Map(transforms.map((t) => [t.child_frame_id, t.header.frame_id]));
+  assert.equal(parents.size, transforms.length, "a link has two parents");
+  for (let link of parents.keys()) {
+    for (let steps = 0; link !== "world"; link = parents.get(link), ++steps)
+      assert.ok(link != undefined && steps < 20, "a link hangs nowhere");
+  }
+  const links = new Set([...first["/robot_description"].data.matchAll(/<link name="([^"]+)"/g)].map((m) => m[1]));
+  assert.deepEqual(new Set(parents.keys()), links, "tf and URDF name other links");
+  const knee = transforms.find((t) => t.child_frame_id === "r_knee_link").transform.rotation;
+  assert.ok(Math.abs(knee.w - Math.cos(0.35)) < 1e-12 && Math.abs(knee.y + Math.sin(0.35)) < 1e-12, "r_knee turns about -y");
+  assert.equal(first["/foot_wrench/right"].wrench.force.z, 12.5);
+  assert.equal(first["/foot_wrench/left"].wrench.force.z, 18);
+  const { sequence, late, u, x } = first["/policy"];
+  assert.deepEqual([sequence, late, u.length, x.length, u[12 + 3]], [4, 1, 24, 74, 0.25]);
+}
+
 let cuts = 0;
 for (const [name, topics] of Object.entries(expected.files)) {
   const bytes = new Uint8Array(readFileSync(join(folder, name)));
@@ -110,6 +131,7 @@ for (const [name, topics] of Object.entries(expected.files)) {
 }
 const box = new Uint8Array(readFileSync(join(folder, "box.mcap")));
 checkValues(box);
+checkTrial(new Uint8Array(readFileSync(join(folder, "trial.mcap"))));
 for (let size = 8; size < box.length; ++size, ++cuts) {
   let rows = 0;
   for (const { topic } of stream(box.subarray(0, size), false)) rows += topic === "/joint_states";

@@ -1,0 +1,75 @@
+// `sanso export`: stored trials as files of other programs.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+#include "shared/files/atomic_file.h"
+#include "tools/export/op3_urdf.h"
+#include "tools/export/trial_mcap.h"
+#include "tools/sanso/commands.h"
+
+namespace sanso::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExportOptions {
+  fs::path folder, out;
+  int trial = 0;  // 0: the last one stored
+  bool urdf = false;
+};
+
+fs::path episode_file(const fs::path& folder, int trial) {
+  return folder / fmt::format("trial_{:04d}.episode", trial - 1);
+}
+
+int last_trial(const fs::path& folder) {
+  int trial = 0;
+  while (fs::exists(episode_file(folder, trial + 1))) ++trial;
+  if (trial == 0)
+    throw std::runtime_error(folder.string() +
+                             ": holds no trial; expected the folder that `sanso learn --out` or "
+                             "`sanso demo --out` wrote");
+  return trial;
+}
+
+int run_export(const ExportOptions& options) {
+  const int last = last_trial(options.folder), trial = options.trial > 0 ? options.trial : last;
+  const fs::path stored = episode_file(options.folder, trial);
+  if (!fs::exists(stored))
+    throw std::runtime_error(
+        fmt::format("--trial {}: {} has trials 1 to {}", trial, options.folder.string(), last));
+  fs::path out = options.out;
+  if (out.empty()) out = options.folder / fmt::format("trial_{:04d}.mcap", trial);
+  const std::uint64_t messages = exports::write_trial_mcap(learn::load_episode(stored), out);
+  fmt::print("trial {}: {} messages in {}\n", trial, messages, out.string());
+  if (options.urdf) {
+    fs::path urdf = out;
+    urdf.replace_extension(".urdf");
+    files::write_atomically(urdf, exports::op3_urdf());
+    fmt::print("robot: {}\n", urdf.string());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, int& result) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = app.add_subcommand(
+      "export", "a stored trial as an MCAP file, for Foxglove, PlotJuggler and ros2 bag");
+  command->add_option("DIR", options->folder, "folder that `sanso learn` or `sanso demo` wrote")
+      ->required();
+  command->add_option("--trial", options->trial, "number of the trial, from 1; the last one")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--mcap", options->out, "the file to write; DIR/trial_NNNN.mcap");
+  command->add_flag("--urdf", options->urdf, "also the robot, as a URDF file beside it");
+  command->footer(
+      "Examples:\n  sanso export runs/squat\n"
+      "  sanso export runs/squat --trial 1 --mcap first.mcap");
+  command->callback([options, &result] { result = run_export(*options); });
+}
+
+}  // namespace sanso::cli
