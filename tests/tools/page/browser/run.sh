@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The live page and the replay in headless chromium. Exit code 77 (skipped) where node, the registry
+# The replay of a report in headless chromium. Exit code 77 (skipped) where node, the registry
 # or chromium cannot be had.
-# Usage: run.sh SANSO SANSO-EMULATOR WORK-FOLDER
+# Usage: run.sh SANSO WORK-FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-sanso=$1 emulator=$2 work=$3
+sanso=$1 work=$2
 skip() { echo "SKIPPED: the page was NOT looked at in a browser: $*"; exit 77; }
 command -v node >/dev/null || skip "no node; install nodejs"
 command -v npm >/dev/null || skip "no npm; install npm"
@@ -16,6 +16,5 @@ if ! cmp -s package-lock.json installed-lock.json; then
   npm ci --no-audit --no-fund --ignore-scripts || skip "npm ci failed; is the registry reachable?"
   cp package-lock.json installed-lock.json
 fi
-rm -rf session replay && mkdir -p screenshots
+rm -rf replay && mkdir -p screenshots
 node check_replay.mjs "$sanso" replay screenshots
-node check_page.mjs "$sanso" "$emulator" session screenshots
