@@ -41,9 +41,11 @@ Filtered filter(std::span<const double> t, std::span<const double> q, std::span<
   std::size_t first = 0;
   while (first < rows && !std::isfinite(q[first])) ++first;
   Vec3 x(first < rows ? q[first] : 0.0, 0.0, 0.0);
-  // wide start: any velocity below ~100 rad/s and acceleration below ~1e4 rad/s^2 is within it
+  // wide start: any velocity below ~100 rad/s and acceleration below ~1e4 rad/s^2 is within it.
+  // Where the joint is, the first reading says, once: before it little is known
   const double at_first = first < rows ? sigma[first] : 1.0;
-  Mat3 P = Vec3(at_first * at_first + 1e-12, 1e4, 1e8).asDiagonal();
+  constexpr double kUnknown = 1e3;  // deviations
+  Mat3 P = Vec3(kUnknown * kUnknown * at_first * at_first + 1e-12, 1e4, 1e8).asDiagonal();
   for (std::size_t k = 0; k < rows; ++k) {
     if (k > 0) {
       const double h = t[k] - t[k - 1];
