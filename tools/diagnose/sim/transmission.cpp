@@ -3,6 +3,7 @@
 #include "tools/diagnose/sim/transmission.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sanso::diagnose {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kMovingSpeed = 0.02;
 // motor inertia, when none is known, as a share of the link's
 constexpr double kMinimumMotorShare = 0.02;
-constexpr int kSlipElements = 4;
+constexpr std::size_t kSlipElements = 4;
 
 double thermal_factor(const JointParams& joint, double warming) {
   return joint.friction_temperature == 0.0 ? 1.0 : std::exp(-joint.friction_temperature * warming);
@@ -64,13 +65,19 @@ struct Elastic {
   double constant = 0.0, slope = 0.0;  // N m, N m s/rad
 };
 
+/// Shares of the Maxwell elements in the torque: those of (i + 1)^spread.
+std::array<double, kSlipElements> slip_shares(double spread) {
+  const double two = std::pow(2.0, spread), three = std::pow(3.0, spread);
+  const double total = 1.0 + two + three + two * two;
+  return {1.0 / total, two / total, three / total, two * two / total};
+}
+
 Elastic maxwell(const JointParams& joint, double h, double y, const InnerState& inner) {
   Elastic e;
   const double stiffness = joint.slip_stiffness / kSlipElements;
-  double total = 0.0;
-  for (int i = 0; i < kSlipElements; ++i) total += std::pow(i + 1.0, joint.slip_spread);
-  for (int i = 0; i < kSlipElements; ++i) {
-    const double limit = joint.slip_torque * std::pow(i + 1.0, joint.slip_spread) / total;
+  const auto shares = slip_shares(joint.slip_spread);
+  for (std::size_t i = 0; i < kSlipElements; ++i) {
+    const double limit = joint.slip_torque * shares[i];
     if (std::abs(stiffness * (inner.slip[i] + h * y)) < limit) {
       e.constant += stiffness * inner.slip[i];
       e.slope += stiffness * h;
@@ -83,11 +90,9 @@ Elastic maxwell(const JointParams& joint, double h, double y, const InnerState& 
 
 void advance_maxwell(const JointParams& joint, double h, double y, InnerState& inner) {
   const double stiffness = joint.slip_stiffness / kSlipElements;
-  double total = 0.0;
-  for (int i = 0; i < kSlipElements; ++i) total += std::pow(i + 1.0, joint.slip_spread);
-  for (int i = 0; i < kSlipElements; ++i) {
-    const double limit =
-        joint.slip_torque * std::pow(i + 1.0, joint.slip_spread) / (total * stiffness);
+  const auto shares = slip_shares(joint.slip_spread);
+  for (std::size_t i = 0; i < kSlipElements; ++i) {
+    const double limit = joint.slip_torque * shares[i] / stiffness;
     inner.slip[i] = std::clamp(inner.slip[i] + h * y, -limit, limit);
   }
 }
