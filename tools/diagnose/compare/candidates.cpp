@@ -120,6 +120,10 @@ Candidate place(const Effect& effect, const Comparison& comparison,
     c.parameters.push_back({std::string(p.name), at_joint(std::string(p.unit), prismatic),
                             here.null, here.low, here.high, here.typical, p.structural, p.role});
   }
+  for (const std::size_t j : joints) {
+    if (effect.lowest)
+      c.parameters[0].low = std::max(c.parameters[0].low, effect.lowest(nominal, j));
+  }
   c.probes = scaled_probes(effect, scale);
   for (const std::size_t j : joints) {
     c.where.push_back(effect.scope == Scope::link ? nominal.tree.joints[j].link

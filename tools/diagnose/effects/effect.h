@@ -179,6 +179,8 @@ struct Effect {
   std::vector<SettingChange> settings{};
   std::vector<Identified> identified{};
   std::vector<Tolerance> tolerances{};
+  /// The least that the first parameter can be at this joint or link; empty: its own bound.
+  std::function<double(const SimParams&, std::size_t where)> lowest{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
   /// parameters.size().
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};

@@ -27,18 +27,52 @@ Vec3 tilted(const Vec3& axis, double about_1, double about_2) {
   return unit(moved);
 }
 
+/// v' I v
+double along(const BodyInertia& b, const Vec3& v) {
+  double sum = 0.0;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) sum += v[r] * b.about_com[3 * r + c] * v[c];
+  }
+  return sum;
+}
+
+/// Of the link behind joint j: its own inertia, about its centre of mass, and that about its joint.
+struct TurnedInertia {
+  double own = 0.0, about_joint = 0.0;  // kg m^2
+};
+
+/// About the axis of the joint; behind a slide, about no axis in particular.
+TurnedInertia turned_inertia(const TreeJoint& joint) {
+  const BodyInertia& b = joint.body;
+  const Vec3& c = b.com;
+  const Vec3& a = joint.axis;
+  const double far = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
+  if (joint.prismatic) {
+    const double mean = (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
+    return {mean, mean + b.mass * far};
+  }
+  const double ahead = a[0] * c[0] + a[1] * c[1] + a[2] * c[2];
+  const double own = along(b, a);
+  return {own, own + b.mass * (far - ahead * ahead)};
+}
+
+/// What a body can give: a tenth of its own inertia stays.
+constexpr double kGives = 0.9;
+
+/// The body's own inertia grows or shrinks in its shape until that about its joint has changed by
+/// `share`: one law on both sides of nothing, and to its joint the same as a rotor. A body without
+/// own inertia gains alike about all axes.
 void add_inertia(SimParams& p, int j, double share) {
   BodyInertia& b = body(p, j);
-  if (share < 0.0) {
-    for (double& i : b.about_com) i *= 1.0 + share;
-    return;
+  const TurnedInertia is = turned_inertia(p.tree.joints[static_cast<std::size_t>(j)]);
+  const double added = std::max(share * is.about_joint, -kGives * is.own);
+  const bool thin = is.own <= 1e-3 * is.about_joint;  // no shape to grow in
+  for (std::size_t k = 0; k < 9; ++k) {
+    if (thin && added > 0.0)
+      b.about_com[k] += k % 4 == 0 ? added : 0.0;
+    else if (is.own > 0.0)
+      b.about_com[k] *= 1.0 + added / is.own;
   }
-  // as a share of the body's inertia about its joint, alike about all axes: a body without own
-  // inertia can still gain some
-  const Vec3& c = b.com;
-  const double about_joint = b.mass * (c[0] * c[0] + c[1] * c[1] + c[2] * c[2]) +
-                             (b.about_com[0] + b.about_com[4] + b.about_com[8]) / 3.0;
-  for (std::size_t k : {0u, 4u, 8u}) b.about_com[k] += share * about_joint;
 }
 
 void lengthen(SimParams& p, int j, double length, double tilt_1, double tilt_2) {
@@ -138,6 +172,12 @@ Effect link_inertia() {
       .regimes = {"accelerating"},
       .signature = "fast motion",
       .experiments = {kAddPayload, kChirp},
+      // no body gives more than it has
+      .lowest =
+          [](const SimParams& p, std::size_t j) {
+            const TurnedInertia is = turned_inertia(p.tree.joints[j]);
+            return is.about_joint > 0.0 ? -kGives * is.own / is.about_joint : 0.0;
+          },
       .apply = [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); },
   });
 }

@@ -197,6 +197,41 @@ TEST(CurrentLimit, IsAPlateauAndSupplySagLowersTheStall) {
   EXPECT_NEAR(1.78 * i, kMgl * std::sin(sag.q.back()), 1e-5);
 }
 
+TEST(LinkInertia, IsARotorToItsJointOnBothSidesOfNothing) {
+  // a link with inertia of its own, so that it can lose some as well
+  ModelFolder model = test::pendulum(
+      "actuator = \"position_pd\"\nkp = 6\nkd = 0.1\n"
+      "torque_limit = 0\narmature = 0.02\n");
+  BodyInertia& body = model.tree.joints[0].body;
+  body.about_com[0] = 0.004, body.about_com[4] = 0.003, body.about_com[8] = 0.001;
+  const double about_joint = 0.5 * 0.01 + 0.003;
+  const Effect& inertia = *find_effect("link_inertia");
+  const double lowest = inertia.lowest(make_params(model), 0);
+  EXPECT_NEAR(lowest, -0.9 * 0.003 / about_joint, 1e-9);
+  const Drive drive =
+      make_test_drive(model, 2.0, 0.005, [](int, double t) { return std::sin(9 * t); });
+  const auto motion = [&](const char* id, double value) {
+    return simulate(with(model, id, {value}), drive, std::vector{whole(drive, {0.1}, {0})})[0].q;
+  };
+  const auto nominal = motion("link_inertia", 0.0);
+  for (const double share : {lowest, -0.1, -0.01, 0.01, 0.4, 1.0}) {
+    const auto link = motion("link_inertia", share),
+               rotor = motion("rotor_inertia", share * about_joint);
+    double apart = 0.0, moved = 0.0;
+    for (std::size_t k = 0; k < link.size(); ++k) {
+      apart = std::max(apart, std::abs(link[k] - rotor[k]));
+      moved = std::max(moved, std::abs(link[k] - nominal[k]));
+    }
+    EXPECT_LT(apart, 1e-9) << share;
+    EXPECT_GT(moved, 1e-5) << share;
+    const SimParams changed = with(model, "link_inertia", {share});
+    for (const std::size_t k : {0u, 4u, 8u})
+      EXPECT_GT(changed.tree.joints[0].body.about_com[k], 0.0) << share;
+  }
+  // beyond what it has nothing more is taken
+  EXPECT_EQ(motion("link_inertia", lowest), motion("link_inertia", 2.0 * lowest));
+}
+
 TEST(EncoderOffset, MovesReadingsAndGravityTogether) {
   const ModelFolder model = test::pendulum(
       "actuator = \"position_pd\"\nkp = 3\nkd = 0.1\ntorque_limit = 0\narmature = 0.01\n");
