@@ -12,6 +12,9 @@
 namespace sanso::diagnose {
 namespace {
 
+/// Tied joints differ at most by this factor in torque: one number for unlike drives is nobody's.
+constexpr double kAlike = 2.0;
+
 /// All drives as the library's checks want them.
 std::vector<Drive> drives_of(const Comparison& comparison) {
   std::vector<Drive> out;
@@ -84,27 +87,51 @@ std::string joint_class(const std::string& name) {
   return name;
 }
 
-/// Places with more than one joint: mirror pairs, then all joints alike.
-std::vector<std::vector<std::size_t>> tied_places(const Comparison& comparison) {
+/// One number can be meant for both: they turn or they slide, and are of one scale. A number
+/// without a scale (a delay, a share) can be meant for any joint: `scales` empty.
+bool alike(const Comparison& comparison, const std::vector<JointScale>& scales, std::size_t a,
+           std::size_t b) {
+  if (scales.empty()) return true;
+  const std::vector<TreeJoint>& tree = comparison.sources.front().nominal.tree.joints;
+  const double x = scales[a].torque, y = scales[b].torque;
+  return tree[a].prismatic == tree[b].prismatic && std::max(x, y) <= kAlike * std::min(x, y);
+}
+
+/// Places with more than one joint: mirror pairs, then all joints alike. One number stands for all
+/// of them, so that they have to be of one kind.
+std::vector<std::vector<std::size_t>> tied_places(const Comparison& comparison,
+                                                  const std::vector<JointScale>& scales) {
   std::map<std::string, std::vector<std::size_t>> classes;
-  std::vector<std::size_t> all;
-  for (std::size_t j = 0; j < comparison.joints.size(); ++j) {
+  std::vector<std::vector<std::size_t>> kinds;
+  const std::size_t joints = comparison.joints.size();
+  for (std::size_t j = 0; j < joints; ++j) {
     classes[joint_class(comparison.joints[j])].push_back(j);
-    all.push_back(j);
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& members) {
+      return alike(comparison, scales, members.front(), j);
+    });
+    if (kind == kinds.end())
+      kinds.push_back({j});
+    else
+      kind->push_back(j);
   }
   std::vector<std::vector<std::size_t>> out;
   for (const auto& [name, members] : classes) {
-    if (members.size() > 1 && members.size() < all.size()) out.push_back(members);
+    const bool one_kind = std::all_of(members.begin(), members.end(), [&](std::size_t j) {
+      return alike(comparison, scales, members.front(), j);
+    });
+    if (members.size() > 1 && members.size() < joints && one_kind) out.push_back(members);
   }
-  if (all.size() > 1) out.push_back(all);
+  for (const std::vector<std::size_t>& members : kinds) {
+    const bool known = std::find(out.begin(), out.end(), members) != out.end();
+    if (members.size() > 1 && !known) out.push_back(members);
+  }
   return out;
 }
 
 Candidate place(const Effect& effect, const Comparison& comparison,
                 const std::vector<JointScale>& scales, const std::vector<std::size_t>& joints) {
   const SimParams& nominal = comparison.sources.front().nominal;
-  // tied joints share one number: scaled by the first (they are alike, or tying them makes no
-  // sense)
+  // tied joints share one number: scaled by the first, they are alike
   const JointScale& scale = scales[joints.empty() ? 0 : joints.front()];
   Candidate c;
   c.effect = std::string(effect.id);
@@ -151,7 +178,8 @@ Placement place_library(const Comparison& comparison, const std::vector<std::str
   const std::vector<Drive> drives = drives_of(comparison);
   const SimParams& nominal = comparison.sources.front().nominal;
   const std::vector<JointScale> scales = joint_scales(nominal, drives);
-  const std::vector<std::vector<std::size_t>> tied = tied_places(comparison);
+  const std::vector<std::vector<std::size_t>> of_one_scale = tied_places(comparison, scales),
+                                              of_any = tied_places(comparison, {});
   for (const Effect& effect : library()) {
     if (!only.empty() && std::find(only.begin(), only.end(), effect.id) == only.end()) continue;
     const bool robot = effect.scope == Scope::robot;
@@ -175,7 +203,10 @@ Placement place_library(const Comparison& comparison, const std::vector<std::str
     }
     for (const std::size_t j : able)
       out.candidates.push_back(place(effect, comparison, scales, {j}));
-    for (const std::vector<std::size_t>& joints : tied) {
+    const bool scale_free =
+        std::all_of(effect.parameters.begin(), effect.parameters.end(),
+                    [](const EffectParameter& p) { return p.scale == Unit::none; });
+    for (const std::vector<std::size_t>& joints : scale_free ? of_any : of_one_scale) {
       if (effect.random) continue;  // every joint scatters for itself
       const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
         return std::find(able.begin(), able.end(), j) != able.end();

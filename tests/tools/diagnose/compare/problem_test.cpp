@@ -118,6 +118,21 @@ TEST(Library, IsPlacedAtEveryJointAndOnlyWhatWasAskedFor) {
   }
 }
 
+TEST(Library, OneNumberStandsForJointsOfOneKindAndScaleOnly) {
+  const auto tied = [](const ModelFolder& model, const char* effect) {
+    const SmallComparison c(model, recordings_of(model, 1, 4.0, 1), noise_of(model), {effect});
+    return std::any_of(c.library.candidates.begin(), c.library.candidates.end(),
+                       [](const Candidate& k) { return k.joints.size() == 2; });
+  };
+  ModelFolder model = two_links(kNoisyServo);
+  EXPECT_TRUE(tied(model, "coulomb_friction"));
+  EXPECT_TRUE(tied(model, "command_delay"));
+  // a drive of an eighth of the torque: friction in N m is another, a delay is a delay
+  model.joints[1].resistance *= 8.0;
+  EXPECT_FALSE(tied(model, "coulomb_friction"));
+  EXPECT_TRUE(tied(model, "command_delay"));
+}
+
 TEST(Library, WhatCannotBeTestedHereIsSaidWithAReason) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
   const Placement all = place_library(*c.problem, {});
