@@ -39,7 +39,7 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
                                     const FitResult& without, const FitResult& with);
 
 /// The first row that refutes; empty: none. A row refutes when its whole interval is below 0.5 or
-/// above 2.
+/// above 2: the interval that holds for all rows together with 95 %.
 std::string refuted_by(const std::vector<IncidenceRow>& rows);
 
 }  // namespace sanso::diagnose

@@ -13,6 +13,15 @@ namespace sanso::diagnose {
 
 double normal_tail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
 
+double normal_score(double p) {
+  double low = 0.0, high = 40.0;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double middle = 0.5 * (low + high);
+    (normal_tail(middle) > p ? low : high) = middle;
+  }
+  return low;
+}
+
 double chi_square_tail(double x, double k) {
   if (x <= 0.0) return 1.0;
   const double spread = 2.0 / (9.0 * k);

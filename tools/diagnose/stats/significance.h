@@ -12,6 +12,8 @@ namespace sanso::diagnose {
 
 /// P(Z > z) of the standard normal.
 double normal_tail(double z);
+/// The z that a standard normal exceeds with probability `p` in (0, 0.5].
+double normal_score(double p);
 /// P(X > x) of chi-square with k degrees of freedom (Wilson and Hilferty 1931; relative error below
 /// 2 % for k >= 3).
 double chi_square_tail(double x, double k);

@@ -116,6 +116,26 @@ TEST(Incidence, TheIntervalIsThatOfSlopesWithoutOneShot) {
   EXPECT_NEAR(told.slope - told.low, 1.96 * std::sqrt(square), 1e-9);
 }
 
+TEST(RefutedBy, OneOfManyPromisesMayMissByChanceAndNotByFar) {
+  const auto of = [](double slope, double half) {
+    IncidenceRow row;
+    row.slope = slope, row.low = slope - half, row.high = slope + half;
+    return row;
+  };
+  const IncidenceRow barely = of(0.3, 0.15), never = of(0.0, 0.1), kept = of(1.0, 0.1);
+  EXPECT_EQ(refuted_by({}), "");
+  EXPECT_NE(refuted_by({barely}), "");
+  std::vector<IncidenceRow> many(19, kept);
+  EXPECT_EQ(refuted_by(many), "");
+  many.push_back(barely);
+  EXPECT_EQ(refuted_by(many), "") << "one of twenty true ones lies outside its 95 %";
+  many.push_back(never);
+  EXPECT_NE(refuted_by(many), "");
+  std::vector<IncidenceRow> several(19, kept);
+  several.push_back(of(3.0, 0.3));
+  EXPECT_NE(refuted_by(several), "");
+}
+
 TEST(Incidence, AShotThatHoldsThePromiseIsNotCertainOfIt) {
   // one shot promises nearly everything; all others contradict it, or it contradicts all others
   const Bench b(0.0);

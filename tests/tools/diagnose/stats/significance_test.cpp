@@ -31,6 +31,11 @@ TEST(NormalTail, IsTheTableOfTheNormalDistribution) {
   for (const auto& [z, p] : table) EXPECT_NEAR(normal_tail(z) / p, 1.0, 1e-12) << z;
 }
 
+TEST(NormalScore, IsTheInverseOfTheTail) {
+  for (const double p : {0.5, 0.1, 0.025, 1e-3, 1e-9})
+    EXPECT_NEAR(normal_tail(normal_score(p)) / p, 1.0, 1e-9) << p;
+}
+
 TEST(NormalTail, BothSidesAreEverything) {
   for (const double z : {0.1, 0.7, 2.3, 5.0})
     EXPECT_NEAR(normal_tail(z) + normal_tail(-z), 1.0, 1e-15);
