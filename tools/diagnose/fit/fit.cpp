@@ -48,7 +48,7 @@ Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) con
     const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
     double& e = out[s];
     if (scale > 0.0) e = scale * std::log1p(std::max(e, 0.0) / scale);
-    if (shot.group == left_out) e = 0.0;
+    if (leaves_out(shot)) e = 0.0;
   }
   return out;
 }
@@ -60,7 +60,7 @@ Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) con
     const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
     double& weight = out[s];
     if (scale > 0.0) weight = 1.0 / (1.0 + std::max(energy_by_shot[s], 0.0) / scale);
-    if (shot.group == left_out) weight = 0.0;
+    if (leaves_out(shot)) weight = 0.0;
   }
   return out;
 }
@@ -263,6 +263,11 @@ FitResult resume(const Surroundings& around, FitResult from, int iterations) {
 Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta) {
   const Coordinates c(around, model);
   return c.model(c.inside(c.of(model) + delta));
+}
+
+Eigen::VectorXd displacement(const Surroundings& around, const Model& from, const Model& to) {
+  const Coordinates c(around, from);
+  return c.of(to) - c.of(from);
 }
 
 Eigen::MatrixXd room_to_move(const Surroundings& around, const Model& model) {

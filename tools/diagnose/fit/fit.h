@@ -21,9 +21,13 @@ struct Surroundings {
   StartElimination starts;
   Eigen::MatrixXd A;        // d r / d (nuisance / tolerance), at `model`
   double shot_scale = 0.0;  // c above, in mean squared whitened error; 0: rho is the identity
-  std::optional<std::size_t> left_out = {};  // held-out group that fits do not see
+  std::optional<std::size_t> left_out = {};            // held-out group that fits do not see
+  std::optional<std::size_t> left_out_condition = {};  // a whole condition
 
   const Settings& settings() const { return problem->settings; }
+  bool leaves_out(const Shot& shot) const {
+    return shot.group == left_out || shot.condition == left_out_condition;
+  }
   /// c from the errors of a reference model: shot_outlier^2 times the median shot's mean square.
   void set_shot_scale(const Eigen::VectorXd& energy_by_shot);
   /// rho of every shot's energy, and its derivative; 0 for shots left out.
@@ -77,6 +81,9 @@ std::vector<double> parameter_sigmas(const FitResult& fit, const Library& librar
 /// `model` with its coordinates (those of FitResult::J) moved by `delta`, kept inside the bounds.
 Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta);
 
+/// The `delta` that leads from one model to another of the same effects.
+Eigen::VectorXd displacement(const Surroundings& around, const Model& from, const Model& to);
+
 /// How far every coordinate (those of FitResult::J) may move from `model`, down and up: n x 2.
 Eigen::MatrixXd room_to_move(const Surroundings& around, const Model& model);
 
@@ -86,8 +93,9 @@ double prior_energy(const Surroundings& around, const Model& model);
 /// Held-out energy of every shot (rho of r' M r), from a fit without the shot's group: one
 /// Gauss-Newton step from the full fit, kept inside the bounds and simulated there, shorter where
 /// the other shots do not gain from it: dry friction that sticks a moment later has derivatives
-/// that promise any error. `by_condition`: leaves out
-/// whole conditions instead of groups.
+/// that promise any error. Where they gain from no step, a fit without the group is made from the
+/// best of the steps: the full fit itself has seen the group, and stands for nothing here.
+/// `by_condition`: leaves out whole conditions instead of groups.
 Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
                                bool by_condition = false);
 

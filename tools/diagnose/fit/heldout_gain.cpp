@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -22,32 +21,32 @@ std::size_t group_of(const Shot& shot) { return shot.group; }
 std::size_t condition_of(const Shot& shot) { return shot.condition; }
 
 /// A fit without one part of the shots: one Gauss-Newton step from the full fit, shorter where the
-/// shots that are left do not gain from it.
+/// shots that are left do not gain from it; a fit of its own where they gain from none.
 struct Without {
   Eigen::VectorXd step;    // from the full fit
   Eigen::VectorXd energy;  // by shot, not bounded
 };
 
-Without refit_without(const Surroundings& around, const FitResult& result,
-                      const Eigen::VectorXd& delta,
-                      const std::function<bool(const Shot&)>& left_out) {
-  const Problem& problem = around.problem;
+/// `rest`: surroundings that leave the part out.
+Without refit_without(const Surroundings& rest, const FitResult& result,
+                      const Eigen::VectorXd& delta) {
   const auto cost = [&](const Model& model, const Eigen::VectorXd& energy) {
-    double sum = prior_energy(around, model);
-    const Eigen::VectorXd bounded = around.bounded(energy);
-    for (std::size_t s = 0; s < problem->shots.size(); ++s)
-      sum += left_out(problem->shots[s]) ? 0.0 : bounded[s];
-    return sum;
+    return prior_energy(rest, model) + rest.bounded(energy).sum();
   };
-  Without none{Eigen::VectorXd::Zero(delta.size()), around.starts.energy_by_shot(result.r)};
-  const double least = cost(result.model, none.energy);
+  const auto energy_of = [&](const Eigen::VectorXd& r) { return rest.starts.energy_by_shot(r); };
+  const double seen = cost(result.model, energy_of(result.r));
+  double least = INFINITY;
+  Model best;
   for (const double share : {1.0, 0.5, 0.25}) {
-    const Model model = moved(around, result.model, share * delta);
-    Eigen::VectorXd energy =
-        around.starts.energy_by_shot(prediction_error(problem, *around.library, model));
-    if (cost(model, energy) <= least) return {share * delta, std::move(energy)};
+    Model model = moved(rest, result.model, share * delta);
+    Eigen::VectorXd energy = energy_of(prediction_error(rest.problem, *rest.library, model));
+    const double is = cost(model, energy);
+    if (is <= seen) return {share * delta, std::move(energy)};
+    if (is < least) least = is, best = std::move(model);
   }
-  return none;
+  if (!std::isfinite(least)) best = moved(rest, result.model, 0.25 * delta);
+  const FitResult own = fit(rest, best, rest.settings().fitting.first_iterations);
+  return {displacement(rest, result.model, own.model), energy_of(own.r)};
 }
 
 /// How a fit moves when a part of the shots is left out: one Gauss-Newton step, exact where the
@@ -66,8 +65,9 @@ class LeaveOneOut {
   }
 
   Without without(std::size_t part) const {
-    return refit_without(around_, result_, delta(part),
-                         [&](const Shot& shot) { return part_of_(shot) == part; });
+    Surroundings rest = around_;
+    (part_of_ == condition_of ? rest.left_out_condition : rest.left_out) = part;
+    return refit_without(rest, result_, delta(part));
   }
 
   /// J' M J of all shots.

@@ -119,6 +119,30 @@ TEST(HeldOut, WhatAGroupReadsIsOnlyPredictedNeverFitted) {
   EXPECT_GT(told, sum_of(around, around.starts.energy_by_shot(f.r), 1));
 }
 
+TEST(HeldOut, WhereNoStepServesTheOthersTheGroupIsStillNotSeen) {
+  // a derivative of the wrong sign, as of friction that sticks a moment later: every step from the
+  // full fit makes the others worse
+  const Damped bent = with_bent_readings(Damped(6), 1);
+  const Surroundings around = bent.around();
+  FitResult f = fit(around, bent.start(0.1), 12);
+  const double seen = sum_of(around, around.bounded(around.starts.energy_by_shot(f.r)), 1);
+  const double told_before = sum_of(around, heldout_energy(around, f), 1);
+  f.J.col(0) *= -1.0;
+  const double told = sum_of(around, heldout_energy(around, f), 1);
+  ASSERT_GT(told_before, seen + 1.0) << "the group pulled at the fit";
+  EXPECT_NEAR(told, told_before, 0.2 * (told_before - seen));
+}
+
+TEST(Displacement, IsWhatMovedMoves) {
+  const Damped c(13, true, 2);
+  const Surroundings around = c.around();
+  const Model from = c.start(0.07);
+  Eigen::VectorXd delta =
+      Eigen::VectorXd::Constant(1 + static_cast<Eigen::Index>(c.library.nuisances.size()), 0.1);
+  delta[0] = -0.2;
+  EXPECT_LT((displacement(around, from, moved(around, from, delta)) - delta).norm(), 1e-12);
+}
+
 TEST(HeldOut, AConditionLeftOutIsAGroupWhereTheyAreTheSame) {
   Damped c(8);
   Comparison changed = *c.problem;
