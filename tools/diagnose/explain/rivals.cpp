@@ -15,11 +15,6 @@
 namespace sanso::diagnose {
 namespace {
 
-int free_parameters(const Candidate& c) {
-  return static_cast<int>(std::count_if(c.parameters.begin(), c.parameters.end(),
-                                        [](const CandidateParameter& p) { return !p.structural; }));
-}
-
 /// Of every cluster of `significant` (strongest first) the strongest.
 std::vector<std::size_t> cluster_leaders(const Screening& screening,
                                          const std::vector<std::size_t>& significant,
@@ -77,6 +72,11 @@ bool any_parameter(const Library& library, const Alternative& a, const F& f) {
 }
 
 }  // namespace
+
+int free_parameters(const Candidate& c) {
+  return static_cast<int>(std::count_if(c.parameters.begin(), c.parameters.end(),
+                                        [](const CandidateParameter& p) { return !p.structural; }));
+}
 
 bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical) {
   return behind.certainty() > settings.standard_errors && behind.removed() > practical;

@@ -23,6 +23,9 @@ struct Alternative {
 /// than what matters.
 bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical);
 
+/// Numbers that a fit of this effect may choose.
+int free_parameters(const Candidate& candidate);
+
 /// A difference of this many energy units is one unit of log-likelihood.
 inline constexpr double kNoiseUnit = 2.0;
 

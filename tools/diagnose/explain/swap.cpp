@@ -4,7 +4,10 @@
 
 #include <algorithm>
 
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/steps.h"
+#include "tools/diagnose/fit/imitate.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -32,6 +35,25 @@ void take_place(SearchState& state, std::size_t i, const Alternative& best) {
   model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(i), other);
   state.found.final.model = model;
   state.relinearise();
+}
+
+/// A rival that looks like the i-th effect and was fitted worse may only have ended in another
+/// hollow: where it can say the same as the effect, it is fitted to the data from there.
+void fit_from_its_prediction(const SearchState& state, std::size_t i, Alternative& rival) {
+  const Selection& found = state.found;
+  const Surroundings& around = *found.around;
+  const Candidate& own = state.accepted(i);
+  const bool alike = documented_twin(state.candidate(rival.candidate).effect, own.effect) ||
+                     found.first.similarity(rival.candidate, found.accepted[i].candidate) >
+                         state.decisions().same_signature;
+  if (!alike || rival.fit.objective < found.final.objective + kNoiseUnit) return;
+  const Imitation same = imitate(around, found.final, i, rival.fit.model.effects.back());
+  if (same.distance > state.practical()) return;
+  FitResult fitted = fit(around, same.model, around.settings().fitting.iterations);
+  if (fitted.objective >= rival.fit.objective) return;
+  rival.fit = std::move(fitted);
+  rival.heldout = heldout_energy(around, rival.fit);
+  rival.far_behind = false;
 }
 
 /// The others that were tried, with how far they are behind what is at place i now.
@@ -66,6 +88,7 @@ void swap_for_better(SearchState& state) {
                      entry.candidate, entry.alternatives);
     std::vector<Alternative> tried =
         fit_all(*found.around, base, found.final.objective, which, found.first, entry.alternatives);
+    parallel_for(tried.size(), [&](std::size_t k) { fit_from_its_prediction(state, i, tried[k]); });
     const Alternative self{entry.candidate, found.final, found.final_heldout};
     tried.push_back(self);
     rank(state.library, state.problem, tried);

@@ -81,11 +81,15 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
 
 /// These data cannot tell the rival from the chosen effect, and it is another explanation: another
 /// effect that says nothing wrong and predicts as well. Two simulations that differ by less than
-/// what matters are the same prediction.
+/// what matters are the same prediction; but a rival that needs more numbers to predict worse
+/// beyond chance is no explanation beside a simpler one.
 bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,
              const Alternative& a, const Rival& rival) {
-  const bool level = !beaten(selection.around->settings().decisions, a.behind,
-                             practical_energy(*selection.around->problem));
+  const DecisionSettings& decisions = selection.around->settings().decisions;
+  const bool needs_more = free_parameters(library[a.candidate]) > free_parameters(chosen) &&
+                          a.behind.certainty() > decisions.standard_errors;
+  const bool level =
+      !needs_more && !beaten(decisions, a.behind, practical_energy(*selection.around->problem));
   const bool other_place = rival.effect == chosen.effect;
   return level && rival.said_wrong.empty() && !contains(library[a.candidate], chosen) &&
          !other_place;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "tests/support/small_comparison.h"
+#include "tools/diagnose/fit/imitate.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -82,6 +83,33 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
       replacements(DecisionSettings{}, b.library, race.seen, race.fitted.front().fit.model,
                    race.fitted.front().candidate, {});
   EXPECT_EQ(others, std::vector<std::size_t>{race.fitted.back().candidate});
+}
+
+TEST(Imitate, ATwinSaysTheSameFromWhereverItBegins) {
+  // one joint on the base: the link's inertia and the rotor's are one number
+  Bench b({{"rotor_inertia", {"a"}, {{"armature", 0.003}}}},
+          {"rotor_inertia", "link_inertia", "viscous_friction", "sample_hold"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const std::size_t rotor = b.of("rotor_inertia"), link = b.of("link_inertia"),
+                    other = b.of("viscous_friction");
+  const FitResult goal =
+      fit(around, Model{{{rotor, {0.003}}}, {}}, around.settings().fitting.iterations);
+  const double size = goal.model.effects[0].theta[0];
+  for (const double begin : {0.0, 0.1, 0.9}) {
+    const Imitation same = imitate(around, goal, 0, {link, {begin}});
+    ASSERT_EQ(same.model.effects.size(), 1U);
+    EXPECT_EQ(same.model.effects[0].candidate, link);
+    EXPECT_EQ(same.model.nuisance, goal.model.nuisance);
+    const double about_joint = 0.5 * 0.01 + 1e-6;
+    EXPECT_NEAR(same.model.effects[0].theta[0] * about_joint, size, 0.02 * size) << begin;
+    EXPECT_LT(same.distance, practical_energy(*b.problem)) << begin;
+  }
+  // friction cannot say it, wherever it begins
+  EXPECT_GT(imitate(around, goal, 0, {other, {0.01}}).distance, practical_energy(*b.problem));
+  // nor can what has no number to choose
+  const std::size_t held = b.of("sample_hold");
+  EXPECT_GT(imitate(around, goal, 0, {held, b.library[held].probes.front()}).distance,
+            practical_energy(*b.problem));
 }
 
 TEST(Rivals, BothDelaysAreFoundWhereTheDutyJumpsAsTheyGrow) {
