@@ -149,6 +149,7 @@ struct DecisionSettings {
   double stand_in_share = 0.5;
   double adequate = 1.42;
   int rivals = 8;
+  int pairs = 4;
   int maximum_effects = 6;
   int folds = 4;
   int bootstrap = 199;
@@ -179,6 +180,8 @@ struct DecisionSettings {
           "above, what is left has more energy than the noise itself");
     field("rivals", rivals, "candidates", 1, 1000,
           "cluster representatives fitted fully at every step");
+    field("pairs", pairs, "pairs", 0, 1000,
+          "of effects fitted together where none passes alone; each costs as much as two rivals");
     field("maximum_effects", maximum_effects, "effects", 1, 100,
           "more names than this is a different robot, not a missing effect");
     field("folds", folds, "groups", 1, 100,

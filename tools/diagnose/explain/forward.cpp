@@ -4,6 +4,7 @@
 //   rivals        cluster representatives whose p and promised gain count, fitted fully
 //   rank          by held-out energy, one standard error's grace for fewer parameters
 //   gates         refused_by: gain, null, conditions, its instant, its residuals
+//   pairs         where no single one passes: two together (together.cpp)
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,32 +55,53 @@ Objections objections_to(const SearchState& state, const Alternative& a) {
   return out;
 }
 
-/// First those inside their bounds that no residual contradicts; one of two missing effects may
-/// look contradicted.
-bool accept_first(SearchState& state, int step, std::vector<Alternative> fitted,
-                  const Screening& screening) {
-  std::vector<std::optional<Objections>> judged(fitted.size());
-  for (const auto& [bounds_allowed, refutable] :
-       {std::pair{false, true}, {false, false}, {true, true}}) {
-    for (std::size_t i = 0; i < fitted.size(); ++i) {
-      if (at_bound(state.library, fitted[i]) != bounds_allowed) continue;
-      const bool first_time = !judged[i];
-      if (first_time) judged[i] = objections_to(state, fitted[i]);
-      const std::string& refused =
-          judged[i]->gate.empty() && refutable ? judged[i]->residual : judged[i]->gate;
+/// The candidates of one step, best first, each judged once.
+class Judged {
+ public:
+  Judged(SearchState& state, int step, const std::vector<Alternative>& fitted)
+      : state_(state), step_(step), fitted_(fitted), objections_(fitted.size()) {}
+
+  /// The best that ends at a bound, or that does not, and passes its gates; `refutable`: no
+  /// residual contradicts it either.
+  std::optional<std::size_t> best(bool at_its_bound, bool refutable) {
+    for (std::size_t i = 0; i < fitted_.size(); ++i) {
+      if (at_bound(state_.library, fitted_[i]) != at_its_bound) continue;
+      const bool first_time = !objections_[i];
+      if (first_time) objections_[i] = objections_to(state_, fitted_[i]);
+      const Objections& o = *objections_[i];
+      const std::string& refused = o.gate.empty() && refutable ? o.residual : o.gate;
       if (first_time || refused.empty())
-        say_judged(state, step, fitted[i], bounds_allowed, refused);
-      if (!refused.empty()) continue;
-      accept(state, std::move(fitted), i, screening);
-      return true;
+        say_judged(state_, step_, fitted_[i], at_its_bound, refused);
+      if (refused.empty()) return i;
     }
+    return std::nullopt;
   }
-  return false;
+
+ private:
+  SearchState& state_;
+  int step_;
+  const std::vector<Alternative>& fitted_;
+  std::vector<std::optional<Objections>> objections_;
+};
+
+/// First those inside their bounds that no residual contradicts; then two together, since one of
+/// two missing effects may look contradicted; then what is contradicted, or ends at a bound.
+Forward accept_first(SearchState& state, int step, std::vector<Alternative> fitted,
+                     const Screening& screening, double least_energy) {
+  Judged judged(state, step, fitted);
+  std::optional<std::size_t> which = judged.best(false, true);
+  if (!which && accept_pair(state, step, screening, least_energy)) return Forward::found;
+  if (!which) which = judged.best(false, false);
+  const bool inside = which.has_value();
+  if (!which) which = judged.best(true, true);
+  if (!which) return Forward::none;
+  accept(state, std::move(fitted), *which, screening);
+  return inside ? Forward::found : Forward::ended;
 }
 
 }  // namespace
 
-bool forward(SearchState& state, int step) {
+Forward forward(SearchState& state, int step) {
   Selection& found = state.found;
   Screening screening = step == 0
                             ? found.first
@@ -87,20 +109,21 @@ bool forward(SearchState& state, int step) {
                                      Random(state.options.seed, 10 + step), &found.first,
                                      found.final.J.leftCols(found.final.parameters));
   if (step > 0) state.calibrate(screening);
-  const std::vector<std::size_t> which = rivals(
-      state.problem->settings, state.library, screening,
-      std::max(state.practical(), state.decisions().minimum_share * found.final_heldout.sum()));
+  const double least =
+      std::max(state.practical(), state.decisions().minimum_share * found.final_heldout.sum());
+  const std::vector<std::size_t> which =
+      rivals(state.problem->settings, state.library, screening, least);
   if (which.empty()) {
     state.say(fmt::format(
         "step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
         screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score,
         screening.critical));
-    return false;
+    return accept_pair(state, step, screening, least) ? Forward::found : Forward::none;
   }
   std::vector<Alternative> fitted =
       fit_all(*found.around, found.final.model, found.final.objective, which, screening);
   rank(state.library, state.problem, fitted);
-  return accept_first(state, step, std::move(fitted), screening);
+  return accept_first(state, step, std::move(fitted), screening, least);
 }
 
 }  // namespace sanso::diagnose

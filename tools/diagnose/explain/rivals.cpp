@@ -55,18 +55,18 @@ FitResult freed(const Surroundings& around, FitResult found) {
   return resume(around, std::move(again), fitting.iterations - fitting.first_iterations);
 }
 
-/// Parameters of the last effect of a fit: f(parameter, value, sigma, held at a bound) until it
-/// returns true.
+/// Parameters of effect `i` of a fit: f(parameter, value, sigma, held at a bound) until it returns
+/// true.
 template <class F>
-bool any_parameter(const Library& library, const Alternative& a, const F& f) {
-  const std::vector<double> sigma = parameter_sigmas(a.fit, library);
-  const std::vector<CandidateParameter>& parameters = library[a.candidate].parameters;
-  const std::size_t first = sigma.size() - parameters.size();
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    if (parameters[i].structural) continue;
-    if (f(parameters[i], a.fit.model.effects.back().theta[i], sigma[first + i],
-          a.fit.fixed[first + i] != 0))
-      return true;
+bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, const F& f) {
+  const std::vector<double> sigma = parameter_sigmas(fit, library);
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < i; ++k) first += library[fit.model.effects[k]].parameters.size();
+  const Chosen& effect = fit.model.effects[i];
+  const std::vector<CandidateParameter>& parameters = library[effect].parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    if (parameters[k].structural) continue;
+    if (f(parameters[k], effect.theta[k], sigma[first + k], fit.fixed[first + k] != 0)) return true;
   }
   return false;
 }
@@ -211,22 +211,32 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
               all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);
 }
 
-bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a) {
-  const std::vector<CandidateParameter>& all = library[a.candidate].parameters;
+bool leaves_null(const DecisionSettings& settings, const Library& library, const FitResult& fit,
+                 std::size_t i) {
+  const std::vector<CandidateParameter>& all = library[fit.model.effects[i]].parameters;
   if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; }))
     return true;
   const double width = settings.standard_errors;
   return any_parameter(
-      library, a, [width](const CandidateParameter& p, double value, double sigma, bool fixed) {
+      library, fit, i,
+      [width](const CandidateParameter& p, double value, double sigma, bool fixed) {
         return std::abs(value - p.null) > (fixed ? 0.0 : width * sigma);
       });
 }
 
-bool at_bound(const Library& library, const Alternative& a) {
-  return any_parameter(library, a,
+bool at_bound(const Library& library, const FitResult& fit, std::size_t i) {
+  return any_parameter(library, fit, i,
                        [](const CandidateParameter& p, double value, double, bool fixed) {
                          return fixed && !at_null(p, value);
                        });
+}
+
+bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a) {
+  return leaves_null(settings, library, a.fit, a.fit.model.effects.size() - 1);
+}
+
+bool at_bound(const Library& library, const Alternative& a) {
+  return at_bound(library, a.fit, a.fit.model.effects.size() - 1);
 }
 
 }  // namespace sanso::diagnose

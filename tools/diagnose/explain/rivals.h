@@ -58,7 +58,11 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
 /// or by something that matters, the one with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
-/// Of the last effect of a fit: its interval excludes the null; a parameter was stopped at a bound.
+/// Of effect `i` of a fit: its interval excludes the null; a parameter was stopped at a bound.
+bool leaves_null(const DecisionSettings& settings, const Library& library, const FitResult& fit,
+                 std::size_t i);
+bool at_bound(const Library& library, const FitResult& fit, std::size_t i);
+/// The same of its last effect.
 bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a);
 bool at_bound(const Library& library, const Alternative& a);
 

@@ -77,9 +77,11 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
   SearchState state(problem, library, options);
   start(state);
   for (int step = 0; step < problem->settings.decisions.maximum_effects; ++step) {
-    if (!forward(state, step)) break;
+    const Forward went = forward(state, step);
+    if (went == Forward::none) break;
     if (state.found.accepted.size() > 1) backward(state, 1);
     untie(state);
+    if (went == Forward::ended) break;
   }
   swap_for_better(state);
   drop_refuted(state);

@@ -8,8 +8,19 @@
 
 namespace sanso::diagnose {
 
-/// Accepts the best candidate that passes every gate; false: none does. `step` counts from 0.
-bool forward(SearchState& state, int step);
+/// What a step forward came to.
+enum class Forward {
+  none,   // no candidate passes
+  ended,  // one was accepted at its bound: it describes, and is no ground to go on from
+  found,
+};
+
+/// Accepts the best candidate that passes every gate, or two together where none does alone. `step`
+/// counts from 0.
+Forward forward(SearchState& state, int step);
+
+/// Accepts the best pair (fit/pairs.h) that passes every gate; false: none does.
+bool accept_pair(SearchState& state, int step, const Screening& screening, double least_energy);
 
 /// Drops what the others have made superfluous; the last `just_judged` effects are left alone.
 void backward(SearchState& state, std::size_t just_judged);

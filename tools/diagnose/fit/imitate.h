@@ -1,5 +1,5 @@
-// An effect asked to predict what another one predicts. Where dry friction sticks and slips, fits to
-// the data end in one of many hollows, and of two names for the same motion one seems better by
+// An effect asked to predict what another one predicts. Where dry friction sticks and slips, fits
+// to the data end in one of many hollows, and of two names for the same motion one seems better by
 // accident. Another model's prediction has neither noise nor causes of its own: whoever can say the
 // same is found there.
 #pragma once

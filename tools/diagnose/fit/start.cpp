@@ -202,13 +202,9 @@ Model with_best_event(const Surroundings& around, Model model, const Candidate& 
   return model;
 }
 
-}  // namespace
-
-Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
-                 const ProbeScore* probe) {
-  const Candidate& effect = (*around.library)[candidate];
-  const std::vector<double>& theta = effect.probes[probe != nullptr ? probe->probe : 0];
-  Model model = best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0);
+/// What no derivative leads to (orders, places, events), searched for the last effect of `model`.
+Model with_best_places(const Surroundings& around, Model model) {
+  const Candidate& effect = (*around.library)[model.effects.back()];
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
     const Role role = effect.parameters[i].role;
     if (role == Role::order) model = with_best_order(around, model, i);
@@ -220,6 +216,42 @@ Model best_start(const Surroundings& around, const Model& base, std::size_t cand
     if (range.high > range.low) model = with_best_place(around, std::move(model), i, range);
   }
   return model;
+}
+
+bool has_places(const Candidate& effect) {
+  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
+                     [](const CandidateParameter& p) { return p.role != Role::size; });
+}
+
+}  // namespace
+
+Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
+                 const ProbeScore* probe) {
+  const Candidate& effect = (*around.library)[candidate];
+  const std::vector<double>& theta = effect.probes[probe != nullptr ? probe->probe : 0];
+  return with_best_places(
+      around, best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0));
+}
+
+Model best_start(const Surroundings& around, const Model& base, const ProbeScore& a,
+                 const ProbeScore& b) {
+  const Library& library = *around.library;
+  const double share = around.settings().fitting.inside_bound;
+  const bool a_first = !has_places(library[a.candidate]);
+  const ProbeScore &first = a_first ? a : b, &second = a_first ? b : a;
+  const auto at = [&](const ProbeScore& p, double factor) {
+    const Candidate& effect = library[p.candidate];
+    return scaled(effect, effect.probes[p.probe], factor * std::clamp(p.amount, -3.0, 3.0), share);
+  };
+  Model best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double factor : {1.0, 0.3, 0.6, 1.6}) {
+    Model trial =
+        with(with(base, first.candidate, at(first, factor)), second.candidate, at(second, factor));
+    const double energy = error_energy(around, trial);
+    if (energy < least || best.effects.empty()) least = energy, best = std::move(trial);
+  }
+  return with_best_places(around, std::move(best));
 }
 
 }  // namespace sanso::diagnose

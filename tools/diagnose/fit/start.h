@@ -14,4 +14,9 @@ namespace sanso::diagnose {
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe);
 
+/// Two candidates at once, from the amounts that their probes promise together (fit/pairs.h). What
+/// has a place, an order or an event stands last: those are searched for the last effect.
+Model best_start(const Surroundings& around, const Model& base, const ProbeScore& a,
+                 const ProbeScore& b);
+
 }  // namespace sanso::diagnose

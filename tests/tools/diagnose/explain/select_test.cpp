@@ -9,6 +9,7 @@
 #include "tests/support/noisy_world.h"
 #include "tools/diagnose/explain/incidence.h"
 #include "tools/diagnose/explain/regimes.h"
+#include "tools/diagnose/explain/steps.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -137,6 +138,48 @@ TEST_F(OneHidden, IsFoundTheSameAgain) {
       pendulum(kNoisyServo), {hidden("coulomb_friction", "a", {{"coulomb", 0.08}})}, kTried, 6, 3));
   EXPECT_EQ(again.names(), shared_->names());
   EXPECT_EQ(again.selection.final.model.effects[0].theta, selection().final.model.effects[0].theta);
+}
+
+/// A search at its first step, screened, nothing accepted.
+struct AtFirst {
+  AtFirst(const std::vector<EffectEntry>& there, const std::vector<std::string>& tried)
+      : c(compared(pendulum(kNoisyServo), there, tried, 8, 3)),
+        state(c.problem, c.library, options) {
+    state.problem = step_corrected(state.problem, state.library, Model{});
+    state.found.around = make_surroundings(state.problem, state.library, Model{});
+    const Eigen::VectorXd r = prediction_error(state.problem, state.library, Model{});
+    state.found.around->set_shot_scale(state.found.around->starts.energy_by_shot(r));
+    state.found.first = screen(*state.found.around, Model{}, r, state.open(), Random(1));
+    state.calibrate(state.found.first);
+  }
+  bool pair() { return accept_pair(state, 0, state.found.first, state.practical()); }
+  SmallComparison c;
+  SelectOptions options;
+  SearchState state;
+};
+
+TEST(Pairs, TwoThatAreThereAreAcceptedTogetherWithTheirSizes) {
+  AtFirst s({hidden("coulomb_friction", "a", {{"coulomb", 0.08}}),
+             hidden("rotor_inertia", "a", {{"armature", 0.006}})},
+            {"coulomb_friction", "rotor_inertia"});
+  ASSERT_TRUE(s.pair());
+  ASSERT_EQ(s.state.found.accepted.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Chosen& effect = s.state.found.final.model.effects[i];
+    EXPECT_EQ(effect.candidate, s.state.found.accepted[i].candidate);
+    EXPECT_LE(s.state.found.accepted[i].p_family, Settings{}.decisions.family_wise);
+    const bool rubs = s.state.accepted(i).effect == "coulomb_friction";
+    EXPECT_NEAR(effect.theta[0], rubs ? 0.08 : 0.006, rubs ? 0.01 : 0.001);
+  }
+}
+
+TEST(Pairs, OneThatIsThereIsNotMadeTwo) {
+  AtFirst s({hidden("coulomb_friction", "a", {{"coulomb", 0.08}})},
+            {"coulomb_friction", "rotor_inertia", "viscous_friction", "command_delay"});
+  EXPECT_FALSE(s.pair());
+  EXPECT_TRUE(s.state.found.accepted.empty());
+  AtFirst clean({}, {"coulomb_friction", "rotor_inertia", "viscous_friction", "command_delay"});
+  EXPECT_FALSE(clean.pair());
 }
 
 TEST(Regimes, ARestingJointRestsAndAMovingOneDoesNot) {

@@ -1,0 +1,112 @@
+// Pairs judged as pairs: both are fitted at once, both have to be needed beside the other, and what
+// they promise together must have happened.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/explain/steps.h"
+#include "tools/diagnose/fit/pairs.h"
+#include "tools/diagnose/fit/start.h"
+
+namespace sanso::diagnose {
+namespace {
+
+struct FittedPair {
+  CandidatePair pair;
+  FitResult fit;  // the pair stands last in its model
+  Eigen::VectorXd heldout;
+};
+
+std::vector<FittedPair> fit_pairs(const SearchState& state,
+                                  const std::vector<CandidatePair>& pairs) {
+  const Surroundings& around = *state.found.around;
+  std::vector<FittedPair> out(pairs.size());
+  parallel_for(pairs.size(), [&](std::size_t i) {
+    FittedPair& f = out[i];
+    f.pair = pairs[i];
+    f.fit =
+        fit(around, best_start(around, state.found.final.model, pairs[i].first, pairs[i].second),
+            around.settings().fitting.iterations);
+    f.heldout = heldout_energy(around, f.fit);
+  });
+  double unit = INFINITY;
+  for (const FittedPair& f : out) unit = std::min(unit, typical_energy(f.heldout));
+  std::stable_sort(out.begin(), out.end(), [unit](const FittedPair& a, const FittedPair& b) {
+    return bounded_energy(a.heldout, unit) < bounded_energy(b.heldout, unit);
+  });
+  return out;
+}
+
+/// Why the effect at place `i` of the pair's model is no part of it; empty: nothing. Its gain is
+/// that over the other one alone, everything refitted.
+std::string refused_at(const SearchState& state, const FittedPair& f, std::size_t i) {
+  const DecisionSettings& decisions = state.decisions();
+  const std::string title = state.library[f.fit.model.effects[i]].title();
+  if (at_bound(state.library, f.fit, i)) return title + " ends at a bound";
+  if (!leaves_null(decisions, state.library, f.fit, i)) return title + " may be nothing";
+  Model other = f.fit.model;
+  other.effects.erase(other.effects.begin() + static_cast<std::ptrdiff_t>(i));
+  const Surroundings& around = *state.found.around;
+  const FitResult alone = fit(around, other, around.settings().fitting.iterations);
+  const Eigen::VectorXd heldout = heldout_energy(around, alone);
+  const HeldoutGain gain = state.gain_of(f.fit.model.effects[i], heldout, f.heldout);
+  const bool needed = gain.beyond_chance() && gain.removed() > state.practical() &&
+                      gain.removed() > decisions.minimum_share * heldout.sum();
+  if (!needed) return title + " is not needed beside the other";
+  return state.residual_against(alone, f.fit);
+}
+
+std::string refused_by(const SearchState& state, const FittedPair& f) {
+  const std::size_t last = f.fit.model.effects.size() - 1;
+  Alternative both;
+  both.candidate = f.fit.model.effects[last].candidate;
+  both.fit = f.fit;
+  both.heldout = f.heldout;
+  if (std::string gate = refused_by(state, both); !gate.empty()) return gate;
+  if (std::string residual = state.residual_against(state.found.final, f.fit); !residual.empty())
+    return residual;
+  for (const std::size_t i : {last - 1, last}) {
+    if (std::string why = refused_at(state, f, i); !why.empty()) return why;
+  }
+  return "";
+}
+
+void accept(SearchState& state, FittedPair f) {
+  for (const ProbeScore& of : {f.pair.first, f.pair.second}) {
+    Accepted entry;
+    entry.candidate = of.candidate;
+    entry.p_family = f.pair.p;
+    state.found.accepted.push_back(std::move(entry));
+  }
+  const bool as_told = f.fit.model.effects.back().candidate == f.pair.second.candidate;
+  if (!as_told) std::swap(state.found.accepted.back(), *(state.found.accepted.end() - 2));
+  state.found.final = std::move(f.fit);
+  state.relinearise();
+}
+
+}  // namespace
+
+bool accept_pair(SearchState& state, int step, const Screening& screening, double least_energy) {
+  if (state.found.accepted.size() + 2 > static_cast<std::size_t>(state.decisions().maximum_effects))
+    return false;
+  for (FittedPair& f : fit_pairs(state, promising_pairs(state.problem->settings, state.library,
+                                                        screening, least_energy))) {
+    const std::string refused = refused_by(state, f);
+    const HeldoutGain gain = compare(state.decisions(), state.found.final_heldout, f.heldout);
+    state.say(fmt::format(
+        "step {}: {} and {} together: held-out gain {:.1f} % of the error (at least {:.1f}; "
+        "bounded {:.1f}, at least {:.1f}){}",
+        step + 1, state.candidate(f.pair.first.candidate).title(),
+        state.candidate(f.pair.second.candidate).title(), 100 * gain.removed() / state.whole(),
+        100 * gain.energy.lower / state.whole(), 100 * gain.bounded.total / gain.whole,
+        100 * gain.bounded.lower / gain.whole,
+        refused.empty() ? ", accepted" : ", refused: " + refused));
+    if (!refused.empty()) continue;
+    accept(state, std::move(f));
+    return true;
+  }
+  return false;
+}
+
+}  // namespace sanso::diagnose
