@@ -85,6 +85,7 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
   }
   swap_for_better(state);
   drop_refuted(state);
+  describe_what_going_on_beats(state);
   judge_chance(state);
   finish(state);
   return std::move(state.found);

@@ -37,6 +37,10 @@ void swap_for_better(SearchState& state);
 /// One without which predictions would be far worse stays as a description of the data.
 void drop_refuted(SearchState& state);
 
+/// An effect of a model that predicts its joints worse, beyond chance, than constant velocity does
+/// (going_on.h) describes them and names nothing.
+void describe_what_going_on_beats(SearchState& state);
+
 /// Effects that are chance, by the scatter that everything else leaves. Asked only where more than
 /// noise is left, and named only where no more than noise is left with it: an explanation that is
 /// complete, or none.
