@@ -9,10 +9,12 @@
 #include <numbers>
 
 #include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
+
+/// Share of the best gain that counts as nearly as good.
+constexpr double kNearly = 0.9;
 
 bool is_ripple(const EffortTerm& term) {
   return term.effect == "cogging" || term.effect == "position_friction";
@@ -182,17 +184,32 @@ class Chooser {
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return gain[a] > gain[b]; });
+    // those that are not plausible cost nothing and take no place
+    std::erase_if(order, [&](std::size_t i) {
+      return !(gain[i] > 0.0) || !plausible(active, candidates[i]);
+    });
     const auto tried = std::min(order.size(), static_cast<std::size_t>(settings_.decisions.rivals));
     for (std::size_t i = 0; i < tried; ++i) {
-      if (!(gain[order[i]] > 0.0)) break;
       if (!pays(active, candidates[order[i]])) continue;
       std::vector<int> next;
       for (std::size_t k = i + 1; k < order.size() && gain[order[k]] > 0.5 * gain[order[i]]; ++k)
         next.push_back(candidates[order[k]]);
-      take(active, simplest(active, candidates[order[i]], next));
+      take(active, less_wild(active, simplest(active, candidates[order[i]], next), next));
       return true;
     }
     return false;
+  }
+
+  /// A term that a limit stops stands for something else, and is no ground to go on from; nor is
+  /// a friction that would be negative at some angle.
+  bool plausible(const std::vector<int>& active, int t) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+    const std::vector<int> with = plus(active, t);
+    const EffortValues x = design_.fit(with, split_.fitted);
+    for (int c = 0; c < term.size(); ++c) {
+      if (term.stopped(c, x[design_.first_column(t) + c])) return false;
+    }
+    return term.effect != "position_friction" || friction_is_positive(design_, with, x);
   }
 
   /// The best term, or one with fewer numbers at the same joints that predicts as well.
@@ -203,7 +220,24 @@ class Chooser {
       if (other.size() >= term.size() || other.joints != term.joints) continue;
       const EffortGain g = crossed_gain(design_, plus(active, t), plus(active, best), split_.fitted,
                                         term.joints, settings_, options_.seed);
-      if (g.low <= 0.0 && pays(active, t)) return t;
+      if (g.low <= 0.0 && plausible(active, t) && pays(active, t)) return t;
+    }
+    return best;
+  }
+
+  /// A link that more than doubles stands back where another term at its joint does nearly as
+  /// well: a rotor does what an enormous mass does.
+  int less_wild(const std::vector<int>& active, int best, const std::vector<int>& next) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(best)];
+    const auto left = [&](int t) { return total(design_.fit(plus(active, t), split_.fitted)); };
+    const EffortValues x = design_.fit(plus(active, best), split_.fitted);
+    const bool wild = term.effect.starts_with("link_m") && x[design_.first_column(best)] > 1.0;
+    if (!wild) return best;
+    const double before = total(design_.fit(active, split_.fitted)), gain = before - left(best);
+    for (const int t : next) {
+      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
+      if (other.effect.starts_with("link_") || other.joints.back() != term.joints.back()) continue;
+      if (before - left(t) > kNearly * gain && plausible(active, t) && pays(active, t)) return t;
     }
     return best;
   }
@@ -213,7 +247,26 @@ class Chooser {
     const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
                                       settings_, options_.seed);
     choice_.terms.push_back(t);
+    tell();
     say(fmt::format("+ {}: {:.1f} % of what is left there", in_words(term), 100 * g.share));
+  }
+
+  void tell() const {
+    if (!options_.reached) return;
+    const EffortValues x = design_.fit(choice_.active(), split_.fitted);
+    std::vector<JudgedTerm> chosen;
+    for (const int t : choice_.terms) {
+      JudgedTerm out;
+      out.term = design_.terms()[static_cast<std::size_t>(t)];
+      for (int c = 0; c < out.term.size(); ++c) {
+        const double value = x[design_.first_column(t) + c];
+        out.values.push_back(
+            {value, value, value, out.term.units[static_cast<std::size_t>(c)], false});
+      }
+      chosen.push_back(std::move(out));
+    }
+    const double before = total(EffortValues::Zero(x.size()));
+    options_.reached(chosen, before > 0.0 ? 1.0 - total(x) / before : 0.0);
   }
 
   bool pays(const std::vector<int>& active, int t) const {
@@ -297,34 +350,11 @@ std::vector<int> EffortChoice::active_without(int term) const {
   return out;
 }
 
-EffortGain crossed_gain(const EffortDesign& design, const std::vector<int>& without,
-                        const std::vector<int>& with, const BlockCounts& fitted,
-                        const std::vector<int>& joints, const Settings& settings,
-                        unsigned long seed) {
-  const int folds = settings.decisions.folds;
-  std::vector<double> a(fitted.size()), b(fitted.size());
-  for (int fold = 0; fold < folds; ++fold) {
-    BlockCounts counts = fitted;
-    for (std::size_t k = 0; k < counts.size(); ++k) {
-      if (static_cast<int>(k) % folds == fold) counts[k] = 0.0;
-    }
-    const std::vector<double> la = design.losses(design.fit(without, counts), joints),
-                              lb = design.losses(design.fit(with, counts), joints);
-    for (std::size_t k = 0; k < counts.size(); ++k) {
-      if (static_cast<int>(k) % folds == fold) a[k] = la[k], b[k] = lb[k];
-    }
+std::vector<int> EffortChoice::active_with(const std::function<bool(std::size_t)>& kept) const {
+  std::vector<int> out = nuisances;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (kept(i)) out.push_back(terms[i]);
   }
-  std::vector<double> gains;
-  EffortGain out;
-  double left = 0.0;
-  for (std::size_t k = 0; k < fitted.size(); ++k) {
-    if (fitted[k] == 0.0) continue;
-    gains.push_back(a[k] - b[k]);
-    out.gain += gains.back(), left += a[k];
-  }
-  out.low = moving_block_lower_bound(gains, settings.decisions.gain_level,
-                                     settings.decisions.gain_draws, Random(seed));
-  out.share = left > 0.0 ? out.gain / left : 0.0;
   return out;
 }
 

@@ -6,15 +6,34 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/torque/effort_fit.h"
+#include "tools/diagnose/torque/effort_gain.h"
 
 namespace sanso::diagnose {
+
+struct JudgedValue {
+  double value = 0.0, low = 0.0, high = 0.0;  // 95 %, block bootstrap over all data
+  std::string unit;
+  bool at_bound = false;
+};
+
+struct JudgedTerm {
+  EffortTerm term;
+  std::vector<JudgedValue> values;  // by column
+  // share of the nominal model's held-out error at its joints that goes with this term alone
+  double heldout_gain = 0.0, heldout_gain_low = 0.0;
+  bool predicts = false;                  // the bound that chance leaves is above zero
+  bool spans_null = true;                 // every interval holds zero
+  std::vector<std::string> equally_good;  // simpler or as simple names that predict as well
+};
 
 struct ChooseOptions {
   std::vector<std::string> effects;  // only these; empty: all
   std::vector<std::string> without;  // but these
   unsigned long seed = 1;
   std::function<void(const std::string&)> progress = {};
+  /// Told what is chosen after every choice: values without intervals, and the share of the
+  /// fitted part's squared error that they remove.
+  std::function<void(const std::vector<JudgedTerm>&, double removed)> reached = {};
 };
 
 /// Blocks that are fitted and blocks that judge (0 or 1).
@@ -31,18 +50,9 @@ struct EffortChoice {
   std::vector<std::string> log;
   std::vector<int> active() const;                  // both
   std::vector<int> active_without(int term) const;  // both but one
+  /// The nuisances, and the terms whose place in `terms` is kept.
+  std::vector<int> active_with(const std::function<bool(std::size_t)>& kept) const;
 };
-
-/// Gain of `with` over `without`, block by block, where each is fitted to the other folds of the
-/// fitted part; blocks that are not fitted are left out. `joints`: of their rows alone.
-struct EffortGain {
-  double gain = 0.0, low = 0.0;  // weighted squared error, and the bound that chance leaves
-  double share = 0.0;            // of what `without` leaves at these joints
-};
-EffortGain crossed_gain(const EffortDesign& design, const std::vector<int>& without,
-                        const std::vector<int>& with, const BlockCounts& fitted,
-                        const std::vector<int>& joints, const Settings& settings,
-                        unsigned long seed);
 
 /// Appends the ripples it looks at to the design, and leaves it with the weights of the end.
 EffortChoice choose_terms(EffortDesign& design, const EffortSplit& split, const Settings& settings,

@@ -1,6 +1,7 @@
 // The order of preference: what was measured before what was asked for.
 #include "tools/diagnose/torque/effort_channels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -63,6 +64,19 @@ EffortChannel of_servo(const Recording& recording, const JointSettings& s,
   return out;
 }
 
+/// A column that is never negative though the joint moves both ways: a size, not an effort.
+bool has_no_sign(const Recording& recording, const std::string& column, const std::string& joint) {
+  const auto x = recording.find(column), q = recording.find("q:" + joint);
+  double forth = 0.0, back = 0.0, least = 0.0, last = kNaN;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    if (std::isfinite(x[k])) least = std::min(least, x[k]);
+    if (k >= q.size() || !std::isfinite(q[k])) continue;
+    if (std::isfinite(last)) (q[k] > last ? forth : back) += std::abs(q[k] - last);
+    last = q[k];
+  }
+  return least >= 0.0 && forth > 0.25 * back && back > 0.25 * forth;
+}
+
 EffortChannel channel_of(const Recording& recording, const TreeJoint& joint,
                          const JointSettings& s) {
   const std::string newton = at_joint("N m", joint.prismatic);
@@ -84,7 +98,7 @@ EffortChannel channel_of(const Recording& recording, const TreeJoint& joint,
     return out;
   }
   for (const auto& [prefix, unit] : {std::pair{"i:", "A"}, {"pwm:", "duty"}}) {
-    if (!recording.has(prefix + name)) continue;
+    if (!recording.has(prefix + name) || has_no_sign(recording, prefix + name, name)) continue;
     EffortChannel out = take(recording, prefix + name, unit);
     out.gain_unknown = true;
     return out;

@@ -21,7 +21,8 @@ struct EffortChannel {
 
 /// The best column of each joint: `tau:`; `i:` times the torque constant; `pwm:` through the
 /// motor's law; of a torque actuator `tau_cmd:` (`force_cmd:`), zero where it is off; `i:` in
-/// amperes where no torque constant is stated; zero for a passive joint. `free_gain`: the scale
+/// amperes, or `pwm:`, where no torque constant is stated, if it has a sign; zero for a passive
+/// joint. `free_gain`: the scale
 /// of every recorded effort is taken as unknown.
 std::vector<EffortChannel> effort_channels(const recording::Recording& recording,
                                            const SimParams& params, bool free_gain);

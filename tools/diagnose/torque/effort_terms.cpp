@@ -99,6 +99,7 @@ EffortTerm gain_term(const EffortRows& rows, int j) {
   term.parameters = {"effort_share"};
   term.units = {"-"};
   term.low = {-0.4}, term.high = {0.4};
+  term.low_is_nothing = false;
   term.columns = [j](const EffortRecording&) -> ColumnsAt {
     return [j](const MotionSample&, const std::vector<NeededEffort>& needed,
                std::vector<double>& out) {
@@ -149,8 +150,10 @@ EffortTerm link_term(const EffortRows& rows, const char* id, int j) {
     term.units.emplace_back(p.unit);
     // no negative mass, and any that is recorded
     term.low.push_back(name == "link_com" ? -reach : -1.0);
-    term.high.push_back(name == "link_com" ? reach : kInf);
+    // at most as if the mass sat at the link's ends; what resists more is a rotor
+    term.high.push_back(name == "link_com" ? reach : name == "link_inertia" ? p.high : kInf);
   }
+  term.low_is_nothing = name != "link_com";
   const double step = name == "link_com" ? kLengthStep : 1.0;
   term.columns = link_columns(term.size(), step, [&effect, j, step](SimParams& p, int c) {
     std::vector<double> theta = effect.null();

@@ -26,13 +26,20 @@ struct EffortTerm {
   std::vector<std::string> where;  // joints or a link
   std::vector<int> joints;         // whose effort it may change
   std::vector<std::string> parameters, units;
-  std::vector<double> low, high;        // bounds of the values, natural units
+  std::vector<double> low, high;  // bounds of the values, natural units
+  // `low` is where nothing of it is left (no friction, no mass); else a limit like `high`
+  bool low_is_nothing = true;
   std::map<std::string, double> fixed;  // parameters that are no sizes: order, speed, ratio
   bool nuisance = false;                // within what a nominal model may be wrong by
   double precision = 0.0;               // of a nuisance: 1 / variance
   std::function<ColumnsAt(const EffortRecording&)> columns;
 
   int size() const { return static_cast<int>(parameters.size()); }
+  /// A limit of what is plausible, not of what is possible, stopped the value of column c.
+  bool stopped(int c, double value) const {
+    const auto i = static_cast<std::size_t>(c);
+    return value >= high[i] || (!low_is_nothing && value <= low[i]);
+  }
   bool same_as(const EffortTerm& other) const {
     return effect == other.effect && where == other.where && fixed == other.fixed &&
            nuisance == other.nuisance;

@@ -7,8 +7,9 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/robust.h"
-#include "tools/diagnose/stats/significance.h"
+#include "tools/diagnose/torque/disagreement.h"
 #include "tools/diagnose/torque/drive_gain.h"
 
 namespace sanso::diagnose {
@@ -18,16 +19,6 @@ double sum_over(const std::vector<double>& losses, const BlockCounts& counts) {
   double sum = 0.0;
   for (std::size_t b = 0; b < losses.size(); ++b) sum += counts[b] * losses[b];
   return sum;
-}
-
-/// losses a - b on the counted blocks.
-std::vector<double> differences(const std::vector<double>& a, const std::vector<double>& b,
-                                const BlockCounts& counts) {
-  std::vector<double> out;
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    if (counts[k] != 0.0) out.push_back(a[k] - b[k]);
-  }
-  return out;
 }
 
 class Judge {
@@ -95,30 +86,24 @@ class Judge {
       JudgedValue v = value(design_.first_column(t) + c);
       v.low = std::max(v.low, term.low[i]), v.high = std::min(v.high, term.high[i]);
       v.unit = term.units[i];
-      v.at_bound = v.value <= term.low[i] || v.value >= term.high[i];
+      v.at_bound = term.stopped(c, v.value);
       if (v.low > 0.0 || v.high < 0.0) out.spans_null = false;
       out.values.push_back(v);
     }
     // together: a ripple's sine may be nothing beside its cosine
     const std::vector<double> full = design_.losses(fitted_, term.joints);
     const EffortValues x = design_.fit(choice_.active_without(t), split_.fitted);
-    const std::vector<double> gains =
-        differences(design_.losses(x, term.joints), full, split_.heldout);
+    const std::vector<double> without = design_.losses(x, term.joints);
     const double nominal =
         sum_over(design_.losses(EffortValues::Zero(fitted_.size()), term.joints), split_.heldout);
-    double gain = 0.0;
-    for (const double g : gains) gain += g;
-    const double low = bound(gains);
-    out.predicts = low > 0.0;
+    const double gain = total(without, full);
+    const EffortGain sure = gain_of(without, full, split_.heldout, settings_, seed_);
+    out.predicts = sure.low > 0.0;
     out.heldout_gain = nominal > 0.0 ? gain / nominal : 0.0;
-    out.heldout_gain_low = nominal > 0.0 ? low / nominal : 0.0;
+    // the bound as a share of the gain, in whichever measure is surer
+    out.heldout_gain_low = sure.gain > 0.0 ? out.heldout_gain * sure.low / sure.gain : 0.0;
     out.equally_good = equally_good(t, full);
     return out;
-  }
-
-  double bound(const std::vector<double>& x) const {
-    return moving_block_lower_bound(x, settings_.decisions.gain_level,
-                                    settings_.decisions.gain_draws, Random(seed_));
   }
 
   /// Names at the same joints, with no more numbers, that leave no more on held-out data beyond
@@ -134,13 +119,33 @@ class Judge {
           !acts_alike(rival, term))
         continue;
       std::vector<int> active = choice_.active_without(t);
-      active.push_back(r);
-      const std::vector<double> other =
+      const std::vector<double> none =
           design_.losses(design_.fit(active, split_.fitted), term.joints);
-      if (bound(differences(other, full, split_.heldout)) > 0.0) continue;
+      active.push_back(r);
+      const EffortValues x = design_.fit(active, split_.fitted);
+      if (!plausible(r, active, x)) continue;
+      const std::vector<double> other = design_.losses(x, term.joints);
+      if (gain_of(other, full, split_.heldout, settings_, seed_).low > 0.0) continue;
+      // not told apart for want of data is not as good: it has to do most of what the term does
+      const double gain = total(none, full);
+      if (gain > 0.0 && total(none, other) < settings_.decisions.stand_in_share * gain) continue;
       if (std::find(out.begin(), out.end(), rival.effect) == out.end()) out.push_back(rival.effect);
     }
     return out;
+  }
+
+  /// Held-out gain of b over a.
+  double total(const std::vector<double>& a, const std::vector<double>& b) const {
+    return sum_over(a, split_.heldout) - sum_over(b, split_.heldout);
+  }
+
+  /// As of a term that is chosen: no limit stops it, no friction is negative.
+  bool plausible(int r, const std::vector<int>& active, const EffortValues& x) const {
+    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(r)];
+    for (int c = 0; c < term.size(); ++c) {
+      if (term.stopped(c, x[design_.first_column(r) + c])) return false;
+    }
+    return term.effect != "position_friction" || friction_is_positive(design_, active, x);
   }
 
   /// A rival has to act on a joint that the term acts on most: a link also moves those before it.
@@ -167,15 +172,47 @@ double noise_of(const std::vector<double>& left) {
   return robust_sigma(second);
 }
 
-/// Held-out scores of one joint.
+/// How fast a joint moved in the fitted part; beyond it a model is asked for what it never saw.
+struct Reach {
+  double speed = 0.0, acceleration = 0.0;
+
+  static Reach of(const EffortRows& rows, const EffortSplit& split, int joint) {
+    Reach out;
+    for (const EffortRow& row : rows.rows) {
+      if (row.joint != joint || split.fitted[static_cast<std::size_t>(row.block)] == 0.0) continue;
+      const MotionSample& m = middle(rows, row);
+      out.speed = std::max(out.speed, std::abs(m.dq[static_cast<std::size_t>(joint)]));
+      out.acceleration =
+          std::max(out.acceleration, std::abs(m.ddq[static_cast<std::size_t>(joint)]));
+    }
+    return out;
+  }
+  bool holds(const EffortRows& rows, const EffortRow& row) const {
+    const MotionSample& m = middle(rows, row);
+    const auto j = static_cast<std::size_t>(row.joint);
+    return std::abs(m.dq[j]) <= kBeyond * speed && std::abs(m.ddq[j]) <= kBeyond * acceleration;
+  }
+
+ private:
+  /// Times the fastest that was fitted.
+  static constexpr double kBeyond = 1.5;
+  static const MotionSample& middle(const EffortRows& rows, const EffortRow& row) {
+    return rows.recordings[static_cast<std::size_t>(row.recording)]
+        .motion[(row.first + row.last) / 2];
+  }
+};
+
+/// Held-out scores of one joint. `named`: values of the terms alone that predict.
 EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const EffortValues& x,
-                     int joint) {
+                     const EffortValues& named, int joint) {
   const EffortRows& rows = design.rows();
-  const Eigen::VectorXd left = design.residual(x);
+  const Eigen::VectorXd left = design.residual(x), left_by_named = design.residual(named);
   const auto held = [&](const EffortRow& row) {
     return split.heldout[static_cast<std::size_t>(row.block)] != 0.0;
   };
-  std::vector<double> before, after, effort, fitted_effort;
+  const Reach reach = Reach::of(rows, split, joint);
+  EffortScore out;
+  std::vector<double> before, after, after_named, effort, fitted_effort;
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const EffortRow& row = rows.rows[i];
     if (row.joint != joint) continue;
@@ -185,18 +222,86 @@ EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const
       fitted_effort.push_back(recorded);
       continue;
     }
+    if (!reach.holds(rows, row)) {
+      ++out.beyond;
+      continue;
+    }
     before.push_back(design.target()[k]), after.push_back(left[k]), effort.push_back(recorded);
+    after_named.push_back(left_by_named[k]);
   }
   const EffortRecording& first = rows.recordings.front();
   const auto j = static_cast<std::size_t>(joint);
-  EffortScore out;
   out.joint = first.nominal.tree.joints[j].name;
   out.channel = first.channels[j].column.empty() ? "tau:" + out.joint : first.channels[j].column;
   out.unit = design.unit(joint);
   const double middle = fitted_effort.empty() ? 0.0 : mean(fitted_effort);
+  out.zero = rms(effort);
   for (double& e : effort) e -= middle;
   out.nominal = rms(before), out.constant = rms(effort), out.patched = rms(after);
+  out.named = rms(after_named);
   out.noise = noise_of(after);
+  return out;
+}
+
+/// By condition, or by recording where all have one: 1 for its blocks.
+std::map<std::string, BlockCounts> groups_of(const EffortRows& rows) {
+  std::map<std::string, int> conditions;
+  for (const EffortRecording& r : rows.recordings) ++conditions[r.condition];
+  std::map<std::string, BlockCounts> out;
+  for (std::size_t b = 0; b < rows.recording_of_block.size(); ++b) {
+    const EffortRecording& r =
+        rows.recordings[static_cast<std::size_t>(rows.recording_of_block[b])];
+    BlockCounts& counts = out[conditions.size() > 1 ? r.condition : r.file];
+    counts.resize(rows.recording_of_block.size(), 0.0);
+    counts[b] = 1.0;
+  }
+  return out;
+}
+
+/// A group's own values of all columns, and their deviations between fourths of it left out.
+std::pair<EffortValues, EffortValues> told_by(const EffortDesign& design,
+                                              const std::vector<int>& active,
+                                              const BlockCounts& group) {
+  constexpr int kFourths = 4;
+  const EffortValues all = design.fit(active, group);
+  EffortValues squares = EffortValues::Zero(all.size());
+  int count = 0;
+  const auto blocks = static_cast<int>(std::count(group.begin(), group.end(), 1.0));
+  for (int part = 0; part < kFourths; ++part) {
+    BlockCounts counts = group;
+    int seen = 0;
+    for (double& c : counts) {
+      if (c != 0.0 && seen++ * kFourths / std::max(1, blocks) == part) c = 0.0;
+    }
+    squares += (design.fit(active, counts) - all).cwiseAbs2();
+    ++count;
+  }
+  // jackknife over a few large pieces
+  return {all, (squares * (count - 1.0) / count).cwiseSqrt()};
+}
+
+/// What the recordings do not agree about, of terms that predict.
+std::vector<std::string> disagreements(const EffortDesign& design, const EffortChoice& choice,
+                                       const std::vector<JudgedTerm>& terms,
+                                       const DecisionSettings& decisions) {
+  std::vector<std::string> out;
+  const std::map<std::string, BlockCounts> groups = groups_of(design.rows());
+  if (groups.size() < 2) return out;
+  std::map<std::string, std::pair<EffortValues, EffortValues>> told;
+  for (const auto& [name, counts] : groups) told[name] = told_by(design, choice.active(), counts);
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const JudgedTerm& t = terms[i];
+    for (int c = 0; t.predicts && c < t.term.size(); ++c) {
+      const int column = design.first_column(choice.terms[i]) + c;
+      std::vector<GroupValue> values;
+      for (const auto& [name, value] : told)
+        values.push_back({name, value.first[column], value.second[column]});
+      const auto k = static_cast<std::size_t>(c);
+      const std::string text = disagreement(in_words(t.term) + ", " + t.term.parameters[k],
+                                            t.term.units[k], values, decisions);
+      if (!text.empty()) out.push_back(text);
+    }
+  }
   return out;
 }
 
@@ -215,6 +320,8 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
   out.log = choice.log;
   const Judge judge(design, split, choice, settings, options.seed);
   out.terms = judge.terms();
+  for (std::string& text : disagreements(design, choice, out.terms, settings.decisions))
+    out.notes.push_back(std::move(text));
   for (EffortGainFound& gain : out.gains) {
     const int column = gain_column(design, gain.joint);
     if (column < 0 || !gain.determined) continue;
@@ -224,9 +331,13 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
     gain.value = scale / (1.0 + x.value);
     gain.low = scale / (1.0 + x.high), gain.high = scale / std::max(1e-9, 1.0 + x.low);
   }
+  const EffortValues named = design.fit(choice.active_with([&](std::size_t i) {
+    return out.terms[i].predicts && !out.terms[i].spans_null;
+  }),
+                                        split.fitted);
   for (std::size_t j = 0; j < rows.recordings.front().channels.size(); ++j) {
     if (rows.recordings.front().channels[j].known)
-      out.scores.push_back(score_of(design, split, judge.fitted(), static_cast<int>(j)));
+      out.scores.push_back(score_of(design, split, judge.fitted(), named, static_cast<int>(j)));
   }
   const Eigen::VectorXd left = design.residual(judge.fitted());
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {

@@ -2,6 +2,7 @@
 // else would do as well.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,29 +11,18 @@
 
 namespace sanso::diagnose {
 
-struct JudgedValue {
-  double value = 0.0, low = 0.0, high = 0.0;  // 95 %, block bootstrap over all data
-  std::string unit;
-  bool at_bound = false;
-};
-
-struct JudgedTerm {
-  EffortTerm term;
-  std::vector<JudgedValue> values;  // by column
-  // share of the nominal model's held-out error at its joints that goes with this term alone
-  double heldout_gain = 0.0, heldout_gain_low = 0.0;
-  bool predicts = false;                  // the bound that chance leaves is above zero
-  bool spans_null = true;                 // every interval holds zero
-  std::vector<std::string> equally_good;  // simpler or as simple names that predict as well
-};
-
 /// Effort of one joint on the held-out part, RMS in N m (N; the recorded unit where the gain is not
 /// determined).
 struct EffortScore {
   std::string channel, joint, unit;
-  double nominal = 0.0, constant = 0.0, patched = 0.0;  // constant: the mean of the fitted part
+  // constant: the mean of the fitted part; zero: no effort at all
+  double nominal = 0.0, constant = 0.0, zero = 0.0, patched = 0.0;
+  double named = 0.0;  // with the terms alone that predict
+  int beyond = 0;      // held-out windows that move faster than anything fitted, and do not judge
   double noise = 0.0;  // what changes from window to window of what is left: nobody's model
-  bool beats_both() const { return patched < nominal && patched < constant; }
+  /// The best of those that know no physics.
+  double baseline() const { return std::min(constant, zero); }
+  bool beats_both() const { return patched < nominal && patched < baseline(); }
 };
 
 /// Scale of a drive: what one unit of the recorded effort is in N m.

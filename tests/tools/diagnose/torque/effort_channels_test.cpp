@@ -57,6 +57,26 @@ TEST(EffortChannels, WhatWasMeasuredComesBeforeWhatWasAskedFor) {
   }
 }
 
+TEST(EffortChannels, ACurrentWithoutASignIsNoEffort) {
+  const ModelFolder model = pendulum("actuator = \"position_pd\"\nkp = 3\n");
+  recording::Recording r;
+  r.file = "made.csv";
+  std::vector<double> q, current, duty;
+  for (int k = 0; k < 100; ++k) {
+    r.t.push_back(0.01 * k);
+    q.push_back(std::sin(0.2 * k));
+    duty.push_back(std::cos(0.2 * k)), current.push_back(std::abs(duty.back()));
+  }
+  r.set("q:a", q), r.set("i:a", current), r.set("pwm:a", duty);
+  EXPECT_EQ(channel(model, r).column, "pwm:a");
+  r.set("i:a", duty);
+  EXPECT_EQ(channel(model, r).column, "i:a");
+  // a joint that only rises may need one sign alone
+  for (std::size_t k = 0; k < q.size(); ++k) q[k] = 0.01 * static_cast<double>(k);
+  r.set("q:a", q), r.set("i:a", current);
+  EXPECT_EQ(channel(model, r).column, "i:a");
+}
+
 TEST(EffortChannels, APassiveJointGivesNothing) {
   const EffortChannel none = channel(pendulum("actuator = \"passive\"\n"), with_columns({"q:a"}));
   EXPECT_EQ(none.effort, std::vector<double>(4, 0.0));
