@@ -180,17 +180,17 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
 }
 
 int run_identify(const std::string& model_folder, const std::vector<std::string>& files,
-                 const std::string& out) {
+                 const std::string& out, const Settings& settings) {
   try {
     const ModelFolder model = read_model_folder(model_folder);
     require_fixed_base(model, "sanso identify");
-    const LoadedRecordings loaded = load_recordings(files, gate_joints(model));
+    const LoadedRecordings loaded = load_recordings(files, gate_joints(model), settings.gate);
     for (const Defect& d : loaded.gate.defects) {
       fmt::print(stderr, "refused    {} {}{}: {}: {}\n", d.file, d.channel,
                  d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
     }
     if (loaded.gate.refused()) return 2;
-    const Identification found = identify(model, loaded, Settings{}, [](const std::string& line) {
+    const Identification found = identify(model, loaded, settings, [](const std::string& line) {
       fmt::print(stderr, "identify   {}\n", line);
     });
     fmt::print("{:<16} {:<18} {:<14} {:>12} {:>12} {:<10}\n", "joint", "effect", "parameter",

@@ -38,6 +38,6 @@ Identification identify(const ModelFolder& model, const LoadedRecordings& loaded
 
 /// Exit code 0 done, 2 refused. Writes `out` (a model folder) only when everything went well.
 int run_identify(const std::string& model_folder, const std::vector<std::string>& files,
-                 const std::string& out);
+                 const std::string& out, const Settings& settings = {});
 
 }  // namespace sanso::diagnose
