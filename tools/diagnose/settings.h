@@ -318,12 +318,18 @@ struct RegimeSettings {
 struct RemainsSettings {
   int fourier_features = 40;
   int experiment_shots = 16;
+  double horizon = 0.5;
+  double matters = 0.0;
+  double most = 0.75;
   template <class Field>
   void visit(Field&& field) {
     field("fourier_features", fourier_features, "features", 1, 10000,
           "random ones of the state that predict the missing torque");
     field("experiment_shots", experiment_shots, "shots", 1, 10000,
           "suffice to compare entries of the menu of experiments");
+    field("horizon", horizon, "s", 0.01, 60.0, "how far ahead the user predicts");
+    field("matters", matters, "rad, m, N m, N", 0.0, 1e6, "smaller errors there are good enough");
+    field("most", most, "share", 0.1, 2.0, "of the squared error explained: the RMS is halved");
   }
 };
 

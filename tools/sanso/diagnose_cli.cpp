@@ -33,10 +33,24 @@ void add_diagnose(CLI::App& app, int& result) {
   command->add_option("--without", options->without, "leave these ids out of the library")
       ->delimiter(',');
   command->add_option("--seed", options->seed, "seed of every random draw")->capture_default_str();
+  command
+      ->add_option("--horizon", options->settings.remains.horizon,
+                   "how far ahead you predict, s: errors there say whether what is left matters")
+      ->capture_default_str();
+  command
+      ->add_option("--matters", options->settings.remains.matters,
+                   "errors there that you can live with, rad or m (N m with --predict effort)")
+      ->capture_default_str();
+  command
+      ->add_option("--time-limit", options->time_limit,
+                   "s, after which the run ends and writes what it found so far; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_flag("--json", options->json, "print verdict.json");
   command->add_flag("--quiet", options->quiet, "no progress lines");
   command->footer(
-      "Exit codes: 0 no mismatch, 1 mismatch found, 2 refused or interrupted.\n"
+      "Exit codes: 0 no mismatch, 1 mismatch found, 2 refused or ended early.\n"
+      "Ctrl-C, SIGTERM and --time-limit write an UNFINISHED verdict of what was found so far.\n"
       "Example:\n  sanso diagnose "
       "--model my_robot --recordings walk_1.csv walk_2.csv --out result\n"
       "  sanso diagnose --predict effort --model my_arm --recordings run.csv --out friction");

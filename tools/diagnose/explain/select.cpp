@@ -76,16 +76,19 @@ void finish(SearchState& state) {
 Selection select(const Problem& problem, const Library& library, const SelectOptions& options) {
   SearchState state(problem, library, options);
   start(state);
+  options.reached(state.found);
   for (int step = 0; step < problem->settings.decisions.maximum_effects; ++step) {
     const Forward went = forward(state, step);
     if (went == Forward::none) break;
     if (state.found.accepted.size() > 1) backward(state, 1);
     untie(state);
+    options.reached(state.found);
     if (went == Forward::ended) break;
   }
   swap_for_better(state);
   drop_refuted(state);
   describe_what_going_on_beats(state);
+  options.reached(state.found);
   judge_chance(state);
   finish(state);
   return std::move(state.found);

@@ -45,6 +45,8 @@ struct SelectOptions {
   unsigned long seed = 1;
   bool keep_groups = false;  // Selection::first also by held-out group
   std::function<void(const std::string&)> progress = [](const std::string&) {};
+  /// Told what was found whenever it holds together: after the screening, after every step.
+  std::function<void(const Selection&)> reached = [](const Selection&) {};
 };
 
 /// Selection::around holds the problem as the search left it: scales are the error levels that it

@@ -24,7 +24,8 @@ struct DiagnoseOptions {
   bool json = false;                 // print verdict.json instead of the summary
   bool quiet = false;                // no progress lines
   unsigned long seed = 1;
-  bool free_gain = false;  // --predict effort: no drive's scale is taken as known
+  bool free_gain = false;   // --predict effort: no drive's scale is taken as known
+  double time_limit = 0.0;  // s, after which a run ends as by Ctrl-C; 0: none
   Settings settings;
   // fills FirstLook::by_group, for methods that are compared with this one
   bool first_look_by_group = false;
@@ -46,9 +47,22 @@ struct Diagnosis {
 
 using Progress = std::function<void(const std::string&)>;
 
+/// What a run has found at any moment, for one that is ended early.
+struct SoFar {
+  Evidence evidence;
+  std::optional<ModelFolder> patched;
+  std::vector<std::string> log;
+  std::string asking = "are the recordings sound?";
+
+  /// Status UNFINISHED. Simulates nothing.
+  Diagnosis diagnosis(double seconds) const;
+};
+
 /// The whole method. Bad input gives a verdict with status REFUSED; nothing is thrown but
-/// Interrupted, and std::invalid_argument for settings outside their range.
-Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress);
+/// Interrupted, and std::invalid_argument for settings outside their range. `so_far`: kept up to
+/// date, if given.
+Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress,
+                   SoFar* so_far = nullptr);
 
 /// The command: runs, prints, writes `out`. Exit code 0 no mismatch, 1 mismatch found, 2 refused.
 int run_diagnose(const DiagnoseOptions& options);

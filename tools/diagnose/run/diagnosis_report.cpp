@@ -28,6 +28,9 @@ const char* meaning(VerdictStatus status) {
              "small an effect would have been seen.";
     case VerdictStatus::refused:
       return "The recordings are broken. Nothing was fitted.";
+    case VerdictStatus::unfinished:
+      return "The run was ended early. The names below were accepted until then; they were not "
+             "tried against their look-alikes, and nothing was scored on held-out recordings.";
   }
   return "";
 }
@@ -62,17 +65,21 @@ std::string diagnosis_report(const Diagnosis& d) {
       "used?");
   page.answer(fmt::format("{}: {}", to_string(v.status), v.answer),
               v.status == VerdictStatus::absent);
+  page.paragraph(v.summary);
   tell_summary(page, d);
   if (v.status == VerdictStatus::refused) {
     tell_refusal(page, v);
     return page.finish();
   }
-  tell_where(page, d);
+  const bool finished = v.status != VerdictStatus::unfinished;
+  if (finished) tell_where(page, d);
   for (const Finding& f : v.findings) tell_finding(page, f);
-  tell_curves(page, d);
-  tell_proof(page, d);
-  tell_unexplained(page, v);
-  tell_next_experiment(page, v);
+  if (finished) {
+    tell_curves(page, d);
+    tell_proof(page, d);
+    tell_unexplained(page, v);
+    tell_next_experiment(page, v);
+  }
   tell_limits(page, v);
   page.heading("How it was found");
   std::string log;

@@ -28,10 +28,12 @@ void tell_scores(report::HtmlPage& page, const EffortDiagnosis& d) {
   page.paragraph(
       "RMS of the effort that each model misses. A constant is the mean of the fitted part: a "
       "model that does not beat it explains nothing.");
-  report::Table table{{"effort", "nominal", "a constant", "patched", "noise", "unit"}, {}};
+  report::Table table{
+      {"effort", "nominal", "a constant", "none", "named", "patched", "noise", "unit"}, {}};
   for (const EffortScore& s : d.outcome.scores) {
     table.rows.push_back({s.channel, fmt::format("{:.4g}", s.nominal),
-                          fmt::format("{:.4g}", s.constant), fmt::format("{:.4g}", s.patched),
+                          fmt::format("{:.4g}", s.constant), fmt::format("{:.4g}", s.zero),
+                          fmt::format("{:.4g}", s.named), fmt::format("{:.4g}", s.patched),
                           fmt::format("{:.2g}", s.noise), s.unit});
   }
   page.table(table);
@@ -40,11 +42,13 @@ void tell_scores(report::HtmlPage& page, const EffortDiagnosis& d) {
 }  // namespace
 
 std::string effort_table(const EffortOutcome& outcome) {
-  std::string out = fmt::format("{:<11}{:<20}{:>12}{:>12}{:>12}{:>12}\n", "held out", "effort",
-                                "nominal", "a constant", "patched", "noise");
+  std::string out =
+      fmt::format("{:<11}{:<18}{:>10}{:>12}{:>10}{:>10}{:>10}{:>10}\n", "held out", "effort",
+                  "nominal", "a constant", "none", "named", "patched", "noise");
   for (const EffortScore& s : outcome.scores) {
-    out += fmt::format("{:<11}{:<20}{:>12.4g}{:>12.4g}{:>12.4g}{:>12.2g} {}\n", "", s.channel,
-                       s.nominal, s.constant, s.patched, s.noise, s.unit);
+    out +=
+        fmt::format("{:<11}{:<18}{:>10.4g}{:>12.4g}{:>10.4g}{:>10.4g}{:>10.4g}{:>10.2g} {}\n", "",
+                    s.channel, s.nominal, s.constant, s.zero, s.named, s.patched, s.noise, s.unit);
   }
   return out;
 }
@@ -53,6 +57,7 @@ std::string effort_report(const EffortDiagnosis& d) {
   const Verdict& v = d.verdict;
   report::HtmlPage page("Diagnosis of the effort: model versus recording");
   page.paragraph("Question: the motion is given; what is missing in the effort that it took?");
+  page.paragraph(v.summary);
   page.answer(fmt::format("{}: {}", to_string(v.status), v.answer),
               v.status == VerdictStatus::absent);
   if (v.status == VerdictStatus::refused) {

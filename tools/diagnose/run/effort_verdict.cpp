@@ -5,16 +5,11 @@
 #include <cmath>
 
 #include "tools/diagnose/run/predict_effort.h"
+#include "tools/diagnose/verdict/plain_words.h"
 #include "tools/diagnose/verdict/predictability.h"
 
 namespace sanso::diagnose {
 namespace {
-
-std::string places(const std::vector<std::string>& where) {
-  std::string text;
-  for (const std::string& w : where) text += (text.empty() ? "" : ", ") + w;
-  return text;
-}
 
 const EffortScore* score_at(const EffortOutcome& outcome, const std::string& joint) {
   for (const EffortScore& s : outcome.scores) {
@@ -45,20 +40,6 @@ Finding finding_of(const JudgedTerm& t) {
     f.parameters[name] = {value, value, value, name == "speed" ? "rad/s" : "-", false};
   f.status = status_of(f);
   return f;
-}
-
-std::string sentence(const Finding& f) {
-  std::string text = f.effect;
-  if (f.status == VerdictStatus::one_of) {
-    text = "one of {";
-    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
-    text += "}";
-  }
-  text += " at " + places(f.where);
-  const auto order = f.parameters.find("order");
-  if (order != f.parameters.end()) text += fmt::format(" (order {:.0f})", order->second.value);
-  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
-  return text;
 }
 
 TorqueSample sample_of(const EffortLeft& left, const EffortRows& rows, double noise) {
@@ -98,6 +79,28 @@ double share_left(const EffortScore& s) {
   return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
 }
 
+/// An effort of which nothing here predicts anything, the nominal model neither: no name is missing
+/// for certain, and "no mismatch" is not known.
+std::optional<Unexplained> unpredicted(const EffortOutcome& outcome,
+                                       const DecisionSettings& decisions) {
+  const EffortScore* worst = nullptr;
+  const auto level = [](const EffortScore& s) { return s.patched / std::max(s.noise, 1e-300); };
+  for (const EffortScore& s : outcome.scores) {
+    const bool predicted = s.patched < 0.9 * s.baseline();
+    if (predicted || level(s) <= decisions.adequate) continue;
+    if (worst == nullptr || level(s) > level(*worst)) worst = &s;
+  }
+  if (worst == nullptr) return std::nullopt;
+  Unexplained u;
+  u.shows_in = ShowsIn::torque;
+  u.where = worst->joint;
+  u.regime =
+      "its recorded effort, which neither the model nor any name predicts better than a "
+      "constant does";
+  u.energy_share = share_left(*worst);
+  return u;
+}
+
 std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRows& rows,
                                    const DiagnoseOptions& options) {
   std::vector<Predictability> all;
@@ -109,7 +112,7 @@ std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRow
         predictability(samples[j], static_cast<int>(j), Random(options.seed, j), options.settings));
   }
   const Predictability* worst = most_predictable(all, options.settings.decisions);
-  if (worst == nullptr) return std::nullopt;
+  if (worst == nullptr) return unpredicted(outcome, options.settings.decisions);
   const auto j = static_cast<std::size_t>(worst->joint);
   Unexplained u;
   u.shows_in = ShowsIn::torque;
@@ -145,6 +148,24 @@ VerdictStatus overall(const Verdict& v) {
   return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
 }
 
+/// The joints together, as far as their efforts have one unit.
+void add_all(Verdict& v, const EffortOutcome& outcome, const Settings& settings) {
+  if (outcome.scores.empty()) return;
+  FitScore sum{0.0, 0.0, 0.0, 0.0, 0.0};
+  double joints = 0.0;
+  const std::string& unit = outcome.scores.front().unit;
+  for (const EffortScore& s : outcome.scores) {
+    if (s.unit != unit) continue;
+    sum.nominal += s.nominal * s.nominal, sum.patched += s.patched * s.patched;
+    sum.noise += s.noise * s.noise, sum.baseline += s.baseline() * s.baseline();
+    sum.named += s.named * s.named, joints += 1.0;
+  }
+  const auto root = [&](double x) { return std::sqrt(x / joints); };
+  v.heldout["0"]["all"] = {root(sum.nominal), root(sum.patched), root(sum.noise),
+                           root(sum.baseline), root(sum.named)};
+  v.outlook = outlook(v.heldout, unit, settings.remains, settings.decisions);
+}
+
 void add_gain_notes(Verdict& v, const EffortOutcome& outcome) {
   for (const EffortGainFound& g : outcome.gains) {
     v.notes.push_back(
@@ -176,10 +197,18 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
     }
   }
   for (const EffortScore& s : outcome.scores) {
-    v.heldout["0"][s.channel] = {s.nominal, s.patched, s.noise};
+    v.heldout["0"][s.channel] = {s.nominal, s.patched, s.noise, s.baseline(), s.named};
     v.notes.push_back(
-        fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, patched {:.4g} {}",
-                    s.channel, s.nominal, s.constant, s.patched, s.unit));
+        fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, none {:.4g}, patched "
+                    "{:.4g} {}",
+                    s.channel, s.nominal, s.constant, s.zero, s.patched, s.unit));
+  }
+  for (const EffortScore& s : outcome.scores) {
+    if (s.beyond > 0) {
+      v.notes.push_back(
+          fmt::format("{}: {} held-out windows move faster than anything fitted and do not judge",
+                      s.channel, s.beyond));
+    }
   }
   v.heldout_recordings = outcome.heldout_names;
   add_gain_notes(v, outcome);
@@ -187,6 +216,8 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
   v.status = overall(v);
   v.mismatch = v.status != VerdictStatus::absent;
   v.answer = answer_of(v);
+  add_all(v, outcome, options.settings);
+  v.summary = plain_words(v);
   return v;
 }
 

@@ -1,17 +1,12 @@
-// The order of the steps, the patched model, and the command around them.
+// The order of the steps, and the patched model.
 #include "tools/diagnose/run/predict_effort.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <cstdio>
-#include <filesystem>
 
-#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
-#include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/run/settings_page.h"
@@ -54,35 +49,21 @@ EffectEntry entry_for(const JudgedTerm& t) {
   return entry;
 }
 
-void write_all(const EffortDiagnosis& d, const std::string& out) {
-  std::filesystem::create_directories(out);
-  const std::filesystem::path folder(out);
-  if (d.patched) write_model_folder(*d.patched, (folder / "model").string());
-  files::write_atomically(folder / "report.html", effort_report(d));
-  // last: it says that the others are there
-  files::write_atomically(folder / "verdict.json", verdict_json(d.verdict));
-}
-
-void print_summary(const EffortDiagnosis& d) {
-  const Verdict& v = d.verdict;
-  fmt::print("question   the motion is given: what is missing in the effort?\n");
-  fmt::print("answer     {}: {}\n", to_string(v.status), v.answer);
-  for (const Defect& r : v.refused)
-    fmt::print("refused    {} {}: {}: {}\n", r.file, r.channel, r.defect, r.message);
-  if (v.status == VerdictStatus::refused) return;
-  for (const Finding& f : v.findings) {
-    std::string places;
-    for (const std::string& w : f.where) places += (places.empty() ? "" : ", ") + w;
-    for (const auto& [name, p] : f.parameters) {
-      fmt::print("{:<11}{}.{} at {} = {:.4g} {} [{:.4g}, {:.4g}]\n", "", f.effect, name, places,
-                 p.value, p.unit, p.low, p.high);
-    }
+/// A term as it was chosen, without an interval.
+Finding accepted(const JudgedTerm& t) {
+  Finding f;
+  f.effect = t.term.effect, f.family = t.term.family, f.where = t.term.where;
+  f.regime = "everywhere";
+  f.status = VerdictStatus::unfinished;
+  f.one_of = {t.term.effect};
+  for (std::size_t c = 0; c < t.values.size(); ++c) {
+    const JudgedValue& v = t.values[c];
+    f.parameters[t.term.parameters[c]] = {v.value, v.low, v.high, v.unit, false};
   }
-  fmt::print("{}", effort_table(d.outcome));
-  for (const std::string& note : v.notes) fmt::print("note       {}\n", note);
+  for (const auto& [name, value] : t.term.fixed)
+    f.parameters[name] = {value, value, value, "-", false};
+  return f;
 }
-
-extern "C" void on_stop(int) { request_stop(); }
 
 }  // namespace
 
@@ -106,52 +87,55 @@ ModelFolder effort_patched(const ModelFolder& model, const EffortOutcome& outcom
   return out;
 }
 
-EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& progress) {
+EffortDiagnosis EffortSoFar::diagnosis(double seconds) const {
+  Evidence evidence;
+  evidence.unfinished = Unfinished{asking, seconds, removed};
+  evidence.notes = notes;
+  evidence.data_hash = data_hash;
+  evidence.seed = seed;
+  for (const JudgedTerm& t : terms) evidence.findings.push_back(accepted(t));
+  EffortDiagnosis out;
+  out.verdict = conclude(evidence);
+  return out;
+}
+
+EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& progress,
+                                EffortSoFar* so_far) {
   require_in_range(options.settings);
+  EffortSoFar kept;
+  EffortSoFar& now = so_far != nullptr ? *so_far : kept;
+  now.seed = options.seed;
+  const auto ask = [&](const std::string& question) {
+    now.asking = question;
+    progress("asks: " + question);
+  };
   try {
     const ModelFolder model = read_model_folder(options.model);
-    progress("read and judge the recordings");
-    const LoadedRecordings loaded = load_recordings(options.recordings, gate_joints(model));
+    ask("are the recordings sound?");
+    const LoadedRecordings loaded =
+        load_recordings(options.recordings, gate_joints(model), options.settings.gate);
     if (loaded.gate.refused()) return refused(loaded.gate.defects);
-    progress("smooth the motion");
+    now.notes = loaded.gate.notes, now.data_hash = loaded.hashes;
+    ask("how did the joints move, and what effort did the model need for it?");
     const EffortRows rows =
         effort_rows(model, loaded.recordings, options.free_gain, options.settings);
     progress(fmt::format("{} windows of effort in {} blocks", rows.rows.size(), rows.blocks));
+    ask("which terms predict effort that they were not fitted to?");
     EffortDiagnosis out;
-    out.outcome = explain_effort(rows, options.settings,
-                                 {options.effects, options.without, options.seed, progress});
-    progress("judge on data that were not fitted");
+    ChooseOptions how{options.effects, options.without, options.seed, progress};
+    how.reached = [&](const std::vector<JudgedTerm>& terms, double removed) {
+      now.terms = terms, now.removed = removed;
+    };
+    out.outcome = explain_effort(rows, options.settings, how);
+    ask("what do they predict on data that were not fitted, and is anything left?");
     out.verdict = effort_verdict(out.outcome, rows, options);
     out.verdict.notes.insert(out.verdict.notes.begin(), loaded.gate.notes.begin(),
                              loaded.gate.notes.end());
-    out.verdict.data_hash = data_hash(loaded.recordings);
+    out.verdict.data_hash = loaded.hashes;
     out.patched = effort_patched(model, out.outcome, out.verdict.notes);
     return out;
   } catch (const files::InputError& error) {
     return refused({defect_of(error)});
-  }
-}
-
-int run_predict_effort(const DiagnoseOptions& options) {
-  std::signal(SIGINT, on_stop);
-  std::signal(SIGTERM, on_stop);
-  try {
-    const EffortDiagnosis d = diagnose_effort(options, [&](const std::string& line) {
-      if (!options.quiet) std::fprintf(stderr, "diagnose: %s\n", line.c_str());
-    });
-    if (!options.out.empty()) write_all(d, options.out);
-    if (options.json)
-      fmt::print("{}", verdict_json(d.verdict));
-    else
-      print_summary(d);
-    if (d.verdict.status == VerdictStatus::refused) return 2;
-    return d.verdict.mismatch ? 1 : 0;
-  } catch (const Interrupted&) {
-    std::fprintf(stderr, "diagnose: interrupted, nothing written\n");
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "diagnose: %s\n", error.what());
-    return 2;
   }
 }
 

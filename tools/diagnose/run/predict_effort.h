@@ -15,8 +15,23 @@ struct EffortDiagnosis {
   std::optional<ModelFolder> patched;  // what of it the simulator can have
 };
 
-/// The method. Bad input gives a verdict with status REFUSED; throws as `diagnose` does.
-EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& progress);
+/// What a run has found at any moment, for one that is ended early.
+struct EffortSoFar {
+  std::vector<JudgedTerm> terms;  // chosen; values without intervals
+  double removed = 0.0;           // share of the squared error of the fitted part
+  std::vector<std::string> notes;
+  std::map<std::string, std::string> data_hash;
+  unsigned long seed = 0;
+  std::string asking = "are the recordings sound?";
+
+  /// Status UNFINISHED.
+  EffortDiagnosis diagnosis(double seconds) const;
+};
+
+/// The method. Bad input gives a verdict with status REFUSED; throws as `diagnose` does. `so_far`:
+/// kept up to date, if given.
+EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& progress,
+                                EffortSoFar* so_far = nullptr);
 
 /// Verdict of an outcome: names, intervals, held-out efforts (horizon "0"), what stays unnamed.
 Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,

@@ -12,18 +12,23 @@ namespace sanso::diagnose {
 namespace {
 
 void add_scores(report::HtmlPage& page, const Diagnosis& d) {
-  report::Table table{
-      {"horizon", "position of", "nominal", "patched", "noise", "unit", "explained"}, {}};
+  report::Table table{{"horizon", "position of", "nominal", "as it went", "named", "patched",
+                       "noise", "unit", "explained"},
+                      {}};
   for (const auto& [horizon, scores] : d.verdict.heldout) {
     for (const auto& [channel, s] : scores) {
       const bool all = channel == "all";
       const std::string joint = all ? "all joints" : channel.substr(channel.find(':') + 1);
       table.rows.push_back({horizon + " s", joint, fmt::format("{:.4g}", s.nominal),
+                            fmt::format("{:.4g}", s.baseline), fmt::format("{:.4g}", s.named),
                             fmt::format("{:.4g}", s.patched), fmt::format("{:.2g}", s.noise),
                             all ? position_unit(d) : at_joint("rad", slides_of(d, joint)),
                             fmt::format("{:.0f} %", 100 * s.explained())});
     }
   }
+  page.paragraph(
+      "As it went: the joint goes on at the speed that it had; a model that does not beat it "
+      "predicts nothing. Named: with the effects alone that are confirmed, or one of a set.");
   page.table(table);
 }
 

@@ -7,6 +7,20 @@
 
 namespace sanso::diagnose {
 
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::string out;
+  std::size_t line = 0;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::size_t word = end - at;
+    if (line > 0 && line + 1 + word > width) out += '\n', line = 0;
+    if (line > 0) out += ' ', ++line;
+    out.append(text, at, word), line += word;
+    at = end + 1;
+  }
+  return out + "\n";
+}
+
 std::string joined(const std::vector<std::string>& parts, const char* empty) {
   std::string text;
   for (const std::string& p : parts) text += (text.empty() ? "" : ", ") + p;

@@ -11,8 +11,9 @@ std::string settings_page() {
   std::string page =
       "# Settings of the diagnosis\n\n"
       "Made from `tools/diagnose/settings.h` by `sanso-diagnose-settings-page`; a test compares.\n"
-      "No command takes them from a person: an answer that depends on them is no answer. What\n"
-      "half and double of one does is measured by `sanso bench diagnose --setting NAME=FACTOR`\n"
+      "No command takes them from a person, but `remains.horizon` and `remains.matters`, which\n"
+      "say what the person needs: an answer that depends on them is no answer. What half and\n"
+      "double of one does is measured by `sanso bench diagnose --setting NAME=FACTOR`\n"
       "([results](results/diagnose.md)).\n";
   Settings settings;
   settings.visit([&](const char* group, auto& section) {

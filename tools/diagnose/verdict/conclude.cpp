@@ -5,31 +5,10 @@
 
 #include <algorithm>
 
+#include "tools/diagnose/verdict/plain_words.h"
+
 namespace sanso::diagnose {
 namespace {
-
-std::string places(const std::vector<std::string>& where) {
-  if (where.empty()) return "the whole robot";
-  std::string text = where.front();
-  for (std::size_t i = 1; i < where.size(); ++i) text += ", " + where[i];
-  return text;
-}
-
-std::string sentence(const Finding& f) {
-  std::string text = f.effect;
-  if (f.status == VerdictStatus::one_of) {
-    text = "one of {";
-    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
-    text += "}";
-  }
-  text += " at " + places(f.where);
-  if (!f.parameters.empty() && f.status == VerdictStatus::confirmed) {
-    const auto& [name, value] = *f.parameters.begin();
-    text += fmt::format(" ({} {:.3g} {})", name, value.value, value.unit);
-  }
-  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
-  return text;
-}
 
 VerdictStatus overall_status(const std::vector<Finding>& findings, bool something_unnamed) {
   if (something_unnamed) return VerdictStatus::present_unnamed;
@@ -83,6 +62,26 @@ Verdict refusal(const std::vector<Defect>& defects) {
                (first.row >= 0 ? fmt::format(", row {}", first.row) : "") + ": " + first.defect +
                " (" + first.message + ").";
   out.refused = defects;
+  out.summary = plain_words(out);
+  return out;
+}
+
+/// Accepted, and not judged to the end: no name is confirmed, and none is missing.
+Verdict stopped(const Evidence& evidence) {
+  Verdict out;
+  out.status = VerdictStatus::unfinished;
+  out.unfinished = evidence.unfinished;
+  out.findings = evidence.findings;
+  out.mismatch = evidence.search.detected || !evidence.findings.empty();
+  out.answer = fmt::format("Unfinished after {:.0f} s", evidence.unfinished->seconds);
+  for (std::size_t i = 0; i < evidence.findings.size(); ++i)
+    out.answer += (i == 0 ? "; accepted so far: " : "; ") + sentence(evidence.findings[i]);
+  out.answer += evidence.findings.empty() ? "; nothing accepted yet." : ".";
+  out.untestable = evidence.untestable;
+  out.notes = evidence.notes;
+  out.data_hash = evidence.data_hash;
+  out.seed = evidence.seed;
+  out.summary = plain_words(out);
   return out;
 }
 
@@ -90,6 +89,7 @@ Verdict refusal(const std::vector<Defect>& defects) {
 
 Verdict conclude(const Evidence& evidence) {
   if (!evidence.defects.empty()) return refusal(evidence.defects);
+  if (evidence.unfinished) return stopped(evidence);
   Verdict out;
   out.unexplained = unexplained(evidence);
   out.status = overall_status(evidence.findings, out.unexplained.has_value());
@@ -107,6 +107,8 @@ Verdict conclude(const Evidence& evidence) {
   out.notes.push_back(note_on_what_is_left(evidence.left, evidence.decisions));
   out.data_hash = evidence.data_hash;
   out.seed = evidence.seed;
+  out.outlook = outlook(evidence.proof.scores, evidence.unit, evidence.remains, evidence.decisions);
+  out.summary = plain_words(out);
   return out;
 }
 

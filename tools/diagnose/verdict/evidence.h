@@ -29,6 +29,13 @@ struct SearchRecord {
 };
 SearchRecord record_of(const Library& library, const Selection& selection);
 
+/// What a run that was ended early tells of its end.
+struct Unfinished {
+  std::string asking;    // the question at which it was ended
+  double seconds = 0.0;  // since its start
+  double removed = 0.0;  // share of the nominal error on left-out groups, by what was accepted
+};
+
 struct Evidence {
   // not empty: the data were refused, and nothing below was measured
   std::vector<Defect> defects;
@@ -44,6 +51,9 @@ struct Evidence {
   std::vector<std::string> notes;                // of the gate
   std::map<std::string, std::string> data_hash;  // file -> hash
   DecisionSettings decisions;                    // by which what is left counts
+  RemainsSettings remains;
+  std::string unit = "rad";              // of the positions
+  std::optional<Unfinished> unfinished;  // nothing below the search was measured
   unsigned long seed = 0;
 };
 

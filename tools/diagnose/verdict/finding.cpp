@@ -139,6 +139,8 @@ const char* to_string(VerdictStatus status) {
       return "ABSENT";
     case VerdictStatus::refused:
       return "REFUSED";
+    case VerdictStatus::unfinished:
+      return "UNFINISHED";
   }
   return "REFUSED";
 }
@@ -187,6 +189,30 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
     asked = true;
   }
   return asked;
+}
+
+std::vector<Finding> accepted_so_far(const Library& library, const Selection& selection) {
+  std::vector<Finding> out;
+  const std::vector<double> sigma = parameter_sigmas(selection.final, library);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
+    Accepted entry;
+    const Candidate& c = library[selection.accepted[i].candidate];
+    for (std::size_t k = 0; k < c.parameters.size(); ++k, ++next) {
+      entry.sigma.push_back(next < sigma.size() ? sigma[next] : 0.0);
+      entry.at_bound.push_back(next < selection.final.fixed.size() ? selection.final.fixed[next]
+                                                                   : char{0});
+    }
+    Finding f;
+    f.effect = c.effect, f.family = c.family, f.where = c.where;
+    f.regime = "everywhere";
+    f.status = VerdictStatus::unfinished;
+    f.p_family = selection.accepted[i].p_family;
+    f.one_of = {c.effect};
+    f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+    out.push_back(std::move(f));
+  }
+  return out;
 }
 
 std::vector<Finding> findings_of(const Library& library, const Selection& selection,

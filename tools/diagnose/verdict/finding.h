@@ -11,7 +11,8 @@
 
 namespace sanso::diagnose {
 
-enum class VerdictStatus { confirmed, one_of, present_unnamed, absent, refused };
+/// `unfinished`: the search was interrupted; of a finding, accepted and not judged to the end.
+enum class VerdictStatus { confirmed, one_of, present_unnamed, absent, refused, unfinished };
 const char* to_string(VerdictStatus status);
 
 /// A fitted parameter with its 95 % interval.
@@ -66,6 +67,10 @@ VerdictStatus status_of(const Finding& finding);
 /// One finding for every accepted effect that no residual contradicts.
 std::vector<Finding> findings_of(const Library& library, const Selection& selection,
                                  const Regimes& regimes);
+
+/// What a search that is not done has accepted, with the intervals of its last fit: no rival was
+/// tried in its place, no residual was asked. Simulates nothing.
+std::vector<Finding> accepted_so_far(const Library& library, const Selection& selection);
 
 /// Term bits (effects/effect.h) of a candidate on this tree. What a link does to a joint that hangs
 /// on the base is a function of that joint's motion alone; further out, the motion of other joints

@@ -1,6 +1,8 @@
 // What is fitted, what is held out, and errors before and after on what was held out.
 #include "tools/diagnose/verdict/heldout.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,40 +21,96 @@ bool inside(const Comparison& comparison, const Shot& shot, const Part& part) {
 
 std::string stem(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
-/// Sums over all joints; energies in rad^2 (m^2).
-struct Sums {
-  double before = 0.0, after = 0.0, noise = 0.0, rows = 0.0;
+/// Whitened errors of every model at one horizon; stacked.
+struct Errors {
+  Eigen::VectorXd nominal, patched, named, baseline;
 };
 
+/// Error of a joint that goes on at the speed of its start, by the layout of `like`.
+Eigen::VectorXd constant_velocity_error(const Problem& problem, const Eigen::VectorXd& like) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(like.size());
+  for (const Shot& shot : problem->shots) {
+    const Source& source = problem->sources[shot.source];
+    const double start = source.drive.t[shot.window.first];
+    for (std::size_t c = 0; c < problem->channels.size(); ++c) {
+      const Observed& channel = problem->channels[c];
+      if (channel.signal != Signal::q) continue;
+      for (std::size_t k = 0; k < shot.rows; ++k) {
+        const std::size_t row = recorded_row(shot, k);
+        const double predicted = shot.window.q[channel.joint] +
+                                 shot.window.dq[channel.joint] * (source.drive.t[row] - start);
+        const double error = measured(source, channel, row) - predicted;
+        if (std::isfinite(error))
+          rows_of(out, shot, c)[static_cast<Eigen::Index>(k)] = error / problem.scales.sigma[c];
+      }
+    }
+  }
+  return out;
+}
+
+/// Squared errors by model, rad^2 (m^2).
+struct Sums {
+  double nominal = 0.0, patched = 0.0, named = 0.0, baseline = 0.0, noise = 0.0, rows = 0.0;
+
+  FitScore score() const {
+    const auto root = [&](double sum) { return std::sqrt(sum / rows); };
+    return {root(nominal), root(patched), root(noise), root(baseline), root(named)};
+  }
+};
+
+Sums sums_of(const Problem& problem, const Errors& errors, std::size_t c) {
+  Sums out;
+  const double scale = problem.scales.sigma[c] * problem.scales.sigma[c];
+  const double noise = problem->channels[c].noise;
+  for (const Shot& shot : problem->shots) {
+    out.nominal += scale * rows_of(errors.nominal, shot, c).squaredNorm();
+    out.patched += scale * rows_of(errors.patched, shot, c).squaredNorm();
+    out.named += scale * rows_of(errors.named, shot, c).squaredNorm();
+    out.baseline += scale * rows_of(errors.baseline, shot, c).squaredNorm();
+    out.rows += static_cast<double>(shot.rows);
+  }
+  out.noise = noise * noise * out.rows;
+  return out;
+}
+
 /// One horizon: RMS of each position channel, and of all.
-std::map<std::string, FitScore> scores_of(const Problem& problem, const Eigen::VectorXd& before,
-                                          const Eigen::VectorXd& after) {
+std::map<std::string, FitScore> scores_of(const Problem& problem, const Errors& errors) {
   std::map<std::string, FitScore> out;
   Sums all;
   for (std::size_t c = 0; c < problem->channels.size(); ++c) {
-    const Observed& channel = problem->channels[c];
-    double b = 0.0, a = 0.0, rows = 0.0;
-    for (const Shot& shot : problem->shots) {
-      for (const double e : rows_of(before, shot, c)) b += e * e;
-      for (const double e : rows_of(after, shot, c)) a += e * e;
-      rows += static_cast<double>(shot.rows);
-    }
-    const double scale = problem.scales.sigma[c] * problem.scales.sigma[c];
-    out["q:" + problem->joints[channel.joint]] = {std::sqrt(scale * b / rows),
-                                                  std::sqrt(scale * a / rows), channel.noise};
-    all.before += scale * b, all.after += scale * a,
-        all.noise += channel.noise * channel.noise * rows, all.rows += rows;
+    const Sums s = sums_of(problem, errors, c);
+    out["q:" + problem->joints[problem->channels[c].joint]] = s.score();
+    all.nominal += s.nominal, all.patched += s.patched, all.named += s.named;
+    all.baseline += s.baseline, all.noise += s.noise, all.rows += s.rows;
   }
-  out["all"] = {std::sqrt(all.before / all.rows), std::sqrt(all.after / all.rows),
-                std::sqrt(all.noise / all.rows)};
+  out["all"] = all.score();
+  return out;
+}
+
+/// Horizons in s, by the text that names them.
+std::map<std::string, double> horizons(double users) {
+  std::map<std::string, double> out{{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}};
+  out[fmt::format("{:.3g}", users)] = users;
+  return out;
+}
+
+/// What of a model has a name.
+Model named_part(const Model& model, const std::vector<char>& named) {
+  Model out = model;
+  out.effects.clear();
+  for (std::size_t i = 0; i < model.effects.size(); ++i) {
+    if (named[i] != 0) out.effects.push_back(model.effects[i]);
+  }
   return out;
 }
 
 }  // namespace
 
-double FitScore::explained() const {
+double FitScore::explained() const { return explained_by(patched); }
+
+double FitScore::explained_by(double error) const {
   const double before = nominal * nominal - noise * noise,
-               after = nominal * nominal - patched * patched;
+               after = nominal * nominal - error * error;
   return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
 }
 
@@ -97,32 +155,44 @@ Problem restricted(const Problem& problem, const Part& part) {
 
 HeldoutScores heldout_scores(const std::vector<Source>& sources,
                              const std::vector<NoiseLevel>& noise, const Library& library,
-                             const Model& patched, const Part& heldout, const Settings& settings) {
+                             const Explained& models, const Part& heldout,
+                             const Settings& settings) {
   HeldoutScores out;
-  for (const auto& [name, seconds] :
-       {std::pair<const char*, double>{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}}) {
+  for (const auto& [name, seconds] : horizons(settings.remains.horizon)) {
     ProblemOptions options;
     options.shot_seconds = seconds;
     options.maximum_rows = 4 * settings.data.maximum_rows;
     options.secondary = false;
     const Problem problem = restricted(make_problem(sources, noise, options, settings), heldout);
     if (problem->shots.empty() || problem->channels.empty()) continue;
-    out[name] = scores_of(problem, prediction_error(problem, library, Model{}),
-                          prediction_error(problem, library, patched));
+    Errors errors{prediction_error(problem, library, Model{}),
+                  prediction_error(problem, library, models.patched),
+                  {},
+                  {}};
+    const bool all_named = models.named.effects.size() == models.patched.effects.size();
+    errors.named = all_named ? errors.patched : prediction_error(problem, library, models.named);
+    errors.baseline = constant_velocity_error(problem, errors.nominal);
+    out[name] = scores_of(problem, errors);
   }
   return out;
 }
 
 HeldoutProof prove(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-                   const Surroundings& around, const Model& final) {
+                   const Surroundings& around, const Model& final, const std::vector<char>& named) {
   const Library& library = *around.library;
   const Split split = make_split(sources);
   const Problem fitted = restricted(around.problem, split.fitted);
   Surroundings around_fitted = make_surroundings(fitted, library, final);
   around_fitted.shot_scale = around.shot_scale;
+  const auto refitted = [&](const Model& model) {
+    return fit(around_fitted, model, around.settings().fitting.iterations).model;
+  };
   HeldoutProof out;
-  out.model = fit(around_fitted, final, around.settings().fitting.iterations).model;
-  out.scores = heldout_scores(sources, noise, library, out.model, split.heldout, around.settings());
+  out.model = refitted(final);
+  Explained models{out.model, out.model};
+  const Model part = named_part(final, named);
+  if (part.effects.size() < final.effects.size()) models.named = refitted(part);
+  out.scores = heldout_scores(sources, noise, library, models, split.heldout, around.settings());
   out.recordings = split.heldout_names;
   out.part = split.heldout;
   return out;

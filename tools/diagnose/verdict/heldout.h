@@ -2,6 +2,7 @@
 // the other at every horizon.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,8 +14,15 @@ namespace sanso::diagnose {
 /// One joint (or "all") at one horizon, on recordings that were not fitted.
 struct FitScore {
   double nominal = 0.0, patched = 0.0, noise = 0.0;
+  // what any model has to beat: the joint goes on at the speed that it had at the start (of an
+  // effort: its mean); NaN: not asked
+  double baseline = std::numeric_limits<double>::quiet_NaN();
+  // with the effects alone that have a name; NaN: not asked
+  double named = std::numeric_limits<double>::quiet_NaN();
   // (nominal^2 - patched^2) / (nominal^2 - noise^2), energies; 0 when nothing to explain
   double explained() const;
+  /// The same of another model's error.
+  double explained_by(double error) const;
 };
 
 /// A part of the recordings: by source, the time span [from, until) as shares of its length.
@@ -37,10 +45,16 @@ Problem restricted(const Problem& problem, const Part& part);
 /// horizon text -> channel or "all" -> score.
 using HeldoutScores = std::map<std::string, std::map<std::string, FitScore>>;
 
-/// `nominal` is the plain model folder, `patched` the explanation.
+/// Models that are scored: the explanation, and what of it has a name. Compared with them are the
+/// plain model folder and a joint that goes on as it went.
+struct Explained {
+  Model patched, named;
+};
+/// At 0.1, 0.5 and 2 s, and at the user's own horizon (settings.remains.horizon).
 HeldoutScores heldout_scores(const std::vector<Source>& sources,
                              const std::vector<NoiseLevel>& noise, const Library& library,
-                             const Model& patched, const Part& heldout, const Settings& settings);
+                             const Explained& models, const Part& heldout,
+                             const Settings& settings);
 
 /// The structure that was found, its parameters fitted without the held-out part, and how it did
 /// there.
@@ -51,8 +65,8 @@ struct HeldoutProof {
   Model model;                          // fitted to the rest
 };
 /// `sources`: the recordings with the motion as it was before the search; `around`, `final`: where
-/// the search ended.
+/// the search ended. `named`: by effect of `final`, not 0 where it has a name.
 HeldoutProof prove(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
-                   const Surroundings& around, const Model& final);
+                   const Surroundings& around, const Model& final, const std::vector<char>& named);
 
 }  // namespace sanso::diagnose

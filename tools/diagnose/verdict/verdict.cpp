@@ -58,10 +58,9 @@ ordered_json json_of(const Finding& f) {
 }
 
 ordered_json json_of(const FitScore& s) {
-  return {{"nominal", number(s.nominal)},
-          {"patched", number(s.patched)},
-          {"noise", number(s.noise)},
-          {"explained", number(s.explained())}};
+  return {{"nominal", number(s.nominal)}, {"baseline", number(s.baseline)},
+          {"named", number(s.named)},     {"patched", number(s.patched)},
+          {"noise", number(s.noise)},     {"explained", number(s.explained())}};
 }
 
 ordered_json fit_json(const Verdict& v) {
@@ -122,6 +121,25 @@ ordered_json json_of(const Unexplained& u) {
           {"nearest_effect", u.nearest_effect}};
 }
 
+ordered_json json_of(const Unfinished& u) {
+  return {{"asking", u.asking}, {"seconds", number(u.seconds)}, {"removed", number(u.removed)}};
+}
+
+ordered_json json_of(const Outlook& o) {
+  return {{"grade", to_string(o.grade)},
+          {"horizon", o.horizon + "s"},
+          {"unit", o.unit},
+          {"nominal", number(o.score.nominal)},
+          {"baseline", number(o.score.baseline)},
+          {"named", number(o.score.named)},
+          {"left", number(o.score.patched)},
+          {"noise", number(o.score.noise)},
+          {"named_share", number(o.named_share)},
+          {"patched_share", number(o.patched_share)},
+          {"matters_from", number(o.matters_from)},
+          {"matters", o.matters}};
+}
+
 ordered_json json_of(const Stretch& s) {
   return {{"recording", s.recording},
           {"where", s.where},
@@ -146,6 +164,9 @@ ordered_json or_null(const std::optional<T>& item) {
 
 std::string verdict_json(const Verdict& v) {
   ordered_json out{{"mismatch", v.mismatch}, {"status", to_string(v.status)}, {"answer", v.answer}};
+  out["summary"] = v.summary;
+  out["outlook"] = or_null(v.outlook);
+  out["unfinished"] = or_null(v.unfinished);
   out["findings"] = list_of(v.findings);
   out["locations"] = list_of(v.locations);
   out["fit"] = fit_json(v);

@@ -13,6 +13,7 @@
 #include "tools/diagnose/verdict/heldout.h"
 #include "tools/diagnose/verdict/limits.h"
 #include "tools/diagnose/verdict/location_map.h"
+#include "tools/diagnose/verdict/outlook.h"
 #include "tools/diagnose/verdict/remains.h"
 #include "tools/diagnose/verdict/unexplained.h"
 
@@ -21,7 +22,10 @@ namespace sanso::diagnose {
 struct Verdict {
   bool mismatch = false;
   VerdictStatus status = VerdictStatus::absent;
-  std::string answer;  // one sentence
+  std::string answer;   // one sentence, in the library's ids
+  std::string summary;  // one paragraph for people (plain_words.h)
+  std::optional<Unfinished> unfinished;
+  std::optional<Outlook> outlook;  // how far the names go, and whether what is left matters
   std::vector<Finding> findings;
   std::vector<LocationCell> locations;
   // horizon -> "all" | channel -> score

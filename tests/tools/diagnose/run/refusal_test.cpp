@@ -161,7 +161,7 @@ class RefusedSet : public testing::Test {
     std::set<std::string> written;
     for (const auto& entry : fs::directory_iterator(folder_ / "out"))
       written.insert(entry.path().filename().string());
-    EXPECT_EQ(written, (std::set<std::string>{"report.html", "verdict.json"}))
+    EXPECT_EQ(written, (std::set<std::string>{"report.html", "verdict.json", "verdict.txt"}))
         << "more than the refusal";
     std::ifstream file(folder_ / "out" / "verdict.json");
     const nlohmann::json verdict = nlohmann::json::parse(file);

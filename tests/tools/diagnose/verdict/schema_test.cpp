@@ -36,6 +36,8 @@ Verdict full() {
   v.detectable.push_back({"backlash", "hip", "width", "rad", 0.002});
   v.next_experiment.emplace();
   v.unexplained.emplace();
+  v.unfinished.emplace();
+  v.outlook.emplace();
   v.stretches.push_back({"a.csv", "hip", 1.0, 1.5, 9.0});
   v.notes = {"note"};
   v.data_hash = {{"a.csv", "00ff"}};
@@ -43,9 +45,10 @@ Verdict full() {
 }
 
 TEST(Schema, TheTopHasTheseKeysAndNoOther) {
-  const Keys expected{"mismatch",    "status",    "answer",     "findings",   "locations",
-                      "fit",         "refused",   "untestable", "detectable", "next_experiment",
-                      "unexplained", "stretches", "notes",      "data_hash",  "seed"};
+  const Keys expected{"mismatch",   "status",          "answer",      "summary",   "outlook",
+                      "unfinished", "findings",        "locations",   "fit",       "refused",
+                      "untestable", "detectable",      "unexplained", "stretches", "notes",
+                      "data_hash",  "next_experiment", "seed"};
   for (const Verdict& v : {Verdict{}, full()})
     EXPECT_EQ(keys(json::parse(verdict_json(v))), expected);
 }
@@ -71,16 +74,21 @@ TEST(Schema, EveryPartHasItsKeysAndNoOther) {
                                                  "seconds_to_100_to_1", "motion_file"}));
   EXPECT_EQ(keys(v.at("unexplained")), (Keys{"channel", "predictable", "p", "energy_share", "where",
                                              "regime", "formula", "nearest_effect"}));
+  EXPECT_EQ(keys(v.at("unfinished")), (Keys{"asking", "seconds", "removed"}));
+  EXPECT_EQ(keys(v.at("outlook")),
+            (Keys{"grade", "horizon", "unit", "nominal", "baseline", "named", "left", "noise",
+                  "named_share", "patched_share", "matters_from", "matters"}));
 }
 
 TEST(Schema, ScoresStandByHorizonAndChannel) {
   const json fit = json::parse(verdict_json(full())).at("fit");
   EXPECT_EQ(keys(fit), (Keys{"heldout", "recordings"}));
   const json& half = fit.at("heldout").at("0.5s");
-  EXPECT_EQ(keys(half), (Keys{"nominal", "patched", "noise", "explained", "channels"}));
+  EXPECT_EQ(keys(half),
+            (Keys{"nominal", "baseline", "named", "patched", "noise", "explained", "channels"}));
   EXPECT_EQ(keys(half.at("channels")), Keys{"q:knee"});
   EXPECT_EQ(keys(half.at("channels").at("q:knee")),
-            (Keys{"nominal", "patched", "noise", "explained"}));
+            (Keys{"nominal", "baseline", "named", "patched", "noise", "explained"}));
 }
 
 TEST(Schema, WhatIsNotThereIsNullAndLists) {

@@ -1,0 +1,31 @@
+// How both commands of the diagnosis begin and end: signals, time limit, progress with its time,
+// files that are never half written, exit codes.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "tools/diagnose/run/diagnose.h"
+
+namespace sanso::diagnose {
+
+/// What a command leaves behind.
+struct Ending {
+  Verdict verdict;
+  std::optional<ModelFolder> patched;
+  std::string text;    // verdict.txt, and what the terminal shows
+  std::string report;  // report.html
+};
+
+/// A method, and what it can say when it was ended early, `seconds` after its start.
+struct Method {
+  std::function<Ending(const Progress&)> run;
+  std::function<Ending(double seconds)> ended_early;
+};
+
+/// Runs the method until it is done, Ctrl-C, SIGTERM or the time limit ends it, and writes and
+/// prints what it found. Exit code 0 no mismatch, 1 mismatch found, 2 refused, ended or failed.
+int run_command(const DiagnoseOptions& options, const Method& method);
+
+}  // namespace sanso::diagnose

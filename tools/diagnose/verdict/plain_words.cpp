@@ -1,0 +1,195 @@
+// Sentences in a fixed order; each is left out where the verdict does not know.
+#include "tools/diagnose/verdict/plain_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "tools/diagnose/effects/effect.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// More findings than this are counted, not told.
+constexpr std::size_t kTold = 6;
+
+std::string name_of(const std::string& id) {
+  if (id == "effort_offset") return "a constant effort";
+  if (id == "coupled_drive") return "a motor that turns two joints";
+  const Effect* effect = find_effect(id);
+  return effect == nullptr ? id : std::string(effect->name);
+}
+
+/// "dry friction, backlash or cogging".
+std::string any_of(const std::vector<std::string>& ids) {
+  std::string text;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == ids.size() ? " or " : ", ") + name_of(ids[i]);
+  return text;
+}
+
+/// The fitted parameter that says most: surest to differ from nothing; nullptr: none was fitted.
+const std::pair<const std::string, VerdictParameter>* telling(const Finding& f) {
+  const std::pair<const std::string, VerdictParameter>* best = nullptr;
+  double most = -1.0;
+  for (const auto& entry : f.parameters) {
+    const VerdictParameter& p = entry.second;
+    if (p.low == p.high && best != nullptr) continue;  // not fitted
+    const double sure = std::abs(p.value) / std::max(p.high - p.low, 1e-300);
+    const double counts = p.low == p.high ? 0.0 : sure;
+    if (counts > most) most = counts, best = &entry;
+  }
+  return best;
+}
+
+std::string size_of(const Finding& f) {
+  const auto order = f.parameters.find("order");
+  std::string text;
+  if (order != f.parameters.end())
+    text = fmt::format(", {:.0f} periods a turn", order->second.value);
+  const auto* size = telling(f);
+  if (size == nullptr || size->second.low == size->second.high) return text;
+  const VerdictParameter& p = size->second;
+  return text + fmt::format(", {} {:.3g} {} ({:.3g} to {:.3g})", size->first, p.value, p.unit,
+                            p.low, p.high);
+}
+
+std::string finding_in_words(const Finding& f) {
+  std::string text =
+      any_of(f.status == VerdictStatus::one_of ? f.one_of : std::vector<std::string>{f.effect});
+  text += " at " + places(f.where) + size_of(f);
+  switch (f.status) {
+    case VerdictStatus::confirmed:
+      return text + ", confirmed";
+    case VerdictStatus::one_of:
+      return text + ", which of them these data cannot tell";
+    case VerdictStatus::unfinished:
+      return text + ", accepted so far";
+    default:
+      break;
+  }
+  const std::string why = reserve(f);
+  return text + ", not confirmed" + (why.empty() ? "" : ": " + why);
+}
+
+std::string what(const Verdict& v) {
+  if (v.status == VerdictStatus::refused) return v.answer;
+  std::string text;
+  if (v.unfinished) {
+    text = fmt::format(
+        "This answer is not finished: the run was ended after {:.0f} s, while it asked: {} ",
+        v.unfinished->seconds, v.unfinished->asking);
+  }
+  if (v.findings.empty()) {
+    if (v.unfinished) return text + "Until then no name had been accepted.";
+    if (v.status == VerdictStatus::absent)
+      return text +
+             "Nothing is missing: what the model gets wrong is noise, or within what a nominal "
+             "model may be wrong by.";
+    return text + "Something is missing, and no name of the library passes every test.";
+  }
+  text += "Missing: ";
+  for (std::size_t i = 0; i < std::min(kTold, v.findings.size()); ++i)
+    text += (i == 0 ? "" : "; ") + finding_in_words(v.findings[i]);
+  if (v.findings.size() > kTold) text += fmt::format("; and {} more", v.findings.size() - kTold);
+  return text + ".";
+}
+
+std::string unnamed(const Verdict& v) {
+  if (!v.unexplained) return "";
+  const Unexplained& u = *v.unexplained;
+  return fmt::format(" Something without a name stays at {}{}.", u.where,
+                     u.regime.empty() ? "" : " (" + u.regime + ")");
+}
+
+/// Sizes that do not hold for all recordings.
+std::string apart(const Verdict& v) {
+  std::string text;
+  for (const std::string& note : v.notes) {
+    if (note.starts_with("recordings disagree")) text += " But " + note + ".";
+  }
+  return text;
+}
+
+std::string better(const Verdict& v) {
+  if (v.unfinished && !v.findings.empty()) {
+    return fmt::format(
+        " On parts left out of the fits they remove {:.0f} % of the error; nothing was scored on "
+        "held-out recordings yet.",
+        100 * v.unfinished->removed);
+  }
+  if (!v.outlook) return "";
+  const Outlook& o = *v.outlook;
+  const bool effort = o.horizon == "0";
+  std::string text =
+      fmt::format(" On data that were not fitted the error {} {} from {:.3g} to {:.3g} {}",
+                  effort ? "of the effort" : o.horizon + " s ahead",
+                  o.score.patched < o.score.nominal ? "falls" : "goes", o.score.nominal,
+                  o.score.patched, o.unit);
+  if (std::isfinite(o.score.baseline)) {
+    text += fmt::format(" ({}: {:.3g}; noise {:.2g})",
+                        effort ? "a constant" : "joints that go on as they went", o.score.baseline,
+                        o.score.noise);
+  }
+  if (v.status == VerdictStatus::absent) return text + ".";
+  return text + ". Grade: " + in_words(o) + ".";
+}
+
+/// What a further recording would decide.
+std::string next(const Verdict& v) {
+  if (v.next_experiment) {
+    return fmt::format(" Record next: {}; it tells {} apart.", v.next_experiment->what,
+                       any_of(v.next_experiment->separates));
+  }
+  if (v.unfinished) return " Let it run to its end before recording anything more.";
+  const bool one =
+      std::any_of(v.heldout_recordings.begin(), v.heldout_recordings.end(),
+                  [](const std::string& name) { return name.find("last ") != std::string::npos; });
+  if (v.status == VerdictStatus::absent) return "";
+  if (one)
+    return " Record next: the same motions under a second condition (half the gain, a payload, a "
+           "tilted base), so that a whole recording can judge.";
+  if (v.unexplained)
+    return fmt::format(
+        " Record next: {} alone, slow and fast, in the motions where the error "
+        "shows, with its current or duty.",
+        v.unexplained->where);
+  return " No further recording is asked for.";
+}
+
+}  // namespace
+
+std::string places(const std::vector<std::string>& where) {
+  if (where.empty()) return "the whole robot";
+  std::string text = where.front();
+  for (std::size_t i = 1; i < where.size(); ++i) text += ", " + where[i];
+  return text;
+}
+
+std::string sentence(const Finding& f) {
+  std::string text = f.effect;
+  if (f.status == VerdictStatus::one_of) {
+    text = "one of {";
+    for (std::size_t i = 0; i < f.one_of.size(); ++i) text += (i == 0 ? "" : ", ") + f.one_of[i];
+    text += "}";
+  }
+  text += " at " + places(f.where);
+  const auto order = f.parameters.find("order");
+  if (order != f.parameters.end()) {
+    text += fmt::format(" (order {:.0f})", order->second.value);
+  } else if (const auto* size = telling(f);
+             size != nullptr && f.status == VerdictStatus::confirmed) {
+    text += fmt::format(" ({} {:.3g} {})", size->first, size->second.value, size->second.unit);
+  }
+  if (const std::string why = reserve(f); !why.empty()) text += " (not confirmed: " + why + ")";
+  return text;
+}
+
+std::string plain_words(const Verdict& v) {
+  if (v.status == VerdictStatus::refused) return v.answer + " Nothing was fitted.";
+  return what(v) + unnamed(v) + apart(v) + better(v) + next(v);
+}
+
+}  // namespace sanso::diagnose
