@@ -6,11 +6,13 @@ BUILD holds compile_commands.json. --changed: only sources that differ from the 
 those whose header does. PATH: sources below it instead, also of rooms that are not held to it yet.
 """
 import argparse
+import collections
 import concurrent.futures
 import json
 import pathlib
 import re
 import resource
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,6 +20,7 @@ import time
 
 # More rooms join when they are clean.
 ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model")
+TOGETHER = 8  # sources read at once
 LINTERS = ("clang-tidy-14", "clang-tidy")
 FINDING = re.compile(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*)$", re.M)
 
@@ -33,27 +36,76 @@ def changed(root):
 
 
 def units(root, build, rooms):
-    """Sources with a compile command below the rooms, relative to the root."""
+    """Sources below the rooms, relative to the root, each with its compiler flags (no input, no output)."""
     commands = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    inside = []
+    inside = {}
     for entry in commands:
         path = pathlib.Path(entry["file"])
         if path.is_relative_to(root):
             name = path.relative_to(root).as_posix()
             if any(name == room or name.startswith(room + "/") for room in rooms):
-                inside.append(name)
-    return sorted(set(inside))
+                inside[name] = flags(entry["command"])
+    return dict(sorted(inside.items()))
 
 
-def lint(linter, root, build, unit):
-    """Findings in our own files; what the analyzer suspects inside of libraries is theirs."""
-    run = subprocess.run([linter, "--quiet", "-p", str(build), str(root / unit)],
-                         capture_output=True, text=True)
+def flags(command):
+    """What a compile command says but for compiler, input and output."""
+    words, kept = shlex.split(command), []
+    skip = False
+    for word in words:
+        if skip or word in ("-o", "-c"):
+            skip = word == "-o"
+        elif word.startswith("-") or (kept and kept[-1] in ("-isystem", "-I", "-include")):
+            kept.append(word)
+    return tuple(kept)
+
+
+def batches(sources):
+    """Sources of one folder with the same flags, some together: their headers are then read once."""
+    groups = collections.defaultdict(list)
+    for name, words in sources.items():
+        groups[(str(pathlib.PurePosixPath(name).parent), words)].append(name)
+    for (_, words), names in groups.items():
+        for first in range(0, len(names), TOGETHER):
+            yield names[first:first + TOGETHER], words
+
+
+def lint(linter, root, build, names, words):
+    """Findings in our own files; what the analyzer suspects inside of libraries is theirs.
+
+    The sources stand one after the other in one file, so that the analyzer takes all of it for the main file. Where
+    two of them define the same name the halves are read apart.
+    """
+    origin, text = [], []
+    for name in names:
+        lines = (root / name).read_text(encoding="utf-8").splitlines()
+        origin += [(name, number) for number in range(1, len(lines) + 1)]
+        text += lines
+    folder = build / "lint"
+    folder.mkdir(exist_ok=True)
+    joined = folder / (names[0].replace("/", "_").removesuffix(".cpp") + f"_{len(names)}.cpp")
+    joined.write_text("\n".join(text) + "\n", encoding="utf-8")
+    config = f"--config-file={root / '.clang-tidy'}"
+    run = subprocess.run([linter, "--quiet", config, str(joined), "--", *words],
+                         capture_output=True, text=True, cwd=build)
     all_found = FINDING.findall(run.stdout)
+    if len(names) > 1 and ("[clang-diagnostic-error]" in run.stdout or (run.returncode and not all_found)):
+        half = len(names) // 2
+        return lint(linter, root, build, names[:half], words) | lint(linter, root, build, names[half:], words)
     if run.returncode != 0 and not all_found:
-        return {f"{unit}: clang-tidy failed: {run.stderr.strip()[-400:]}"}
-    return {f"{pathlib.Path(path).relative_to(root)}:{line}: {text}"
-            for path, line, text in all_found if pathlib.Path(path).is_relative_to(root)}
+        return {f"{names[0]}: clang-tidy failed: {run.stderr.strip()[-400:]}"}
+    return set(own_findings(root, build, joined, origin, all_found))
+
+
+def own_findings(root, build, joined, origin, all_found):
+    """Findings as file:line: text, those of the joined file at the place where the line came from."""
+    for path, line, text in all_found:
+        where = pathlib.Path(path) if path.startswith("/") else (build / path).resolve()
+        if where == joined:
+            name, number = origin[int(line) - 1]
+            yield f"{name}:{number}: {text}"
+        elif where.is_relative_to(root):
+            yield f"{where.relative_to(root)}:{line}: {text}"
 
 
 def main():
@@ -79,11 +131,11 @@ def main():
             print("no branch main to compare with: linting everything")
         else:
             stems = {str(pathlib.PurePosixPath(name).with_suffix("")) for name in names}
-            todo = [unit for unit in todo if unit.removesuffix(".cpp") in stems]
+            todo = {unit: words for unit, words in todo.items() if unit.removesuffix(".cpp") in stems}
     assert FINDING.findall("/a/b.cpp:1:2: error: x [bugprone-y]"), "a finding is not seen"
     begin, found = time.monotonic(), set()
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
-        for findings in pool.map(lambda unit: lint(linter, root, build, unit), todo):
+        for findings in pool.map(lambda batch: lint(linter, root, build, *batch), batches(todo)):
             for finding in sorted(findings - found):
                 print(finding, flush=True)
             found |= findings

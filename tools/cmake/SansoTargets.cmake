@@ -14,6 +14,10 @@ set(CMAKE_EXE_LINKER_FLAGS_SANITIZE "")
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  if(SANSO_PRECOMPILED)  # what the cache has to be told, and gcc, so that it sees through a precompiled header
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})
+    add_compile_options($<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+  endif()
 endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wno-unknown-warning-option)
@@ -59,6 +63,7 @@ function(sanso_library name)
     add_library(${name} STATIC ${A_SOURCES})
     target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
+    set_property(GLOBAL APPEND PROPERTY SANSO_LIBRARIES ${name})
   else()
     add_library(${name} INTERFACE)
     target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
@@ -67,7 +72,10 @@ function(sanso_library name)
 endfunction()
 
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s]): one GoogleTest program, one ctest entry.
-# Labels: slow (left out under sanitizers), threads (run under the thread sanitizer).
+# Labels: slow (left out under sanitizers), threads (run under the thread sanitizer), tree (reads the sources, runs none
+# of them, so that one run is enough).
+add_custom_target(threaded_tests)
+add_custom_target(sanitized_tests)
 function(sanso_test name)
   cmake_parse_arguments(A "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   if(NOT TARGET GTest::gtest)
@@ -76,26 +84,25 @@ function(sanso_test name)
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  set_property(GLOBAL APPEND PROPERTY SANSO_TESTS ${name})
   if(NOT A_TIMEOUT)
     set(A_TIMEOUT 1500)  # ends what hangs, not what is slow: a crowded machine may take twenty times as long as a quiet one
   endif()
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${A_TIMEOUT} LABELS "${A_LABELS}")
-  if("threads" IN_LIST A_LABELS)  # what the thread sanitizer looks at: `cmake --build --preset tsan --target threaded_tests`
-    if(NOT TARGET threaded_tests)
-      add_custom_target(threaded_tests)
-    endif()
+  if("threads" IN_LIST A_LABELS)  # what the build preset tsan builds
     add_dependencies(threaded_tests ${name})
+  endif()
+  if(NOT "slow" IN_LIST A_LABELS)  # what the build preset asan-ubsan builds
+    add_dependencies(sanitized_tests ${name})
   endif()
 endfunction()
 
-# sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset fuzz).
+# sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset asan-ubsan).
+add_custom_target(fuzzers)
 function(sanso_fuzz name source)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
   if(SANSO_FUZZ)
-    if(NOT TARGET fuzzers)  # `cmake --build --preset fuzz` builds the targets and what they link, no tests
-      add_custom_target(fuzzers)
-    endif()
     add_executable(${name} ${source})
     add_dependencies(fuzzers ${name})
     target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
