@@ -38,7 +38,9 @@ const std::pair<const std::string, VerdictParameter>* telling(const Finding& f) 
     const VerdictParameter& p = entry.second;
     if (p.low == p.high && best != nullptr) continue;  // not fitted
     const double sure = std::abs(p.value) / std::max(p.high - p.low, 1e-300);
-    const double counts = p.low == p.high ? 0.0 : sure;
+    // at the end of its interval it was stopped, or is where it does nothing
+    const bool ends = p.value <= p.low || p.value >= p.high;
+    const double counts = ends ? 0.0 : sure;
     if (counts > most) most = counts, best = &entry;
   }
   return best;

@@ -118,6 +118,16 @@ TEST(PlainWords, SayWhatWhereHowSureAndHowMuchBetter) {
   }
 }
 
+/// A limit of acceleration that is off stands at its end, however narrow its interval.
+TEST(PlainWords, GiveTheSizeThatWasFittedAndNotTheOneThatStandsAtItsEnd) {
+  Evidence e = evidence(VerdictStatus::confirmed);
+  e.findings.front().parameters = {{"acceleration", {1e6, 9.9e5, 1e6, "rad/s^2", false}},
+                                   {"speed", {1.43, 1.2, 1.6, "rad/s", false}}};
+  const Verdict v = conclude(e);
+  EXPECT_TRUE(holds(v.summary, "speed 1.43 rad/s")) << v.summary;
+  EXPECT_TRUE(holds(v.answer, "speed 1.43 rad/s")) << v.answer;
+}
+
 TEST(PlainWords, OfNothingPromiseNothing) {
   Evidence e;
   e.joints = {"hip"};
