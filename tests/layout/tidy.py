@@ -49,13 +49,13 @@ def units(root, build, rooms):
 
 
 def flags(command):
-    """What a compile command says but for compiler, input and output."""
+    """What a compile command says but for compiler, input, output and precompiled headers."""
     words, kept = shlex.split(command), []
     skip = False
     for word in words:
-        if skip or word in ("-o", "-c"):
-            skip = word == "-o"
-        elif word.startswith("-") or (kept and kept[-1] in ("-isystem", "-I", "-include")):
+        if skip or word in ("-o", "-c", "-include"):
+            skip = word in ("-o", "-include")
+        elif word.startswith("-") or (kept and kept[-1] in ("-isystem", "-I")):
             kept.append(word)
     return tuple(kept)
 
