@@ -249,13 +249,22 @@ TEST(EffortTerms, LinksAreFoundByMassCentreAndInertia) {
     }
     EXPECT_NEAR(com.left, 1.0, 0.15);
     const BodyInertia& body = model.tree.joints[k].body;
-    const double about_joint = body.mass * (body.com[0] * body.com[0] + body.com[1] * body.com[1] +
-                                            body.com[2] * body.com[2]) +
-                               (body.about_com[0] + body.about_com[4] + body.about_com[8]) / 3.0;
+    // the body grows in its shape until the inertia about its joint is 1.3 times as large
+    const Vec3& axis = model.tree.joints[k].axis;
+    double own = 0.0, far = 0.0, ahead = 0.0;
+    for (std::size_t r = 0; r < 3; ++r) {
+      far += body.com[r] * body.com[r], ahead += axis[r] * body.com[r];
+      for (std::size_t c = 0; c < 3; ++c) own += axis[r] * body.about_com[3 * r + c] * axis[c];
+    }
+    if (model.tree.joints[k].prismatic) {  // turns about no axis of its own: the mean of three
+      own = (body.about_com[0] + body.about_com[4] + body.about_com[8]) / 3.0;
+      ahead = 0.0;
+    }
+    const double about_joint = own + body.mass * (far - ahead * ahead);
     const EffortRows rounder = with_links(
         model,
         [&](BodyInertia& b) {
-          for (const std::size_t i : {0u, 4u, 8u}) b.about_com[i] += 0.3 * about_joint;
+          for (double& i : b.about_com) i *= 1.0 + 0.3 * about_joint / own;
         },
         k);
     expect_truth(rounder, {the(rounder, "link_inertia", links[k])}, {0.3});
