@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <map>
 
 #include "shared/files/input_error.h"
@@ -122,7 +123,9 @@ std::vector<std::string> disagreements(const Library& library, const Selection& 
   std::map<std::string, std::vector<std::size_t>> groups;
   for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
     const Source& source = comparison.sources[comparison.shots[s].source];
-    groups[comparison.conditions > 1 ? source.condition : source.file].push_back(s);
+    groups[comparison.conditions > 1 ? source.condition
+                                     : std::filesystem::path(source.file).stem().string()]
+        .push_back(s);
   }
   std::vector<std::string> out;
   if (groups.size() < 2 || groups.size() > kGroups || selection.accepted.empty()) return out;

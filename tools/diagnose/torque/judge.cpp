@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/stats/random.h"
@@ -251,7 +252,8 @@ std::map<std::string, BlockCounts> groups_of(const EffortRows& rows) {
   for (std::size_t b = 0; b < rows.recording_of_block.size(); ++b) {
     const EffortRecording& r =
         rows.recordings[static_cast<std::size_t>(rows.recording_of_block[b])];
-    BlockCounts& counts = out[conditions.size() > 1 ? r.condition : r.file];
+    BlockCounts& counts =
+        out[conditions.size() > 1 ? r.condition : std::filesystem::path(r.file).stem().string()];
     counts.resize(rows.recording_of_block.size(), 0.0);
     counts[b] = 1.0;
   }
