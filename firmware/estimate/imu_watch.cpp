@@ -3,6 +3,7 @@
 // robot that is pushed onto the edge of its feet leans where its legs do not say so.
 #include "firmware/estimate/imu_watch.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sanso::firmware {
@@ -19,6 +20,9 @@ constexpr int kContradictingTicks = 5;
 // mounting: a lean of 0.7 degrees tells; noise and play of a standing robot are a third of it, and
 // at twice as much a robot that is corrected the wrong way can no longer be saved
 constexpr double kLeanMean_s = 3.0, kEnoughLean_rad = 0.012;
+// from two degrees on the soles may have left the ground, and a balance that leans the legs forward
+// because the trunk rocks back looks like a turned sensor: nothing is concluded until torque is off
+constexpr double kOnItsSoles_rad = 0.035;
 constexpr double kAgreement = 0.8;
 // soles that lie on one plane
 constexpr double kParallel_rad = 0.06, kLevel_m = 0.006;
@@ -47,8 +51,9 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
   if (gravity_wrong(dt, imu)) reason_ = kGravity;
   if (rate_wrong(dt, imu)) reason_ = kRate;
   if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
-  if (!standing) lean_ = Lean{};
-  if (standing && !mounting_known_ && leans_another_way(dt, imu, estimator)) reason_ = kAgainstLegs;
+  if (!standing) lean_ = Lean{}, rocked_ = false;
+  if (standing && !mounting_known_ && !rocked_ && leans_another_way(dt, imu, estimator))
+    reason_ = kAgainstLegs;
   last_ = imu;
 }
 
@@ -113,6 +118,7 @@ bool ImuWatch::leans_another_way(double dt, const ImuSample& imu, const Estimato
   lean_.mean_by_imu += (by_imu - lean_.mean_by_imu) * (dt / kLeanMean_s);
   const Eigen::Vector2d legs = by_legs - lean_.mean_by_legs, sensor = by_imu - lean_.mean_by_imu;
   const double size = legs.norm(), other = sensor.norm();
+  if (std::max(size, other) > kOnItsSoles_rad) rocked_ = true;
   const bool telling =
       size > kEnoughLean_rad && other > size / kLikeAmounts && other < size * kLikeAmounts;
   const double agreement = telling ? legs.dot(sensor) / (size * other) : 0.0;

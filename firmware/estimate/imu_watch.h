@@ -49,6 +49,7 @@ class ImuWatch {
     int agreeing_ticks = 0, contradicting_ticks = 0;
   };
   Lean lean_;
+  bool rocked_ = false;          // the lean was larger than soles on the ground allow
   bool mounting_known_ = false;  // the two have agreed over a lean that was large enough to tell
 };
 
