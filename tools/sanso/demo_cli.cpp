@@ -7,9 +7,9 @@
 
 #include "host/app/learn_command.h"
 #include "shared/files/atomic_file.h"
-#include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/page_option.h"
+#include "tools/session_report/session_report.h"
 
 namespace sanso::cli {
 namespace {

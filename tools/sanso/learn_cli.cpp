@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "host/app/learn_command.h"
-#include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/page_option.h"
+#include "tools/session_report/session_report.h"
 
 namespace sanso::cli {
 void add_learn(CLI::App& app, int& result) {

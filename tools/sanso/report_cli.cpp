@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "shared/files/atomic_file.h"
-#include "tools/report/session_report.h"
 #include "tools/sanso/commands.h"
+#include "tools/session_report/session_report.h"
 
 namespace sanso::cli {
 namespace {

@@ -1,5 +1,5 @@
 // The report of a session: what it says about trials that went well or failed, and what it refuses.
-#include "tools/report/session_report.h"
+#include "tools/session_report/session_report.h"
 
 #include <gmock/gmock.h>
 

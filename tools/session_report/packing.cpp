@@ -1,5 +1,5 @@
 // zlib does the packing; base64 is RFC 4648 with padding.
-#include "tools/report/packing.h"
+#include "tools/session_report/packing.h"
 
 #include <zlib.h>
 

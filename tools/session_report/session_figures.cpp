@@ -1,6 +1,6 @@
 // One function a figure; each picks its series and leaves scales, ticks and colours to
 // svg_chart.
-#include "tools/report/session_figures.h"
+#include "tools/session_report/session_figures.h"
 
 #include <fmt/format.h>
 

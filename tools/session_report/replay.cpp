@@ -1,6 +1,6 @@
 // Columns are scaled to 16 bits each over their own range: a trial of 8 s takes about 12 kB packed,
 // and an angle is right to a tenth of a milliradian.
-#include "tools/report/replay.h"
+#include "tools/session_report/replay.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "tools/page/bundle.h"
 #include "tools/page/scene.h"
 #include "tools/plant/world_error.h"
-#include "tools/report/packing.h"
+#include "tools/session_report/packing.h"
 
 namespace sanso::report {
 namespace {

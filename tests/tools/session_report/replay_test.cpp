@@ -1,5 +1,5 @@
 // What a report's replay holds, read back as the page reads it.
-#include "tools/report/replay.h"
+#include "tools/session_report/replay.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -8,7 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "tools/report/packing.h"
+#include "tools/session_report/packing.h"
 
 namespace sanso::report {
 namespace {

@@ -1,6 +1,6 @@
 // Reads the stored state and episodes of a folder; a missing episode costs its figure, not the
 // report.
-#include "tools/report/session_report.h"
+#include "tools/session_report/session_report.h"
 
 #include <fmt/format.h>
 
@@ -15,9 +15,9 @@
 #include "shared/files/atomic_file.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
-#include "tools/report/replay.h"
-#include "tools/report/session_figures.h"
 #include "tools/report/svg_chart.h"
+#include "tools/session_report/replay.h"
+#include "tools/session_report/session_figures.h"
 
 namespace sanso::report {
 namespace {
