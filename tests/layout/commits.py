@@ -9,7 +9,7 @@ import re
 import subprocess
 import sys
 
-HELD_SINCE = "fc62a7d1"
+HELD_SINCE = "fc62a7d"
 SUBJECT, BODY = 60, 100
 SEPARATOR = "\x1e"
 # An imperative does not end like a participle, a past tense or a third person.
