@@ -71,9 +71,13 @@ function(sanso_library name)
   endif()
 endfunction()
 
+set(SANSO_NUMBERS compare effects explain fit stats torque verdict)
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s]): one GoogleTest program, one ctest entry.
 # Labels: slow (left out under sanitizers), threads (run under the thread sanitizer), tree (reads the sources, runs none
 # of them, so that one run is enough).
+# numbers (below): arithmetic on containers of values, without bytes, threads or pointers of its own; the largest part of a
+# build under sanitizers. `cmake --build build/asan-ubsan && ctest --preset asan-ubsan -L numbers` runs them as well.
+list(TRANSFORM SANSO_NUMBERS PREPEND tests/tools/diagnose/)
 add_custom_target(threaded_tests)
 add_custom_target(sanitized_tests)
 function(sanso_test name)
@@ -93,7 +97,10 @@ function(sanso_test name)
   if("threads" IN_LIST A_LABELS)  # what the build preset tsan builds
     add_dependencies(threaded_tests ${name})
   endif()
-  if(NOT "slow" IN_LIST A_LABELS)  # what the build preset asan-ubsan builds
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
+  if(room IN_LIST SANSO_NUMBERS)
+    set_property(TEST ${name} APPEND PROPERTY LABELS numbers)
+  elseif(NOT "slow" IN_LIST A_LABELS)  # what the build preset asan-ubsan builds
     add_dependencies(sanitized_tests ${name})
   endif()
 endfunction()
