@@ -119,8 +119,8 @@ std::string families_by_robot(const std::vector<CaseOutcome>& all) {
   std::set<std::pair<CaseFamily, std::string>> groups;
   for (const CaseOutcome& o : all) groups.insert({o.family, o.robot});
   for (const auto& [family, robot] : groups)
-    out += family_row(family, robot, choose(all, [&](const CaseOutcome& o) {
-                        return o.family == family && o.robot == robot;
+    out += family_row(family, robot, choose(all, [&f = family, &r = robot](const CaseOutcome& o) {
+                        return o.family == f && o.robot == r;
                       }));
   return out;
 }

@@ -116,9 +116,10 @@ std::vector<std::vector<std::size_t>> tied_places(const Comparison& comparison,
   }
   std::vector<std::vector<std::size_t>> out;
   for (const auto& [name, members] : classes) {
-    const bool one_kind = std::all_of(members.begin(), members.end(), [&](std::size_t j) {
-      return alike(comparison, scales, members.front(), j);
-    });
+    const auto like_first = [&, first = members.front()](std::size_t j) {
+      return alike(comparison, scales, first, j);
+    };
+    const bool one_kind = std::all_of(members.begin(), members.end(), like_first);
     if (members.size() > 1 && members.size() < joints && one_kind) out.push_back(members);
   }
   for (const std::vector<std::size_t>& members : kinds) {
