@@ -14,7 +14,8 @@ SUBJECT, BODY = 60, 100
 SEPARATOR = "\x1e"
 # An imperative does not end like a participle, a past tense or a third person.
 NOT_IMPERATIVE = re.compile(r"^(\w+ing|\w+[^eo]ed|[A-Z]\w*[^s]s)\b")
-IMPERATIVES = ("Bring", "Ring", "String", "Need", "Speed", "Feed", "Seed", "Focus")
+IMPERATIVES = ("Bring", "Ring", "String", "Need", "Speed", "Feed", "Seed", "Embed", "Shed", "Spring", "Bias",
+               "Alias", "Focus")
 
 
 def deviations(message):
