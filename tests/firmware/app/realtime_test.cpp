@@ -11,6 +11,19 @@
 
 #include "tools/bench/tick_rig.h"
 
+// GCC says it with a macro, clang 14 with a feature.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kShadowMemory = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool kShadowMemory = true;
+#else
+constexpr bool kShadowMemory = false;
+#endif
+#else
+constexpr bool kShadowMemory = false;
+#endif
+
 namespace {
 std::atomic<long> allocations{0};
 }
@@ -93,9 +106,8 @@ TEST(ControllerTick, TenThousandTicksAllocateNothingAndMissNoPage) {
     EXPECT_EQ(counted.upper_weight, 1.0f);
     if (counted.page_faults == 0) break;
   }
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  EXPECT_EQ(counted.page_faults, 0);  // a sanitizer's shadow memory is touched on demand
-#endif
+  if (kShadowMemory) GTEST_SKIP() << "pages: a sanitizer's shadow memory is touched on demand";
+  EXPECT_EQ(counted.page_faults, 0);
 }
 
 }  // namespace
