@@ -1,5 +1,5 @@
-// Builds each ground from lines and arcs that follow one another; height, slope and curvature at
-// x are then a search for the segment and two lines of geometry.
+// Builds a profile from lines and arcs that follow one another; height, slope and curvature at x
+// are then a search for the segment and two lines of geometry.
 #include "shared/model/ground.h"
 
 #include <cmath>
@@ -7,45 +7,8 @@
 namespace sanso::model {
 namespace {
 
-// Radii of the transitions [m]: at 1.3 m/s the body turns with at most 1.6 rad/s, and a 0.1 m sole
-// sags under 2 mm.
-constexpr double kConvexRadius = 0.8, kConcaveRadius = 1.0;
-constexpr double kKickerStraight = 0.09;  // m, so that the pitch rate dies out before the lip
-
-// Appends segments so that each starts where the previous one ends.
-class ProfileBuilder {
- public:
-  void line(double length) { append(0.0, length); }
-  void arc_to(double slope_angle, double radius) {
-    const double target = std::sin(slope_angle), sign = target > sin_slope_ ? 1.0 : -1.0;
-    append(sign / radius, std::abs(target - sin_slope_) * radius);
-  }
-  void step(double dz) { z_ += dz; }
-  void level_off() { sin_slope_ = 0.0; }
-  double z() const { return z_; }
-  /// Shifts the whole profile so that its end lies at height zero.
-  Ground finish() {
-    append(0.0, 0.0);
-    for (int i = 0; i < ground_.num_segments; ++i) ground_.segment[i].z -= z_;
-    return ground_;
-  }
-
- private:
-  void append(double curvature, double length) {
-    if (count_ < kMaxGroundSegments) ground_.segment[count_++] = {x_, z_, sin_slope_, curvature};
-    ground_.num_segments = count_;
-    const double end_sin = sin_slope_ + curvature * length;
-    z_ += length * std::tan(0.5 * (std::asin(sin_slope_) + std::asin(end_sin)));
-    x_ += length;
-    sin_slope_ = end_sin;
-  }
-  Ground ground_;
-  int count_ = 0;
-  double x_ = 0, z_ = 0, sin_slope_ = 0;
-};
-
-// Height lost on the two transition arcs of a slope.
-double arc_drop(double angle, double radius) { return radius * (1.0 - std::cos(angle)); }
+constexpr double kSteepest_rad = 0.785398;
+constexpr double kLevel_m = 1e-4;  // at the start: figures in files are rounded
 
 const GroundSegment& segment_at(const Ground& g, double x) {
   int i = 0;
@@ -57,6 +20,79 @@ double end_sin(const GroundSegment& s, double x) {
   return s.sin_slope + s.curvature * (x - s.x_start);
 }
 
+/// Appends segments, and remembers the first reason why that is not possible.
+class ProfileBuilder {
+ public:
+  ProfileBuilder(const GroundCorner* corners, int count, Ground& ground)
+      : corners_(corners), count_(count), ground_(ground) {
+    ground_.num_segments = 0;
+  }
+
+  GroundDefect build() {
+    if (count_ < 2) return {"too few points", "point", "at least two [[point]]", 0};
+    double from = corners_[0].x;  // where the arc of the corner before ends
+    for (int i = 0; i + 1 < count_ && !defect_.what; ++i) from = line(i, from);
+    const double start = defect_.what ? 0.0 : ground_height(ground_, 0.0);
+    if (!defect_.what && std::fabs(start) > kLevel_m)
+      complain("start is not level with zero", "z_m", "height 0 at x = 0, where the robot stands",
+               0);
+    return defect_;
+  }
+
+ private:
+  void complain(const char* what, const char* key, const char* expected, int corner) {
+    if (!defect_.what) defect_ = {what, key, expected, corner};
+  }
+  void append(double x, double z, double sin_slope, double curvature) {
+    if (ground_.num_segments == kMaxGroundSegments) {
+      complain("too many lines and arcs", "x_m", "at most 16 of them", 0);
+      return;
+    }
+    ground_.segment[ground_.num_segments++] = {x, z, sin_slope, curvature};
+  }
+  bool is_step(int i) const { return corners_[i + 1].x == corners_[i].x; }
+  double angle(int i) const {
+    return std::atan2(corners_[i + 1].z - corners_[i].z, corners_[i + 1].x - corners_[i].x);
+  }
+
+  /// The line from corner i and the arc at its end; returns where the next line starts.
+  double line(int i, double from) {
+    const GroundCorner& a = corners_[i];
+    const GroundCorner& b = corners_[i + 1];
+    const bool last = i + 2 == count_;
+    if (b.x < a.x)
+      complain("points out of order", "x_m", "x at least that of the point before", i + 1);
+    if (is_step(i)) {
+      if (a.radius > 0.0 || b.radius > 0.0)
+        complain("arc at a step", "radius_m", "none at a vertical step", i + 1);
+      if (last || i == 0)
+        complain("profile ends in a step", "x_m", "a line before and behind it", i + 1);
+      return b.x;
+    }
+    const double slope = angle(i), s = std::sin(slope);
+    if (std::fabs(slope) > kSteepest_rad)
+      complain("too steep", "z_m", "at most 45 degrees, or a vertical step", i + 1);
+    append(from, a.z + (from - a.x) * std::tan(slope), s, 0.0);
+    if (last || b.radius == 0.0 || is_step(i + 1)) {
+      if (b.radius > 0.0) complain("arc at an end", "radius_m", "a line on both sides", i + 1);
+      return b.x;
+    }
+    const double turn = angle(i + 1) - slope;
+    const double tangent = b.radius * std::tan(0.5 * std::fabs(turn));
+    const double arc_from = b.x - tangent * std::cos(slope);
+    const double arc_to = b.x + tangent * std::cos(angle(i + 1));
+    if (arc_from < from || arc_to > corners_[i + 2].x)
+      complain("arc does not fit", "radius_m", "a smaller radius or longer lines", i + 1);
+    append(arc_from, b.z - tangent * s, s, std::copysign(1.0 / b.radius, turn));
+    return arc_to;
+  }
+
+  const GroundCorner* corners_;
+  int count_;
+  Ground& ground_;
+  GroundDefect defect_;
+};
+
 }  // namespace
 
 Ground make_plane(double z) {
@@ -65,32 +101,8 @@ Ground make_plane(double z) {
   return g;
 }
 
-Ground make_ramp(double drop, double angle, double top_length) {
-  const double straight = drop - arc_drop(angle, kConvexRadius) - arc_drop(angle, kConcaveRadius);
-  ProfileBuilder b;
-  b.line(top_length);
-  b.arc_to(-angle, kConvexRadius);
-  b.line(std::fmax(0.0, straight) / std::tan(angle));
-  b.arc_to(0.0, kConcaveRadius);
-  return b.finish();
-}
-
-Ground make_jump_ramp(double drop, double angle, double exit_angle, double lip_step,
-                      double top_length) {
-  // net drop from the top to the lip: the run-in must lose what the kicker gains
-  const double gained =
-      arc_drop(exit_angle, kConcaveRadius) + kKickerStraight * std::tan(exit_angle);
-  const double straight =
-      drop + gained - arc_drop(angle, kConvexRadius) - arc_drop(angle, kConcaveRadius);
-  ProfileBuilder b;
-  b.line(top_length);
-  b.arc_to(-angle, kConvexRadius);
-  b.line(std::fmax(0.0, straight) / std::tan(angle));
-  b.arc_to(exit_angle, kConcaveRadius);
-  b.line(kKickerStraight);
-  b.step(-lip_step);
-  b.level_off();
-  return b.finish();
+GroundDefect make_profile(const GroundCorner* corners, int count, Ground& ground) {
+  return ProfileBuilder(corners, count, ground).build();
 }
 
 double ground_height(const Ground& ground, double x) {
@@ -102,5 +114,7 @@ double ground_height(const Ground& ground, double x) {
 double ground_slope(const Ground& ground, double x) {
   return std::tan(std::asin(end_sin(segment_at(ground, x), x)));
 }
+
+double ground_curvature(const Ground& ground, double x) { return segment_at(ground, x).curvature; }
 
 }  // namespace sanso::model

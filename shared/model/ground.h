@@ -1,5 +1,5 @@
-// The ground as a height function of world x (the same for every y): plane, ramp, jump ramp, or a
-// table of heights.
+// The ground as a height function of world x (the same for every y): a plane, or a profile of
+// corners as the files of shared/grounds describe it.
 // Made of segments of constant curvature: straight lines and circular arcs.
 #pragma once
 
@@ -25,16 +25,31 @@ struct Ground {
 
 /// Level floor at height z [m].
 Ground make_plane(double z = 0.0);
-/// Level top, convex arc into the slope, straight, concave arc into a level run-out at height 0.
-/// `drop` [m] from top to run-out, `angle` [rad], the level top ends at x = top_length.
-Ground make_ramp(double drop = 0.10, double angle = 0.2094, double top_length = 0.30);
-/// The same run-in, then a concave arc into a kicker of `exit_angle`, its straight last part, a
-/// vertical step down of `lip_step` and a level landing at height 0.
-Ground make_jump_ramp(double drop = 0.11, double angle = 0.2094, double exit_angle = 0.1745,
-                      double lip_step = 0.03, double top_length = 0.30);
+
+/// A corner of a profile: the lines before and behind it meet at (x, z) and are joined by an arc of
+/// `radius` [m]; 0: a kink. Two corners at one x are a vertical step.
+struct GroundCorner {
+  double x, z;
+  double radius;
+};
+
+/// Why a profile is none, for whoever reads it from a file: the key and the corner meant, what is
+/// wrong and what was expected. `what` is null when all is well.
+struct GroundDefect {
+  const char* what = nullptr;
+  const char* key = "";
+  const char* expected = "";
+  int corner = 0;
+};
+
+/// Lines through the corners, arcs in them; first and last line go on for ever. The height at x = 0
+/// must be 0 within 1e-4 m.
+GroundDefect make_profile(const GroundCorner* corners, int count, Ground& ground);
 
 /// Height [m] and slope dz/dx at x: the plain scalar form for drivers, references and plots.
 double ground_height(const Ground& ground, double x);
 double ground_slope(const Ground& ground, double x);
+/// Curvature [1/m] at x, positive where it turns upwards.
+double ground_curvature(const Ground& ground, double x);
 
 }  // namespace sanso::model

@@ -23,6 +23,7 @@ MAY = {
                     "shared/policy/policy_types.h"],
     "shared/files": ["shared/base"],
     "shared/mcap": ["shared/base", "shared/files"],
+    "shared/grounds": ["shared/base", "shared/files", "shared/model"],
     "firmware": REALTIME,
     "host": ["shared"],
     "tools/recording": ["shared/base", "shared/files", "shared/mcap"],
@@ -64,8 +65,9 @@ FLOORS = {
     ],
     # The order of the method. settings.h stands below all rooms.
     "tools/diagnose": [
-        ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"], ["compare"], ["torque"],
-        ["fit"], ["explain"], ["verdict"], ["run"],
+        ["."], ["stats"], ["model_folder"], ["gate"], ["sim"], ["effects"],
+        ["compare", "formats"], ["torque"], ["fit"], ["explain"], ["verdict"], ["wholebody"],
+        ["run"],
     ],
 }
 # What single rooms may include beyond their floor. Of the controller, what reads its configuration

@@ -17,6 +17,14 @@ dpkg-deb -x "$host" "$work/host"
 for motion in jog stand walk_forward; do
   grep -q "^ *$motion\b" <(cd / && "$work/host/usr/bin/sanso" motions) || fail "the unpacked program does not know $motion"
 done
+alone=$(mktemp -d)
+cp "$work/host/usr/bin/sanso" "$alone/"
+! (cd / && "$alone/sanso" motions) > "$alone/said" 2>&1 || fail "taken elsewhere, the program looks where it was built"
+grep -q SANSO_MOTIONS "$alone/said" || fail "a program without motions does not say what to do: $(cat "$alone/said")"
+rm -r "$alone"
+for file in sanso/layouts/foxglove.json sanso/worlds/lab.toml bash-completion/completions/sanso man/man1/sanso.1.gz; do
+  [[ -e $work/host/usr/share/$file ]] || fail "$file is not in the package"
+done
 expected=$work/host/usr/share/sanso/motions
 [[ $(ls "$expected") == $(ls "$here/../../host/motion/library") ]] || fail "not all motions are in the package"
 ! grep -aq "CMakeFiles" "$work/host/usr/bin/sanso-emulator" || fail "the emulator is not stripped"

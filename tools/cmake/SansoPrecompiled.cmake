@@ -5,7 +5,6 @@ if(NOT SANSO_PRECOMPILED OR SANSO_FIRMWARE_ONLY)
   return()
 endif()
 
-find_package(GTest REQUIRED)
 set(standard <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <fstream> <functional>
     <limits> <map> <memory> <mutex> <numeric> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <string_view>
     <thread> <vector> <Eigen/Core> <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>)
@@ -15,9 +14,12 @@ file(WRITE ${PROJECT_BINARY_DIR}/empty_main.cpp "int main() {}\n")
 add_library(sanso_precompiled_library STATIC ${PROJECT_BINARY_DIR}/empty.cpp)
 target_link_libraries(sanso_precompiled_library PRIVATE Eigen3::Eigen)
 target_precompile_headers(sanso_precompiled_library PRIVATE ${standard})
-add_executable(sanso_precompiled_test ${PROJECT_BINARY_DIR}/empty_main.cpp)
-target_link_libraries(sanso_precompiled_test PRIVATE Eigen3::Eigen GTest::gtest GTest::gmock)
-target_precompile_headers(sanso_precompiled_test PRIVATE ${standard} <gtest/gtest.h> <gmock/gmock.h>)
+if(SANSO_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+  add_executable(sanso_precompiled_test ${PROJECT_BINARY_DIR}/empty_main.cpp)
+  target_link_libraries(sanso_precompiled_test PRIVATE Eigen3::Eigen GTest::gtest GTest::gmock)
+  target_precompile_headers(sanso_precompiled_test PRIVATE ${standard} <gtest/gtest.h> <gmock/gmock.h>)
+endif()
 
 # Uses the headers of `from` in a target, but for sources that have flags or definitions of their own.
 function(sanso_use_precompiled target from)

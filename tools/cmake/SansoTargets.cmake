@@ -105,7 +105,8 @@ function(sanso_test name)
   endif()
 endfunction()
 
-# sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset asan-ubsan).
+# sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset asan-ubsan). Where it has a
+# folder in tests/fuzz/corpus, what it finds there is replayed by fuzz_corpus_test, in every build: ${name}_replay.
 add_custom_target(fuzzers)
 function(sanso_fuzz name source)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
@@ -116,5 +117,11 @@ function(sanso_fuzz name source)
     target_link_options(${name} PRIVATE -fsanitize=fuzzer)
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PRIVATE ${A_LINK})
+  endif()
+  if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name})
+    add_library(${name}_replay OBJECT ${source})
+    target_compile_definitions(${name}_replay PRIVATE LLVMFuzzerTestOneInput=${name})
+    target_include_directories(${name}_replay PRIVATE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(${name}_replay PUBLIC ${A_LINK})
   endif()
 endfunction()

@@ -20,6 +20,7 @@ void request_stop(int) { stop_requested = 1; }
 constexpr char kExamples[] = R"(Examples:
   sanso-emulator --world lab                          serve /tmp/sanso-robot/{bus,imu,pose,control}
   sanso-emulator --world seed:7 --dir /tmp/robot2     another robot, elsewhere
+  sanso-emulator --world lab --ground ramp            the same robot at the top of a ramp
   sudo sanso-emulator --usb                           bus and IMU as USB devices of this kernel
   sanso-emulator --config robot.toml                  world, seed, directory, baud, [[fault]] tables
   sanso-emulator --tell '{"command": "truth"}'        ask the running emulator
@@ -68,11 +69,13 @@ int main(int argc, char** argv) {
       "reports"};
   app.footer(kExamples);
   sanso::emulator::EmulatorConfig config;
-  std::string config_file, world, directory, command;
+  std::string config_file, world, ground, directory, command;
   std::uint64_t seed = 0;
   bool usb = false;
   app.add_option("--config", config_file, "TOML file with world, seed, directory, baud, [[fault]]");
   app.add_option("--world", world, "nominal, lab (default), hard, seed:N or a TOML file");
+  app.add_option("--ground", ground,
+                 "plane, slope3, ramp, ramp_high, jump_ramp, plates, stairs or a profile file");
   const auto* seed_option =
       app.add_option("--seed", seed, "seed of noise and random faults (default 1)");
   app.add_option("--dir", directory,
@@ -86,6 +89,7 @@ int main(int argc, char** argv) {
   try {
     if (!config_file.empty()) config = sanso::emulator::load_emulator_config(config_file);
     if (!world.empty()) config.world = world;
+    if (!ground.empty()) config.world += "+" + ground;
     if (!directory.empty()) config.directory = directory;
     if (seed_option->count() > 0) config.seed = seed;
     config.usb = config.usb || usb;

@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "tools/plant/body_data.h"
+#include "tools/plant/ground_profile.h"
 #include "tools/plant/random.h"
 
 namespace sanso::plant {
@@ -153,41 +156,47 @@ void write_link(std::string& out, const LinkData& link, const World& world) {
   }
 }
 
-/// A box whose top face runs from (x0, z0) to (x1, z1), 2 m wide to each side, 0.2 m thick.
-std::string slab(const char* name, double x0, double z0, double x1, double z1) {
-  const double length = std::hypot(x1 - x0, z1 - z0);
-  const double pitch = std::atan2(z0 - z1, x1 - x0);  // rotation about y, positive is downhill
-  const double thick = 0.1;
-  const Vec3 centre{0.5 * (x0 + x1) - thick * std::sin(pitch), 0.0,
-                    0.5 * (z0 + z1) - thick * std::cos(pitch)};
-  return fmt::format(
-      R"(<geom name="{}" class="ground" type="box" size="{:.6f} 2 {}" pos="{}" euler="0 {:.9f} )"
-      R"(0"/>)",
-      name, 0.5 * length, thick, text(centre), pitch);
+/// A box whose top face is the facet.
+std::string slab(const Facet& f, double width, double friction) {
+  constexpr double kHalfThick_m = 0.05;
+  const double length = std::hypot(f.x1 - f.x0, f.z1 - f.z0);
+  const double pitch = std::atan2(f.z0 - f.z1, f.x1 - f.x0);  // about y, positive is downhill
+  const Vec3 centre{0.5 * (f.x0 + f.x1) - kHalfThick_m * std::sin(pitch), 0.0,
+                    0.5 * (f.z0 + f.z1) - kHalfThick_m * std::cos(pitch)};
+  // of two geoms MuJoCo takes the larger friction, unless one has priority
+  const std::string patch = f.friction_factor == 1.0
+                                ? ""
+                                : fmt::format(R"(friction="{:.9g} 0.003 0.0001" priority="1")",
+                                              f.friction_factor * friction);
+  return fmt::format(R"(<geom class="ground" type="box" size="{:.9g} {:.6g} {}" pos="{}" )"
+                     R"(euler="0 {:.12g} 0" {}/>)"
+                     "\n",
+                     0.5 * length, 0.5 * width, kHalfThick_m, text(centre), pitch, patch);
 }
 
-/// Plane: z = 0. Ramp: level until start_x, downhill for ramp_length, level again. Jump ramp:
-/// downhill, then a lip that rises again to lip_height above the ramp's foot, then a drop to the
-/// level of that foot.
+/// Facets side by side; a floor below, for what falls off the edge.
+std::string profile(const GroundParameters& g) {
+  const GroundProfile surface = load_profile(g.profile);
+  std::string out;
+  double lowest = 0.0;
+  for (const Facet& f : surface.facets) {
+    out += slab(f, surface.width_m, g.friction);
+    lowest = std::min({lowest, f.z0, f.z1});
+  }
+  constexpr double kBelow_m = 0.02;
+  return out + fmt::format(
+                   R"(<geom name="floor" class="ground" type="plane" size="0 0 1" pos="0 0 {}"/>)",
+                   lowest - kBelow_m);
+}
+
+/// A plane, tilted where the world says so, or a profile.
 std::string ground(const GroundParameters& g) {
-  if (g.kind == GroundKind::plane) {
-    if (g.tilt_roll_rad == 0.0 && g.tilt_pitch_rad == 0.0)
-      return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
-    return fmt::format(
-        R"(<geom name="ground" class="ground" type="plane" size="0 0 1" euler="{:.9f} {:.9f} 0"/>)",
-        g.tilt_roll_rad, g.tilt_pitch_rad);
-  }
-  const double foot_x = g.start_x_m + g.ramp_length_m * std::cos(g.slope_rad);
-  const double foot_z = -g.ramp_length_m * std::sin(g.slope_rad);
-  std::string out = fmt::format(
-      R"(<geom name="ground" class="ground" type="plane" size="0 0 1" pos="0 0 {:.9f}"/>)", foot_z);
-  out += slab("ground_start", g.start_x_m - 4.0, 0.0, g.start_x_m, 0.0);
-  out += slab("ground_ramp", g.start_x_m, 0.0, foot_x, foot_z);
-  if (g.kind == GroundKind::jump_ramp) {
-    out +=
-        slab("ground_lip", foot_x, foot_z, foot_x + 4.0 * g.lip_height_m, foot_z + g.lip_height_m);
-  }
-  return out;
+  if (g.profile != "plane") return profile(g);
+  if (g.tilt_roll_rad == 0.0 && g.tilt_pitch_rad == 0.0)
+    return R"(<geom name="ground" class="ground" type="plane" size="0 0 1"/>)";
+  return fmt::format(
+      R"(<geom name="ground" class="ground" type="plane" size="0 0 1" euler="{:.9f} {:.9f} 0"/>)",
+      g.tilt_roll_rad, g.tilt_pitch_rad);
 }
 
 /// Plates of 0.1 m x 0.1 m within a metre; where the robot starts, the floor is free.
@@ -218,7 +227,7 @@ std::string make_mjcf(const World& world) {
 <default>
 <joint armature="{}" damping="0" limited="true" solreflimit="0.01 1"/>
 <geom solref="{} 1" friction="{} 0.003 0.0001" condim="3"/>
-<default class="ground"><geom contype="1" conaffinity="0"/></default>
+<default class="ground"><geom contype="1" conaffinity="0" group="1"/></default>
 <default class="sole"><geom contype="0" conaffinity="1" mass="0"/></default>
 <default class="limb"><geom contype="0" conaffinity="1" mass="0"/></default>
 <default class="right"><geom contype="2" conaffinity="5" mass="0"/></default>
@@ -229,7 +238,7 @@ std::string make_mjcf(const World& world) {
                                 kPhysicsStep_s, world.servo.output_inertia_kgm2,
                                 world.ground.contact_time_s, world.ground.friction);
   out += ground(world.ground);
-  if (world.ground.kind == GroundKind::plane) out += plates(world.ground, world.servo.spread_seed);
+  if (world.ground.profile == "plane") out += plates(world.ground, world.servo.spread_seed);
   out += "\n<body name=\"body_link\" pos=\"0 0 0.28\"><freejoint name=\"base\"/>";
   for (const LinkData& link : op3_body().links) {
     if (link.parent.empty()) write_link(out, link, world);

@@ -92,6 +92,18 @@ struct Plant::Impl {
     }
   }
 
+  /// The highest ground at (x, y): a ray from above that sees nothing else.
+  Plant::Surface surface(double x, double y) const {
+    constexpr double kFrom_m = 20.0;
+    const mjtNum from[3] = {x, y, kFrom_m}, down[3] = {0, 0, -1};
+    const mjtByte ground_only[mjNGROUP] = {0, 1};
+    int geom = -1;
+    const double way = mj_ray(model.get(), data.get(), from, down, ground_only, 1, -1, &geom);
+    if (geom < 0) return {};
+    const double* R = data->geom_xmat + 9 * geom;
+    return {kFrom_m - way, {R[2], R[5], R[8]}};
+  }
+
   void clamp_base() {
     std::copy(held_pose.begin(), held_pose.end(), data->qpos);
     std::fill(data->qvel, data->qvel + 6, 0.0);
@@ -113,7 +125,11 @@ struct Plant::Impl {
     const double sine = norm(axis);
     const Quat upright =
         sine < 1e-12 ? level : from_rotation_vector((std::atan2(sine, normal[2]) / sine) * axis);
-    const Quat turned = multiply(from_rotation_vector({0, 0, yaw}), upright);
+    const bool level_ground = world.ground.profile == "plane";
+    const Plant::Surface below = level_ground ? Plant::Surface{} : surface(x, y);
+    const double downhill = std::asin(below.normal[0]);  // a profile turns about y alone
+    const Quat turned = multiply(from_rotation_vector({0, downhill, 0}),
+                                 multiply(from_rotation_vector({0, 0, yaw}), upright));
     std::copy(turned.begin(), turned.end(), d->qpos + 3);
     d->qpos[0] = x;
     d->qpos[1] = y;
@@ -121,8 +137,10 @@ struct Plant::Impl {
     mj_kinematics(m, d);
     double lowest = 1e9;
     for (int g = 0; g < m->ngeom; ++g) {
-      if (geom_foot[g] >= 0)
-        lowest = std::min(lowest, d->geom_xpos[3 * g + 2] - m->geom_size[3 * g]);
+      if (geom_foot[g] < 0) continue;
+      const double* p = d->geom_xpos + 3 * g;
+      const double above = level_ground ? 0.0 : surface(p[0], p[1]).z;
+      lowest = std::min(lowest, p[2] - above - m->geom_size[3 * g] / below.normal[2]);
     }
     d->qpos[2] = -lowest - 2e-4;  // the soft contact carries the weight at about this depth
   }
@@ -173,6 +191,8 @@ void Plant::step() {
 }
 
 std::int64_t Plant::steps() const { return impl_->steps; }
+
+Plant::Surface Plant::ground(double x_m, double y_m) const { return impl_->surface(x_m, y_m); }
 
 void Plant::place(const std::array<double, kNumServos>& q, double x_m, double y_m, double yaw_rad) {
   mjModel* m = impl_->model.get();

@@ -43,6 +43,13 @@ class Plant {
   void step();
   std::int64_t steps() const;
 
+  /// The ground below (x, y).
+  struct Surface {
+    double z = 0;  // m
+    Vec3 normal{0, 0, 1};
+  };
+  Surface ground(double x_m, double y_m) const;
+
   /// At rest with these joint angles [rad], feet flat on the ground at (x, y), heading yaw.
   void place(const std::array<double, kNumServos>& q, double x_m, double y_m, double yaw_rad);
   /// Keeps the base where it is now, until false.

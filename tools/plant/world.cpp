@@ -13,6 +13,7 @@
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
 #include "tools/plant/body_data.h"
+#include "tools/plant/ground_profile.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::plant {
@@ -129,12 +130,8 @@ void visit_servo(const auto& t, auto& s) {
 }
 
 void visit_ground(const auto& t, auto& g) {
-  t.choice("kind", g.kind, {"plane", "ramp", "jump_ramp"});
+  t.text("profile", g.profile);
   t.number("friction", g.friction, 0.05, 2);
-  t.number("slope_rad", g.slope_rad, 0, 0.8);
-  t.number("start_x_m", g.start_x_m, 0.1, 5);
-  t.number("ramp_length_m", g.ramp_length_m, 0.1, 10);
-  t.number("lip_height_m", g.lip_height_m, 0, 0.5);
   t.number("tilt_roll_rad", g.tilt_roll_rad, -0.1, 0.1);
   t.number("tilt_pitch_rad", g.tilt_pitch_rad, -0.1, 0.1);
   t.integer("plates", g.plates, 200);
@@ -180,27 +177,7 @@ void visit_world(const auto& t, auto& world) {
   });
 }
 
-}  // namespace
-
-World parse_world(const std::string& toml_text, const std::string& origin) {
-  try {
-    World world;
-    const Section top(files::TomlTable::parse(toml_text, origin));
-    visit_world(top, world);
-    top.finish();
-    return world;
-  } catch (const files::InputError& error) {
-    throw WorldError(error.what());
-  }
-}
-
-std::string to_toml(const World& world) {
-  std::string text;
-  visit_world(Text(text), world);
-  return text;
-}
-
-World load_world(const std::string& name_or_path) {
+World load_named(const std::string& name_or_path) {
   for (const auto& [prefix, draw] :
        {std::pair{"seed:", &draw_world}, std::pair{"honest:", &draw_honest_world}}) {
     if (!name_or_path.starts_with(prefix)) continue;
@@ -224,6 +201,51 @@ World load_world(const std::string& name_or_path) {
   std::ostringstream text;
   text << file.rdbuf();
   return parse_world(text.str(), name_or_path);
+}
+
+/// "lab+ramp+wheels" into its parts; a file whose name has a plus is one part.
+std::vector<std::string> parts_of(const std::string& name) {
+  if (std::ifstream(name)) return {name};
+  std::vector<std::string> parts;
+  std::istringstream text(name);
+  for (std::string part; std::getline(text, part, '+');) parts.push_back(part);
+  if (parts.empty()) parts.emplace_back();
+  return parts;
+}
+
+}  // namespace
+
+World parse_world(const std::string& toml_text, const std::string& origin) {
+  try {
+    World world;
+    const Section top(files::TomlTable::parse(toml_text, origin));
+    visit_world(top, world);
+    top.finish();
+    return world;
+  } catch (const files::InputError& error) {
+    throw WorldError(error.what());
+  }
+}
+
+std::string to_toml(const World& world) {
+  std::string text;
+  visit_world(Text(text), world);
+  return text;
+}
+
+World load_world(const std::string& name_or_path) {
+  const std::vector<std::string> parts = parts_of(name_or_path);
+  World world = load_named(parts[0]);
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (parts[i] == "wheels" || parts[i] == "soles") {
+      world.feet = parts[i] == "wheels" ? FeetKind::wheels : FeetKind::soles;
+      continue;
+    }
+    if (parts[i] != "plane") load_profile(parts[i]);  // refuses now what it cannot read
+    world.ground.profile = parts[i];
+  }
+  if (parts.size() > 1) world.name = name_or_path;
+  return world;
 }
 
 }  // namespace sanso::plant

@@ -58,15 +58,10 @@ struct SupplyParameters {
   double internal_ohm = 0.0;  // battery and cables: sag per ampere
 };
 
-enum class GroundKind : std::uint8_t { plane, ramp, jump_ramp };
-
 struct GroundParameters {
-  GroundKind kind = GroundKind::plane;
+  // "plane", a profile of shared/grounds by name, or the path of a profile file
+  std::string profile = "plane";
   double friction = 0.8;
-  double slope_rad = 0.0;  // ramp: downhill along +x from start_x on
-  double start_x_m = 0.5;
-  double ramp_length_m = 1.5;
-  double lip_height_m = 0.0;  // jump_ramp: drop at the end of a run-up that rises to this height
   // plane: turned about x and y, rad
   double tilt_roll_rad = 0.0, tilt_pitch_rad = 0.0;
   // plane: so many plates of 0.1 m x 0.1 m lie around, none where the robot starts
@@ -113,7 +108,8 @@ struct World {
 };
 
 /// "nominal", "lab", "hard", "back", "worst", "hung" (files of worlds/), "seed:17" or "honest:17"
-/// (drawn), or the path of a TOML file. Throws WorldError.
+/// (drawn), or the path of a TOML file; "lab+ramp" is lab on the ground `ramp` (or a profile file),
+/// "lab+ramp+wheels" on wheels as well. Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.

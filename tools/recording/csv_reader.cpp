@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "shared/files/input_error.h"
+#include "tools/recording/reading_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -62,6 +63,12 @@ class CsvParser {
                             shortened(value), std::move(expected));
   }
 
+  [[noreturn]] void fail(ReadFault fault, int line, std::string channel, std::string defect,
+                         std::string_view value, std::string expected) const {
+    throw ReadingError(fault, recording_.file, line, std::move(channel), std::move(defect),
+                       shortened(value), std::move(expected));
+  }
+
   void header(std::string_view text) {
     have_header_ = true;
     recording_.header_line = line_;
@@ -74,7 +81,9 @@ class CsvParser {
       column(trimmed(text.substr(begin, comma - begin)));
       begin = comma + 1;
     }
-    if (time_column_ < 0) fail(line_, "t", "no time column", text, "a column named t, in seconds");
+    if (time_column_ < 0)
+      fail(ReadFault::missing_channel, line_, "t", "no time column", text,
+           "a column named t, in seconds");
   }
 
   void column(std::string_view name) {
@@ -104,7 +113,8 @@ class CsvParser {
   void row(std::string_view text) {
     values_ += recording_.channels.size() + 1;
     if (values_ > limits_.max_values) {
-      fail(line_, "", "recording too large", std::to_string(recording_.rows()) + " rows",
+      fail(ReadFault::too_large, line_, "", "recording too large",
+           std::to_string(recording_.rows()) + " rows",
            "at most " + std::to_string(limits_.max_values) +
                " values; cut it into shorter recordings");
     }
@@ -124,7 +134,8 @@ class CsvParser {
     if (target_[k] == kIgnore) return;
     const double value = text.empty() ? std::numeric_limits<double>::quiet_NaN() : number(k, text);
     if (target_[k] == kTime) {
-      if (text.empty()) fail(line_, "t", "time missing", "", "seconds in every row");
+      if (text.empty())
+        fail(ReadFault::not_a_number, line_, "t", "time missing", "", "seconds in every row");
       recording_.t.push_back(value);
     } else {
       recording_.channels[static_cast<std::size_t>(target_[k])].values.push_back(value);
@@ -144,7 +155,7 @@ class CsvParser {
            "a decimal number, or nothing when it was not sampled");
     }
     if (!std::isfinite(value)) {
-      fail(line_, names_[k], "NaN or infinity", text,
+      fail(ReadFault::not_a_number, line_, names_[k], "NaN or infinity", text,
            "a finite number, or nothing when it was not sampled");
     }
     return value;
@@ -192,7 +203,8 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
   // zlib reads plain text unchanged and unpacks gzip: one path for both
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (!file)
-    throw files::InputError(path, 0, "", "cannot open", std::strerror(errno), "a readable file");
+    throw ReadingError(ReadFault::unreadable, path, 0, "", "cannot open", std::strerror(errno),
+                       "a readable file");
   gzbuffer(file.get(), 1 << 17);
 
   CsvParser parser(path, limits);
@@ -209,7 +221,8 @@ Recording read_csv(const std::string& path, const CsvLimits& limits) {
     if (n == 0) break;
     std::string_view rest(block.data(), static_cast<std::size_t>(n));
     if (rest.find('\0') != std::string_view::npos) {
-      throw files::InputError(path, line, "", "binary data", "", "CSV text (plain or gzip)");
+      throw ReadingError(ReadFault::unreadable, path, line, "", "binary data", "",
+                         "CSV text (plain or gzip)");
     }
     for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos;
          rest.remove_prefix(end + 1), ++line) {

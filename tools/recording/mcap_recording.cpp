@@ -13,6 +13,7 @@
 #include "shared/mcap/writer.h"
 #include "tools/recording/csv_reader.h"
 #include "tools/recording/mcap_file.h"
+#include "tools/recording/reading_error.h"
 #include "tools/recording/sidecar.h"
 
 namespace sanso::recording {
@@ -55,8 +56,8 @@ class RowBuilder {
     for (std::size_t k = 0; k < current_.size(); ++k)
       recording_.channels[k].values.push_back(current_[k]);
     if (recording_.rows() * (current_.size() + 1) > max_values_) {
-      throw files::InputError(
-          recording_.file, 0, "", "recording too large",
+      throw ReadingError(
+          ReadFault::too_large, recording_.file, 0, "", "recording too large",
           std::to_string(recording_.rows()) + " rows",
           "at most " + std::to_string(max_values_) + " values; cut it into shorter recordings");
     }

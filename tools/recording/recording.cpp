@@ -7,12 +7,13 @@
 #include <cmath>
 
 #include "shared/files/input_error.h"
+#include "tools/recording/reading_error.h"
 
 namespace sanso::recording {
 namespace {
 
 using Suffix = ChannelKind::Suffix;
-constexpr std::array<ChannelKind, 16> kKinds{{
+constexpr std::array<ChannelKind, 18> kKinds{{
     {"q", "rad (m for prismatic joints)", Suffix::joint},
     {"dq", "rad/s (m/s)", Suffix::joint},
     {"u", "goal position, rad (m)", Suffix::joint},
@@ -27,7 +28,10 @@ constexpr std::array<ChannelKind, 16> kKinds{{
     {"base_q", "base orientation, unit quaternion w x y z", Suffix::wxyz},
     {"base_v", "base velocity in world axes, m/s", Suffix::xyz},
     {"base_w", "angular velocity in base axes, rad/s", Suffix::xyz},
-    {"imu_acc", "specific force in base axes, m/s^2", Suffix::xyz},
+    {"imu_acc", "specific force in the axes of the IMU, m/s^2", Suffix::xyz},
+    {"imu_gyro", "angular velocity in the axes of the IMU, rad/s", Suffix::xyz},
+    // a link's name, spelled as a joint's
+    {"fz", "vertical force of the ground on a foot, N", Suffix::joint},
     {"t", "s", Suffix::none},
 }};
 
@@ -83,7 +87,7 @@ std::vector<std::string> Recording::joints() const {
   std::vector<std::string> names;
   for (const Channel& channel : channels) {
     const ChannelKind* kind = kind_of(channel.name);
-    if (kind == nullptr || kind->suffix != Suffix::joint) continue;
+    if (kind == nullptr || kind->suffix != Suffix::joint || kind->prefix == "fz") continue;
     const std::string joint = channel.name.substr(channel.name.find(':') + 1);
     if (std::find(names.begin(), names.end(), joint) == names.end()) names.push_back(joint);
   }
@@ -106,8 +110,8 @@ void require_increasing_time(const Recording& recording) {
     const int line = recording.header_line + 1 + static_cast<int>(k);
     const double t = recording.t[k];
     if (!std::isfinite(t))
-      throw files::InputError(recording.file, line, "t", "time missing", "",
-                              "seconds in every row");
+      throw ReadingError(ReadFault::not_a_number, recording.file, line, "t", "time missing", "",
+                         "seconds in every row");
     if (k > 0 && t <= recording.t[k - 1]) {
       throw files::InputError(
           recording.file, line, "t", "time does not increase", std::to_string(t),

@@ -13,36 +13,31 @@
 namespace sanso::model {
 namespace {
 
-TEST(Ground, RampFallsFromTopToRunOut) {
-  const Ground g = make_ramp(0.10, 0.2094, 0.30);
-  EXPECT_NEAR(ground_height(g, -1.0), 0.10, 1e-12);
-  EXPECT_NEAR(ground_height(g, 0.30), 0.10, 1e-12);
-  EXPECT_NEAR(ground_height(g, 5.0), 0.0, 1e-12);
-  double steepest = 0, last = ground_height(g, 0.0);
-  for (double x = 0.0; x < 3.0; x += 1e-3) {
-    const double z = ground_height(g, x);
-    EXPECT_LE(z, last + 1e-12) << "never uphill";
-    EXPECT_LT(std::abs(z - last), 1e-3 * std::tan(0.2094) + 1e-9) << "no step, x " << x;
-    last = z;
-    steepest = std::fmin(steepest, ground_slope(g, x));
-  }
-  EXPECT_NEAR(steepest, -std::tan(0.2094), 1e-9);
+Ground ramp_with_lip() {
+  const GroundCorner corners[] = {{-1.0, 0.0, 0.0},  {0.2, 0.0, 0.8},   {0.7, -0.1, 1.0},
+                                  {1.2, -0.05, 0.0}, {1.2, -0.09, 0.0}, {2.0, -0.09, 0.0}};
+  Ground g;
+  const GroundDefect defect = make_profile(corners, 6, g);
+  EXPECT_EQ(defect.what, nullptr) << defect.what;
+  return g;
 }
 
-TEST(Ground, JumpRampHasKickerAndLip) {
-  const Ground g = make_jump_ramp(0.11, 0.2094, 0.1745, 0.03);
-  double lip = -1;
-  for (double x = 0; x < 4.0; x += 1e-4)
-    if (ground_height(g, x) - ground_height(g, x + 1e-4) > 0.02) lip = x;
-  ASSERT_GT(lip, 0) << "there is a vertical step";
-  EXPECT_NEAR(ground_slope(g, lip - 0.01), std::tan(0.1745), 1e-6) << "exit angle";
-  EXPECT_NEAR(ground_height(g, lip + 0.01), 0.0, 1e-12);
-  EXPECT_NEAR(ground_height(g, 0.0) - ground_height(g, lip), 0.11, 1e-3)
-      << "net drop from the top to the lip";
+TEST(Ground, ArcsTouchTheirLines) {
+  const Ground g = ramp_with_lip();
+  for (int i = 1; i < g.num_segments; ++i) {
+    const double at = g.segment[i].x_start;
+    const double step = ground_height(g, at) - ground_height(g, at - 1e-9);
+    if (at == 1.2) {
+      EXPECT_NEAR(step, -0.04, 1e-8) << "the lip";
+      continue;
+    }
+    EXPECT_NEAR(step, 0.0, 1e-8) << "segment " << i;
+    EXPECT_NEAR(ground_slope(g, at), ground_slope(g, at - 1e-9), 1e-7) << "segment " << i;
+  }
 }
 
 TEST(Ground, SlopeIsDerivativeOfHeightAndLanesAgree) {
-  for (const Ground& g : {make_plane(0.2), make_ramp(), make_jump_ramp()})
+  for (const Ground& g : {make_plane(0.2), ramp_with_lip()})
     for (double x = -0.5; x < 3.0; x += 0.0137) {
       const portable::GroundPoint<double> p = portable::ground_at(g, x);
       EXPECT_NEAR(p.z, ground_height(g, x), 1e-12);
