@@ -18,6 +18,7 @@
 #include "firmware/exchange/handover.h"
 #include "firmware/guard/guard.h"
 #include "firmware/imu/board_imu.h"
+#include "shared/base/realtime.h"
 
 namespace sanso::firmware {
 
@@ -28,7 +29,7 @@ class Controller {
 
   /// One tick. `now` is the time at which it was due, on the board's clock. Call it every 10 ms; it
   /// returns after the goals are on their way (about 2 ms of bus time later).
-  void tick(Nanoseconds now);
+  void tick(Nanoseconds now) SANSO_REALTIME;
 
   /// What the last tick published.
   const wire::Observation& observation() const { return observation_; }

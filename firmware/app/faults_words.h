@@ -48,8 +48,9 @@ inline constexpr std::array kFaultWords{
     FaultWords{
         Fault::servo_register,
         "A register does not hold what was written, or the EEPROM has another return delay, "
-        "operating or drive mode than the controller needs; a start writes nothing there. Detail: "
-        "the servo's id.",
+        "operating or drive mode than the controller needs; a start writes nothing there. Or a "
+        "servo of a robot that is found standing contradicts itself about its torque, or names a "
+        "goal where its joint cannot be. Detail: the servo's id.",
         "`sanso-firmware --config FILE --self-test` shows what differs, with `--write-eeprom` it "
         "writes it. A servo in hardware shutdown refuses torque settings: reboot it (F21)."},
     FaultWords{

@@ -40,7 +40,7 @@ model::Input crouch_pose() {
 }
 
 void Posture::begin_stand_up(const ServoGoals& goals, const model::Input& first_pose) {
-  through_crouch_ = (goals.legs - first_pose).cwiseAbs().maxCoeff() > settings_.near_pose_rad;
+  through_crouch_ = longest_way(goals.legs - first_pose) > settings_.near_pose_rad;
   lowering_ = false;
   held_ = first_pose;
   middle_weight_ = balance_weight_ = 0;
@@ -84,7 +84,7 @@ void Posture::begin_tuck(const model::Input& output, double duration_s) {
 void Posture::follow_first_pose(const model::Input& first_pose) {
   const double step = kPoseRate_rad_s * kTick_s;
   const model::Input way = first_pose - held_;
-  const double longest = way.cwiseAbs().maxCoeff();
+  const double longest = longest_way(way);
   if (longest <= step)
     held_ = first_pose;
   else

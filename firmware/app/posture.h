@@ -3,7 +3,9 @@
 // balance).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "firmware/app/trial.h"
 #include "firmware/bus/readings.h"
@@ -21,6 +23,14 @@ struct ServoGoals {
   model::Input legs = model::Input::Zero();
   std::array<double, kNumHeld> held{};
 };
+
+/// The way of the joint that has farthest to go [rad]. Eigen's maximum calls a function by pointer,
+/// of which no compiler can tell that it does not wait.
+inline double longest_way(const model::Input& way) {
+  double longest = 0;
+  for (int j = 0; j < model::kNumJoints; ++j) longest = std::max(longest, std::abs(way[j]));
+  return longest;
+}
 
 class Posture {
  public:
@@ -44,7 +54,7 @@ class Posture {
   bool lowering() const { return lowering_; }
   /// The pose held is the one in which the uploaded motion begins.
   bool at_first_pose(const model::Input& first_pose) const {
-    return (held_ - first_pose).cwiseAbs().maxCoeff() < 1e-9;
+    return longest_way(held_ - first_pose) < 1e-9;
   }
 
   /// Targets for arms and head [rad], moving to their pose during stand-up.

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 
+#include "shared/base/realtime.h"
 #include "shared/base/status.h"
 #include "shared/base/time.h"
 
@@ -21,10 +22,10 @@ using Buffer = std::span<std::uint8_t>;
 class Clock {
  public:
   virtual ~Clock() = default;
-  virtual Nanoseconds now() = 0;
+  virtual Nanoseconds now() SANSO_REALTIME = 0;
   /// CPU time that the calling thread has used. Virtual clocks say 0: results must not depend on
   /// the machine.
-  virtual Nanoseconds thread_cpu() { return 0; }
+  virtual Nanoseconds thread_cpu() SANSO_REALTIME { return 0; }
 };
 
 /// The half-duplex servo bus. Used by the tick thread only.
@@ -33,14 +34,14 @@ class SerialPort {
   virtual ~SerialPort() = default;
   /// Queues all bytes for sending. io_error: the device is gone (unplugged); it stays so until
   /// ready().
-  virtual Status write(Bytes data) = 0;
+  virtual Status write(Bytes data) SANSO_REALTIME = 0;
   /// Bytes that have arrived, as soon as there is at least one; waits for it until `deadline` at
   /// most (a deadline in the past: takes what is there). Returns 0 at the deadline. io_error as for
   /// write().
-  virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
+  virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) SANSO_REALTIME = 0;
   /// Asks whether a lost device is back: ok, or why not. Does not block and does not allocate:
   /// opening is the helper thread's work (reconnect.h).
-  virtual Status ready() = 0;
+  virtual Status ready() SANSO_REALTIME = 0;
 };
 
 /// Which device it is; 0:0 when nobody knows.

@@ -17,8 +17,10 @@
 
 namespace sanso::board {
 namespace {
+
+constexpr int kMostEmptyDatagrams = 64;  // at once
 static_assert(sizeof(sockaddr_in6) <= sizeof(Peer::bytes), "a peer holds an IPv6 address");
-}
+}  // namespace
 
 // --- UDP -----------------------------------------------------------------------------------------
 
@@ -57,19 +59,22 @@ Status UdpSocket::send(Bytes data, const Peer& to) {
 }
 
 Result<std::size_t> UdpSocket::receive(Buffer buffer, Peer& from, Nanoseconds deadline) {
-  for (;;) {
+  // whoever sends nothing, and that without end, must not keep the caller here
+  for (int empty = 0; empty < kMostEmptyDatagrams;) {
     socklen_t size = sizeof from.bytes;
     const ssize_t n = ::recvfrom(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT,
                                  reinterpret_cast<sockaddr*>(from.bytes), &size);
     if (n >= 0) {
       from.size = static_cast<std::uint8_t>(size);
       if (n > 0) return static_cast<std::size_t>(n);
-      continue;  // an empty datagram is nothing
+      ++empty;
+      continue;
     }
     if (errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) return Status::io_error;
     const int ready = wait_readable(socket_, deadline);
     if (ready == 0) return std::size_t{0};
   }
+  return std::size_t{0};
 }
 
 // --- packets on a path ---------------------------------------------------------------------------

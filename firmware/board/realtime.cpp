@@ -13,9 +13,12 @@
 namespace sanso::board {
 namespace {
 
+// twice what a tick needs at most: tests/firmware/realtime/stack_bound.py
+constexpr std::size_t kTouchedStack_bytes = 256 * 1024;
+
 /// Touches the stack once, so that no tick is the first to need a page of it.
 __attribute__((noinline)) void touch_stack() {
-  std::array<volatile char, 256 * 1024> stack;
+  std::array<volatile char, kTouchedStack_bytes> stack;
   for (std::size_t i = 0; i < stack.size(); i += 1024) stack[i] = 0;
 }
 

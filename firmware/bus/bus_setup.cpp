@@ -4,16 +4,24 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 
 #include "shared/servo_bus/opencr.h"
+#include "shared/servo_bus/units.h"
 
 namespace sanso::firmware {
 namespace {
 
 namespace xm430 = servo_bus::xm430;
-constexpr int kTries = 5;  // a register that answers with something else
+// wrong answers in a row: the servo is not as it should be, and it was not one bad reading
+constexpr int kWrongAnswers = 5;
 // silence, 2 s: lost replies and a servo that takes its time to boot must not stop the start-up
-constexpr int kFindTries = 200;
+constexpr int kSilences = 200;
+// torque on in some legs and off in others: so it is, or one reading was wrong
+constexpr int kLooks = 3;
+// a goal farther outside the joint's range was misread
+constexpr double kFarOutside_rad = 0.6;
 
 struct Wanted {
   const servo_bus::Register& reg;
@@ -61,6 +69,14 @@ Status ensure_alive(BusMaster& bus, std::uint8_t id, const Wanted& wanted) {
   return ensure(bus, id, wanted);
 }
 
+/// A robot is held at this goal: the joint can be there.
+bool can_be_held(int slot, std::int32_t goal_raw) {
+  const double goal = servo_bus::position_rad(goal_raw);
+  if (slot >= model::kNumJoints) return std::abs(goal) < kHeldRange_rad;
+  const model::JointInfo& joint = model::kJoints[static_cast<std::size_t>(slot)];
+  return goal > joint.lower_rad - kFarOutside_rad && goal < joint.upper_rad + kFarOutside_rad;
+}
+
 }  // namespace
 
 BusSetup::Progress BusSetup::failed(Fault fault, std::uint16_t detail) {
@@ -69,8 +85,13 @@ BusSetup::Progress BusSetup::failed(Fault fault, std::uint16_t detail) {
   return Progress::failed;
 }
 
-BusSetup::Progress BusSetup::again(Fault fault, std::uint8_t id, int tries) {
-  return ++tries_ < tries ? Progress::running : failed(fault, id);
+/// Counted apart: after a long silence the first wrong answer is still the first.
+BusSetup::Progress BusSetup::answered_wrongly(Fault fault, std::uint8_t id) {
+  return ++wrongs_ < kWrongAnswers ? Progress::running : failed(fault, id);
+}
+
+BusSetup::Progress BusSetup::unanswered(Fault fault, std::uint8_t id) {
+  return ++silences_ < kSilences ? Progress::running : failed(fault, id);
 }
 
 BusSetup::Progress BusSetup::step(BusMaster& bus, Nanoseconds now) {
@@ -117,7 +138,7 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
   if (before.status() == Status::io_error) return failed(Fault::bus_gone, opencr::kId);
   if (before.ok() && *before == 1) {  // nothing to switch, nothing that boots
     stage_ = Stage::find;
-    tries_ = 0;
+    next_step();
     return Progress::running;
   }
   if (before.ok() && bus.write_register(opencr::kId, opencr::kServoPower, 1, 1) == Status::ok) {
@@ -125,42 +146,72 @@ BusSetup::Progress BusSetup::switch_power(BusMaster& bus, Nanoseconds now) {
     if (power.ok() && *power == 1) {
       power_time_ = now;
       stage_ = Stage::wait;
-      tries_ = 0;
+      next_step();
       return Progress::running;
     }
   }
-  return again(Fault::power_switch, opencr::kId, kFindTries);
+  return unanswered(Fault::power_switch, opencr::kId);
 }
 
 BusSetup::Progress BusSetup::find_servo(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const Result<BusMaster::Identity> identity = bus.ping(id);
   if (identity.status() == Status::io_error) return failed(Fault::bus_gone, id);
-  if (!identity.ok()) return again(Fault::servo_missing, id, kFindTries);
-  if (identity->model != xm430::kModel) return failed(Fault::servo_model, id);
+  if (!identity.ok()) return unanswered(Fault::servo_missing, id);
+  if (identity->model != xm430::kModel) return answered_wrongly(Fault::servo_model, id);
   const Result<std::int64_t> torque = bus.read_register(id, xm430::kTorqueEnable.address, 1);
-  if (!torque.ok()) return again(Fault::servo_missing, id, kFindTries);
+  if (!torque.ok()) return unanswered(Fault::servo_missing, id);
   torque_on_[static_cast<std::size_t>(slot_)] = *torque != 0;
   torque_found_ = torque_found_ || (*torque != 0 && slot_ < model::kNumJoints);
   all_fast_ = all_fast_ && identity->firmware >= xm430::kFirmwareWithFastRead;
-  tries_ = 0;
-  if (++slot_ == kNumServos) {
-    slot_ = 0;
-    stage_ = Stage::registers;
-  }
+  next_step();
+  if (++slot_ < kNumServos) return Progress::running;
+  slot_ = 0;
+  stage_ = Stage::registers;
+  if (++looks_ < kLooks && legs_disagree()) look_again();
+  return Progress::running;
+}
+
+bool BusSetup::legs_disagree() const {
+  const auto legs = std::span(torque_on_).first<model::kNumJoints>();
+  return std::ranges::find(legs, true) != legs.end() &&
+         std::ranges::find(legs, false) != legs.end();
+}
+
+void BusSetup::look_again() {
+  stage_ = Stage::find;
+  slot_ = 0;
+  register_ = 0;
+  torque_found_ = false;
+  next_step();
+}
+
+/// One of two readings of a leg's torque was wrong, and it may hold a robot up: who decides then
+/// believes that it does.
+BusSetup::Progress BusSetup::found_on_after_all(std::uint8_t id) {
+  torque_found_ = looks_ >= kLooks;
+  if (torque_found_) return failed(Fault::servo_register, id);
+  look_again();
   return Progress::running;
 }
 
 BusSetup::Progress BusSetup::set_registers(BusMaster& bus) {
   const std::uint8_t id = kServoIds[static_cast<std::size_t>(slot_)];
   const auto wanted = wanted_registers(settings_);
-  const bool alive = torque_found_ && torque_on_[static_cast<std::size_t>(slot_)];
-  const Status status =
-      alive ? ensure_alive(bus, id, wanted[register_]) : ensure(bus, id, wanted[register_]);
+  const bool on = torque_on_[static_cast<std::size_t>(slot_)];
+  Status status = Status::ok;
+  if (register_ == 0 && slot_ < model::kNumJoints && !on) {
+    const Result<std::int64_t> torque = bus.read_register(id, xm430::kTorqueEnable.address, 1);
+    if (torque.ok() && *torque != 0) return found_on_after_all(id);
+    status = torque.status();
+  } else {
+    status = torque_found_ && on ? ensure_alive(bus, id, wanted[register_])
+                                 : ensure(bus, id, wanted[register_]);
+  }
   if (status == Status::io_error) return failed(Fault::bus_gone, id);
-  if (status == Status::timeout) return again(Fault::servo_missing, id, kFindTries);
-  if (status != Status::ok) return again(Fault::servo_register, id, kTries);
-  tries_ = 0;
+  if (status == Status::timeout) return unanswered(Fault::servo_missing, id);
+  if (status != Status::ok) return answered_wrongly(Fault::servo_register, id);
+  next_step();
   if (++register_ < wanted.size()) return Progress::running;
   register_ = 0;
   if (++slot_ < kNumServos) return Progress::running;
@@ -175,10 +226,15 @@ BusSetup::Progress BusSetup::read_goals(BusMaster& bus) {
   const servo_bus::Register& goal = xm430::kGoalPosition;
   const Result<std::int64_t> raw = bus.read_register(id, goal.address, goal.size, goal.is_signed);
   if (raw.status() == Status::io_error) return failed(Fault::bus_gone, id);
-  if (!raw.ok()) return again(Fault::servo_missing, id, kFindTries);
-  goals_raw_[static_cast<std::size_t>(slot_)] =
-      bus.joint_raw(slot_, static_cast<std::int32_t>(*raw));
-  tries_ = 0;
+  if (!raw.ok()) return unanswered(Fault::servo_missing, id);
+  std::int32_t& known_raw = goals_raw_[static_cast<std::size_t>(slot_)];
+  const std::int32_t goal_raw = bus.joint_raw(slot_, static_cast<std::int32_t>(*raw));
+  const bool agreed = goal_read_ && goal_raw == known_raw;
+  known_raw = goal_raw;
+  goal_read_ = true;
+  if (!agreed || !can_be_held(slot_, goal_raw)) return unanswered(Fault::servo_register, id);
+  goal_read_ = false;
+  next_step();
   if (++slot_ < kNumServos) return Progress::running;
   stage_ = Stage::finished;
   for (std::size_t s = 0; s < model::kNumJoints; ++s)

@@ -1,8 +1,9 @@
 // Start-up of the bus, one small step a tick: listen, supply on, every servo there and an XM430,
 // registers as the controller needs them and read back. What the servos are doing is read before
 // anything is written: a robot that is found standing keeps its torque, its goals and its EEPROM,
-// and the controller adopts it. A servo's EEPROM is never written: what differs there is a fault
-// that names the servo, and the owner's self-test writes it when told to.
+// and the controller adopts it. No single answer decides: a leg's torque is never switched off
+// here, and what contradicts itself is asked again. A servo's EEPROM is never written: what differs
+// there is a fault that names the servo, and the owner's self-test writes it when told to.
 #pragma once
 
 #include "firmware/bus/bus_master.h"
@@ -38,13 +39,19 @@ class BusSetup {
   Progress find_servo(BusMaster& bus);
   Progress set_registers(BusMaster& bus);
   Progress read_goals(BusMaster& bus);
-  Progress again(Fault fault, std::uint8_t id, int tries);
+  void look_again();
+  Progress found_on_after_all(std::uint8_t id);
+  bool legs_disagree() const;
+  Progress answered_wrongly(Fault fault, std::uint8_t id);
+  Progress unanswered(Fault fault, std::uint8_t id);
+  void next_step() { silences_ = wrongs_ = 0; }
   Progress failed(Fault fault, std::uint16_t detail);
 
   BusSettings settings_;
   Stage stage_ = Stage::listen;
   Nanoseconds listen_begin_ = 0;
-  int tries_ = 0;
+  int silences_ = 0, wrongs_ = 0;  // of this step so far
+  int looks_ = 0;                  // times that the torque of all servos was looked at
   int slot_ = 0;
   std::size_t register_ = 0;
   bool all_fast_ = true;
@@ -52,6 +59,7 @@ class BusSetup {
   std::array<bool, kNumServos> torque_on_{};
   bool torque_found_ = false;
   std::array<std::int32_t, kNumServos> goals_raw_{};
+  bool goal_read_ = false;  // goals_raw_[slot_] holds one reading; the next has to agree
   Fault fault_ = Fault::none;
   std::uint16_t detail_ = 0;
 };

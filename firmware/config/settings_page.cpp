@@ -22,7 +22,8 @@ std::string settings_page() {
           "`port`, `key_file`, "
           "`offsets`, `log_directory`,\n`log_file_MB`, `log_file_minutes`, `log_keep_MB`, "
           "`tick_priority`, `allow_without_realtime`, `robot_name` "
-          "(`firmware/config/program_config.h`).\n";
+          "(`firmware/config/program_config.h`).\n\n"
+          "Planner and session have theirs in [settings-learn](settings-learn.md).\n";
   Settings settings;
   settings.visit([&](const char* section, auto& group) {
     page << "\n## [" << section << "]\n\n| name | default | range | meaning |\n|---|---|---|---|\n";

@@ -67,8 +67,8 @@ bool Link::answer_who(std::span<const std::uint8_t> datagram) {
 
 // --- who may give orders -------------------------------------------------------------------------
 
-/// A new session is a new program. It owns the robot when nobody does, or when it speaks from the
-/// very address of the owner, which then is gone.
+/// A new session is a new program. It owns the robot when nobody does, until another one gives an
+/// order before it; or when it speaks from the very address of the owner, which then is gone.
 void Link::new_session(int session) {
   sessions_ = channel_.sessions();
   Host& host = hosts_[static_cast<std::size_t>(session)];
@@ -78,12 +78,17 @@ void Link::new_session(int session) {
                           same_peer(hosts_[static_cast<std::size_t>(owner_)].peer, sender_);
   if (same_place) channel_.close(owner_);
   if (same_place) hosts_[static_cast<std::size_t>(owner_)] = Host{};
-  if (owner_ < 0 || owner_ == session || same_place) new_owner(session);
+  const bool ordered = same_place && owner_has_ordered_;
+  if (owner_ < 0 || owner_ == session || same_place) {
+    new_owner(session);
+    owner_has_ordered_ = ordered;
+  }
 }
 
 /// Nothing half-finished of the old owner may mix with what the new one sends.
 void Link::new_owner(int session) {
   owner_ = session;
+  owner_has_ordered_ = false;
   for (Upload& u : uploads_) {
     u.assembler->reset();
     u.ack = wire::UploadAck{};
@@ -91,14 +96,17 @@ void Link::new_owner(int session) {
   }
 }
 
-/// The session in hand owns the robot, or may take it over because the owner's lease has run out.
+/// The session in hand owns the robot, or may take it over because the owner has only looked so far
+/// or its lease has run out.
 bool Link::may_order(int session) {
-  if (session == owner_) return true;
-  if (owner_ >= 0 &&
-      clock_.now() - hosts_[static_cast<std::size_t>(owner_)].heard < wire::kOwnerLease)
-    return false;
-  new_owner(session);
-  handover_.host_heard.store(clock_.now(), std::memory_order_relaxed);
+  if (session != owner_) {
+    if (owner_ >= 0 && owner_has_ordered_ &&
+        clock_.now() - hosts_[static_cast<std::size_t>(owner_)].heard < wire::kOwnerLease)
+      return false;
+    new_owner(session);
+    handover_.host_heard.store(clock_.now(), std::memory_order_relaxed);
+  }
+  owner_has_ordered_ = true;
   return true;
 }
 

@@ -1,6 +1,6 @@
 // The link thread's work: opens the host's datagrams, puts uploads together, hands commands and
 // layers to the tick, and sends what the tick has published. Anything malformed, stale, replayed or
-// unauthenticated is counted and dropped. One host owns the session and gives the orders; others
+// unauthenticated is counted and dropped. One host owns the robot and gives the orders; others
 // watch, and one of them may take over when the owner has been silent for a while. An emergency
 // stop is taken from everybody who holds the key.
 #pragma once
@@ -71,9 +71,10 @@ class Link {
   wire::SecureChannel channel_;
   wire::Identity identity_;
   std::array<Host, wire::SecureChannel::kMaxSessions> hosts_;
-  int owner_ = -1;      // session whose orders count
-  board::Peer sender_;  // of the datagram in hand
-  int session_ = 0;     // in which it opened
+  int owner_ = -1;                  // session whose orders count
+  bool owner_has_ordered_ = false;  // until then it only looks, and whoever orders first owns
+  board::Peer sender_;              // of the datagram in hand
+  int session_ = 0;                 // in which it opened
   std::uint32_t sessions_ = 0;
   std::uint64_t newest_tick_ = 0;  // published
   wire::SupervisorState newest_state_ = wire::SupervisorState::boot;

@@ -16,12 +16,9 @@ namespace {
 constexpr double kAmperePerCount = 2.69e-3;
 constexpr std::string_view kWorld = "world", kBase = "base_link";
 
-constexpr std::string_view kOdometryType = "nav_msgs/msg/Odometry";
-constexpr std::string_view kOdometry = R"(std_msgs/Header header
-string child_frame_id
-geometry_msgs/PoseWithCovariance pose
-geometry_msgs/TwistWithCovariance twist
-================================================================================
+/// What every message with a header carries behind its own fields.
+constexpr std::string_view kHeaderParts =
+    R"(================================================================================
 MSG: std_msgs/Header
 builtin_interfaces/Time stamp
 string frame_id
@@ -29,6 +26,13 @@ string frame_id
 MSG: builtin_interfaces/Time
 int32 sec
 uint32 nanosec
+)";
+
+constexpr std::string_view kOdometryType = "nav_msgs/msg/Odometry";
+constexpr std::string_view kOdometry = R"(std_msgs/Header header
+string child_frame_id
+geometry_msgs/PoseWithCovariance pose
+geometry_msgs/TwistWithCovariance twist
 ================================================================================
 MSG: geometry_msgs/PoseWithCovariance
 geometry_msgs/Pose pose
@@ -98,15 +102,11 @@ uint32 late_ticks           # since the program started, as all that follow
 uint32 bus_lost             # servo replies missing
 uint32 bus_corrupt          # servo replies damaged
 uint32 datagrams_dropped
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
 )";
+
+std::string with_header(std::string_view definition) {
+  return std::string(definition) + std::string(kHeaderParts);
+}
 
 /// ROS's order: x y z w.
 void put_quaternion(mcap::CdrWriter& out, const double* w_x_y_z) {
@@ -186,8 +186,8 @@ TickMessages::TickMessages(mcap::Writer& out)
       currents_(joint_topic(out, "/joint_currents")),
       supply_(joint_topic(out, "/supply_voltage")),
       imu_(out.add_channel("/imu", std::string(mcap::kImuType), mcap::imu_definition())),
-      odometry_(out.add_channel("/odom", std::string(kOdometryType), kOdometry)),
-      tick_(out.add_channel("/tick", std::string(kTickType), kTick)) {}
+      odometry_(out.add_channel("/odom", std::string(kOdometryType), with_header(kOdometry))),
+      tick_(out.add_channel("/tick", std::string(kTickType), with_header(kTick))) {}
 
 void TickMessages::write_joints(std::uint16_t channel, const wire::Observation& o,
                                 const double* position, const double* velocity) {

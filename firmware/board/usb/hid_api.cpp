@@ -20,19 +20,21 @@ HidApi load_hidraw() {
   HidApi api;
   void* library = dlopen(kHidrawLibrary, RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return {};
-  const bool all =
-      find(library, "hid_init", api.init) && find(library, "hid_enumerate", api.enumerate) &&
-      find(library, "hid_free_enumeration", api.free_enumeration) &&
-      find(library, "hid_open_path", api.open_path) && find(library, "hid_close", api.close) &&
-      find(library, "hid_read_timeout", api.read_timeout) &&
-      find(library, "hid_send_feature_report", api.send_feature) &&
-      find(library, "hid_get_feature_report", api.get_feature);
+  const bool all = find(library, "hid_init", api.init) && find(library, "hid_exit", api.exit) &&
+                   find(library, "hid_enumerate", api.enumerate) &&
+                   find(library, "hid_free_enumeration", api.free_enumeration) &&
+                   find(library, "hid_open_path", api.open_path) &&
+                   find(library, "hid_close", api.close) &&
+                   find(library, "hid_read_timeout", api.read_timeout) &&
+                   find(library, "hid_send_feature_report", api.send_feature) &&
+                   find(library, "hid_get_feature_report", api.get_feature);
   return all ? api : HidApi{};
 }
 
 HidApi linked_libusb() {
-  return {hid_init,  hid_enumerate,    hid_free_enumeration,    hid_open_path,
-          hid_close, hid_read_timeout, hid_send_feature_report, hid_get_feature_report};
+  return {
+      hid_init,  hid_exit,         hid_enumerate,           hid_free_enumeration,  hid_open_path,
+      hid_close, hid_read_timeout, hid_send_feature_report, hid_get_feature_report};
 }
 
 }  // namespace

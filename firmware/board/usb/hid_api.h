@@ -11,6 +11,7 @@ namespace sanso::board {
 
 struct HidApi {
   int (*init)() = nullptr;
+  int (*exit)() = nullptr;
   hid_device_info* (*enumerate)(unsigned short vendor, unsigned short product) = nullptr;
   void (*free_enumeration)(hid_device_info* list) = nullptr;
   hid_device* (*open_path)(const char* path) = nullptr;

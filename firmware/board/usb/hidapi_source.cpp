@@ -37,6 +37,12 @@ Status HidapiSource::open(std::string& message) {
     return Status::io_error;
   }
   close();
+  // the libusb back end learns of new devices from its context alone where no udev runs: a new one
+  api_->exit();
+  if (api_->init() != 0) {
+    message = "hidapi cannot be started";
+    return Status::io_error;
+  }
   char name[16];
   std::snprintf(name, sizeof name, "%04x:%04x", wanted_.vendor, wanted_.product);
   message = std::string("HID device ") + name + " " + wanted_.serial + ": not plugged in";

@@ -1,5 +1,6 @@
 // A HID sensor through hidapi, found by vendor, product and serial number. hidapi allocates while
-// it reads, which is why only the IMU thread does.
+// it reads, which is why only the IMU thread does. One source at a time may use a back end: to
+// search anew, it ends and begins it.
 #pragma once
 
 #include <array>

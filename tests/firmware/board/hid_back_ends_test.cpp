@@ -26,6 +26,7 @@ struct FakeSensor {
   std::mutex mutex;
   std::condition_variable changed;
   bool plugged = true;
+  bool listed = false;  // plugged when the back end began: it hears of nothing that happens later
   int open_handles = 0;
   std::deque<ByteList> reports;
   ByteList feature;
@@ -33,9 +34,16 @@ struct FakeSensor {
   char path[8] = "fake";
 } sensor;
 
-int fake_init() { return 0; }
+int fake_init() {
+  sensor.listed = sensor.plugged;
+  return 0;
+}
+int fake_exit() {
+  EXPECT_EQ(sensor.open_handles, 0) << "an open device would lose its context";
+  return 0;
+}
 hid_device_info* fake_enumerate(unsigned short vendor, unsigned short product) {
-  if (!sensor.plugged || vendor != 0x1209 || product != 1) return nullptr;
+  if (!sensor.listed || vendor != 0x1209 || product != 1) return nullptr;
   auto* info = new hid_device_info{};
   info->path = sensor.path;
   info->vendor_id = vendor;
@@ -45,7 +53,7 @@ hid_device_info* fake_enumerate(unsigned short vendor, unsigned short product) {
 }
 void fake_free(hid_device_info* list) { delete list; }
 hid_device* fake_open(const char*) {
-  ++sensor.open_handles;
+  sensor.open_handles += sensor.plugged ? 1 : 0;
   return sensor.plugged ? reinterpret_cast<hid_device*>(&sensor) : nullptr;
 }
 void fake_close(hid_device*) { --sensor.open_handles; }
@@ -71,13 +79,14 @@ int fake_get_feature(hid_device*, unsigned char* data, size_t size) {
   std::fill(data + 1, data + size, std::uint8_t{0x33});
   return static_cast<int>(size);
 }
-constexpr HidApi kFakeApi{fake_init,  fake_enumerate, fake_free,         fake_open,
-                          fake_close, fake_read,      fake_send_feature, fake_get_feature};
+constexpr HidApi kFakeApi{fake_init,  fake_exit, fake_enumerate,    fake_free,       fake_open,
+                          fake_close, fake_read, fake_send_feature, fake_get_feature};
 
 class HidapiRig {
  public:
   HidapiRig() {
     sensor.plugged = true;
+    sensor.listed = false;
     sensor.reports.clear();
     sensor.open_handles = 0;
   }

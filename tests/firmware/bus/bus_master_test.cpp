@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "firmware/bus/bus_setup.h"
+#include "shared/servo_bus/encode.h"
 #include "shared/servo_bus/opencr.h"
+#include "shared/servo_bus/parser.h"
+#include "shared/servo_bus/xm430.h"
 #include "tools/bench/instant_bus.h"
 
 namespace sanso::firmware {
@@ -279,6 +282,107 @@ TEST_F(BusSetupTest, AFewLostRepliesDoNotStopIt) {
     if (random() % 20 == 0) bytes.clear();
   };
   EXPECT_EQ(run(), BusSetup::Progress::done);
+}
+
+/// One reading says zeros, whole and with a right CRC, as servos in the field have done.
+std::vector<std::uint8_t> zeros_instead(const std::vector<std::uint8_t>& reply) {
+  servo_bus::PacketParser parser;
+  servo_bus::Packet packet;
+  parser.feed(reply);
+  EXPECT_EQ(parser.next(packet), servo_bus::ParseEvent::packet);
+  const std::vector<std::uint8_t> zeros(packet.parameters.size(), 0);
+  servo_bus::PacketBuffer out;
+  EXPECT_EQ(servo_bus::encode_status(out, packet.id, packet.error, zeros), Status::ok);
+  return {out.view().begin(), out.view().end()};
+}
+
+/// Strikes `burst` readings of registers from the `first` on; the others are as they are.
+class ZeroReadings : public BusSetupTest {
+ protected:
+  static constexpr std::size_t kInstruction = 7;
+  void strike(int first, int burst) {
+    readings = 0;
+    port.spoil = [=, this](std::vector<std::uint8_t>& bytes) {
+      const auto what = static_cast<servo_bus::Instruction>(port.written[kInstruction]);
+      if (what != servo_bus::Instruction::read) return;
+      const int n = readings++;
+      if ((n >= first && n < first + burst) || n == also) bytes = zeros_instead(bytes);
+    };
+  }
+  void put_on_feet() {
+    for (int s = 0; s < kNumServos; ++s) {
+      port.bus.poke(s, 84, 2, 560);
+      port.bus.poke(s, 116, 4, 2000 + s);
+      port.bus.poke(s, 64, 1, 1);
+    }
+    setup.restart();
+  }
+  int readings = 0;
+  int also = -1;  // another one that is struck
+};
+
+/// The worst pair: a leg's torque when it is looked for, and the first look at its registers.
+TEST_F(ZeroReadings, OfOneLegsTorqueTwiceSwitchNothingOff) {
+  settings.listen_s = settings.power_up_wait_s = 0;
+  for (const int leg : {0, 5, 11})
+    for (also = 20; also < 260; ++also) {
+      put_on_feet();
+      strike(1 + leg, 1);  // the first reading is OpenCR's
+      (void)run();
+      ASSERT_TRUE(port.bus.torque_on(leg)) << servo_name(leg) << " and reading " << also;
+    }
+}
+
+TEST_F(ZeroReadings, OfAStandingRobotTakeNoTorqueAndMoveNoGoal) {
+  settings.listen_s = settings.power_up_wait_s = 0;
+  int all = 1, stopped = 0;
+  for (const int burst : {1, 5})
+    for (int first = 0; first < all; ++first) {
+      put_on_feet();
+      strike(first, burst);
+      const BusSetup::Progress progress = run();
+      if (burst == 1) all = std::max(all, readings);
+      for (int s = 0; s < model::kNumJoints; ++s)
+        ASSERT_TRUE(port.bus.torque_on(s)) << servo_name(s) << ", reading " << first;
+      ASSERT_NE(progress, BusSetup::Progress::running);
+      stopped += progress == BusSetup::Progress::failed ? 1 : 0;
+      if (progress == BusSetup::Progress::failed) {
+        ASSERT_GT(burst, 1) << "one wrong answer, reading " << first;
+        ASSERT_TRUE(setup.torque_found()) << "who decides has to know that it stands";
+        continue;
+      }
+      for (int s = 0; s < kNumServos; ++s)
+        ASSERT_EQ(setup.goals_raw()[static_cast<std::size_t>(s)], 2000 + s) << "reading " << first;
+    }
+  EXPECT_GT(all, 200) << "all readings of a start-up have been struck";
+  EXPECT_LT(stopped, all / 4);
+}
+
+TEST_F(ZeroReadings, OfARobotWithoutTorqueAreAskedAgain) {
+  settings.listen_s = settings.power_up_wait_s = 0;
+  int all = 1;
+  for (int first = 0; first < all; ++first) {
+    setup.restart();
+    strike(first, 1);
+    ASSERT_EQ(run(), BusSetup::Progress::done) << "reading " << first;
+    all = std::max(all, readings);
+  }
+  EXPECT_GT(all, 200);
+}
+
+TEST_F(ZeroReadings, TheFirstWrongAnswerAfterASilenceIsTheFirst) {
+  int asked = 0;
+  port.spoil = [&](std::vector<std::uint8_t>& bytes) {
+    constexpr std::size_t kAddress = 8;
+    if (port.written[kInstruction] != static_cast<std::uint8_t>(servo_bus::Instruction::read) ||
+        port.written[kAddress] != servo_bus::xm430::kReturnDelayTime.address)
+      return;
+    ++asked;
+    if (asked <= 10) bytes.clear();
+    if (asked == 11) bytes = zeros_instead(bytes);
+  };
+  EXPECT_EQ(run(), BusSetup::Progress::done);
+  EXPECT_GT(asked, 11);
 }
 
 }  // namespace

@@ -161,5 +161,69 @@ TEST(ImuWatch, AnAxisThatFlipsIsFoundInATenthOfASecondOfMotion) {
   EXPECT_EQ(s.run(10), ImuWatch::kRate);
 }
 
+/// Two accounts of the trunk's pitch over soles that lie on one plane: the legs' and the sensor's.
+struct Accounts {
+  ImuWatch watch{ImuSettings{}};
+  Estimator estimator{EstimatorSettings{}};
+  ImuSample sample;
+  double by_legs = 0, by_sensor = 0;  // rad
+  /// Both go to these values in equal steps, then stay; the last reason that was seen.
+  ImuWatch::Reason go(double legs, double sensor, int ticks, bool standing = true) {
+    ImuWatch::Reason seen = ImuWatch::kPlausible;
+    const double legs_step = (legs - by_legs) / ticks, step = (sensor - by_sensor) / ticks;
+    for (int k = 0; k < ticks; ++k) {
+      by_legs += legs_step;
+      by_sensor += step;
+      ServoReadings servos;
+      const model::Input q = leaning(by_legs);
+      for (int j = 0; j < model::kNumJoints; ++j) {
+        servos.servo[static_cast<std::size_t>(j)].position_rad = q[j];
+        servos.servo[static_cast<std::size_t>(j)].known = true;
+      }
+      sample.time += kTickPeriod;
+      ++sample.sequence;
+      sample.quat_world_base = math::quat_exp({0, by_sensor, 0});
+      sample.gyro = {0, step / to_seconds(kTickPeriod), 0};
+      sample.accel =
+          math::rotation_matrix(sample.quat_world_base).transpose() * math::Vec3(0, 0, 9.81);
+      estimator.update(sample.time, servos, sample, PoseSample{});
+      watch.update(sample.time, sample, estimator, standing);
+      if (watch.reason() != ImuWatch::kPlausible) seen = watch.reason();
+    }
+    return seen;
+  }
+};
+
+constexpr double kSmall_rad = 0.02, kRocking_rad = 0.06;
+
+TEST(ImuWatch, LegsAndSensorThatLeanOppositeWaysContradictEachOther) {
+  for (const double way : {1.0, -1.0}) {
+    Accounts a;
+    EXPECT_EQ(a.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(way * kSmall_rad, -way * kSmall_rad, 20), ImuWatch::kAgainstLegs);
+    Accounts good;
+    EXPECT_EQ(good.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(good.go(way * kSmall_rad, way * kSmall_rad, 40), ImuWatch::kPlausible);
+    EXPECT_EQ(good.go(way * kSmall_rad, -way * kSmall_rad, 40), ImuWatch::kPlausible)
+        << "the two have agreed: a screw does not turn a sensor later";
+  }
+}
+
+/// A robot that is pushed rocks on the edge of its soles, and a balance that leans its legs against
+/// it says the opposite of its sensor: nothing is concluded from that until torque has been off.
+TEST(ImuWatch, NothingIsConcludedOfARobotThatRocksUntilItsTorqueIsOff) {
+  for (const double way : {1.0, -1.0}) {
+    Accounts a;
+    EXPECT_EQ(a.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(0, way * kRocking_rad, 30), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(-way * kSmall_rad, way * kSmall_rad, 20), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(-way * kSmall_rad, way * kSmall_rad, 100), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(0, 0, 20, false), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(-way * kSmall_rad, way * kSmall_rad, 20), ImuWatch::kAgainstLegs)
+        << "on its soles again it tells as before";
+  }
+}
+
 }  // namespace
 }  // namespace sanso::firmware

@@ -120,10 +120,10 @@ struct LinkTest : testing::Test {
   std::vector<CommandKind> executed;
 };
 
-TEST_F(LinkTest, TheFirstHostOwnsTheRobotAndTheSecondWatches) {
+TEST_F(LinkTest, TheFirstHostThatOrdersOwnsTheRobotAndTheOtherWatches) {
   Host owner(key, 1), watcher(key, 2);
-  join(owner);
   join(watcher);
+  join(owner);
   order(owner, CommandKind::arm);
   order(watcher, CommandKind::stop);
   run({&owner, &watcher});
@@ -144,10 +144,63 @@ TEST_F(LinkTest, TheFirstHostOwnsTheRobotAndTheSecondWatches) {
     EXPECT_EQ(ack.reason, static_cast<int>(Refusal::not_owner));
 }
 
+TEST_F(LinkTest, WhoeverOnlyLooksIsNeverInTheWayOfOneWhoOrders) {
+  Host watcher(key, 1), owner(key, 2);
+  join(watcher);
+  for (int i = 0; i < 300; ++i) {
+    if (i % 10 == 0) order(watcher, CommandKind::none);
+    if (i % 70 == 0) order(watcher, CommandKind::emergency_stop);
+    run({&watcher});
+  }
+  join(owner);
+  order(watcher, CommandKind::none);
+  order(owner, CommandKind::arm);
+  run({&watcher, &owner});
+  EXPECT_EQ(executed, std::vector{CommandKind::arm});
+  order(watcher, CommandKind::lower);
+  run({&watcher, &owner});
+  EXPECT_EQ(executed.size(), 1u) << "now it is owned";
+  EXPECT_EQ(watcher.acks.back().reason, static_cast<int>(Refusal::not_owner));
+  for (int i = 0; i < 220; ++i) {  // the owner looks on, the watcher is gone
+    if (i % 10 == 0) order(owner, CommandKind::none);
+    run({&owner});
+  }
+  Host late(key, 3);
+  join(late);
+  order(late, CommandKind::lower);
+  run({&late});
+  EXPECT_EQ(executed.size(), 1u) << "an owner that has ordered once keeps the robot";
+}
+
+TEST_F(LinkTest, AnUploadIsAnOrderToo) {
+  Host watcher(key, 1), owner(key, 2);
+  join(watcher);
+  join(owner);
+  const std::vector<std::uint8_t> blob(3000, 7);
+  send(owner, seal(owner, wire::make_chunk(wire::UploadKind::primitives, 5, blob, 1, 0)));
+  run({&watcher, &owner});
+  ASSERT_FALSE(owner.upload_acks.empty());
+  EXPECT_EQ(owner.upload_acks.back().refused, 0);
+  order(watcher, CommandKind::lower);
+  run({&watcher, &owner});
+  EXPECT_TRUE(executed.empty());
+}
+
+TEST_F(LinkTest, AHostThatWaitsForTheSelfTestHearsOfItsEnd) {
+  Host owner(key, 1);
+  join(owner);
+  const int before = owner.observations;
+  for (int i = 0; i < 500; ++i) run({&owner});
+  EXPECT_EQ(owner.observations, before + 500);
+}
+
 TEST_F(LinkTest, AWatcherTakesOverWhenTheOwnersLeaseHasRunOut) {
   Host owner(key, 1), watcher(key, 2);
   join(owner);
   join(watcher);
+  order(owner, CommandKind::arm);
+  run({&owner, &watcher});
+  executed.clear();
   for (int i = 0; i < 150; ++i) {  // the watcher is alive, the owner is not
     if (i % 10 == 0) order(watcher, CommandKind::none);
     run({&owner, &watcher});
@@ -167,6 +220,8 @@ TEST_F(LinkTest, AWatcherTakesOverWhenTheOwnersLeaseHasRunOut) {
 TEST_F(LinkTest, OnlyTheOwnersDatagramsCountAsTheHostBeingThere) {
   Host owner(key, 1), watcher(key, 2);
   join(owner);
+  order(owner, CommandKind::arm);
+  run({&owner});
   join(watcher);
   const Nanoseconds heard = handover->host_heard.load();
   for (int i = 0; i < 20; ++i) {
@@ -177,12 +232,16 @@ TEST_F(LinkTest, OnlyTheOwnersDatagramsCountAsTheHostBeingThere) {
 }
 
 TEST_F(LinkTest, AProgramThatStartsAgainAtTheSameAddressKeepsTheRobot) {
-  Host owner(key, 1), again(key, 1);
+  Host owner(key, 1), again(key, 1), other(key, 2);
   join(owner);
+  order(owner, CommandKind::arm);
+  run({&owner});
   join(again);
-  order(again, CommandKind::arm);
-  run({&again});
-  EXPECT_EQ(executed, std::vector{CommandKind::arm});
+  join(other);
+  order(other, CommandKind::disarm);
+  order(again, CommandKind::stop);
+  run({&again, &other});
+  EXPECT_EQ(executed, (std::vector{CommandKind::arm, CommandKind::stop}));
 }
 
 TEST_F(LinkTest, ACommandThatWasLongOnItsWayIsRefused) {
