@@ -13,6 +13,7 @@
 #include "host/learn/session/summary.h"
 #include "host/motion/motion.h"
 #include "host/mpc/upper_layer.h"
+#include "shared/grounds/ground_file.h"
 
 namespace sanso::app {
 namespace {
@@ -22,22 +23,15 @@ learn::Task task_of(const motion::Motion& motion) {
           [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); }};
 }
 
-learn::SessionSettings session_settings(const LearnOptions& options, const motion::Motion& motion,
-                                        bool real_time) {
-  learn::SessionSettings s;
-  s.iterations = options.iterations;
-  s.seed = options.seed;
-  s.out = options.out;
-  s.resume = options.resume;
-  s.layers = layers_without(options.without);
-  s.world = options.world;
-  s.trial.watcher = options.watcher;
-  s.trial.cost_limit = motion.stop.cost_limit;
-  s.trial.tilt_limit_rad = motion.stop.tilt_limit_rad;
-  s.trial.drop_limit_m = motion.stop.drop_limit_m;
+/// What the motion's file and the clock ask for, before anybody sets anything.
+LearnSettings defaults_of(const motion::Motion& motion, bool real_time) {
+  LearnSettings s;
+  s.session.trial.cost_limit = motion.stop.cost_limit;
+  s.session.trial.tilt_limit_rad = motion.stop.tilt_limit_rad;
+  s.session.trial.drop_limit_m = motion.stop.drop_limit_m;
   // of the 60 ms: leaves room for the way there and back and for a busy machine
   constexpr double kBudget_s = 0.045;
-  s.trial.planning_budget_s = real_time ? kBudget_s : 0.0;
+  s.session.trial.planning_budget_s = real_time ? kBudget_s : 0.0;
   return s;
 }
 
@@ -93,14 +87,36 @@ learn::Layers layers_without(const std::vector<std::string>& names) {
   return on;
 }
 
-int learn(const LearnOptions& options, const RobotFactory& make_robot) {
+LearnSettings settings_of(const LearnOptions& options, const motion::Motion& motion,
+                          bool real_time) {
+  const LearnSettings defaults = defaults_of(motion, real_time);
+  LearnSettings s = defaults;
+  s.mpc.threads = options.threads;
+  apply_profile(options.profile, s);
+  for (const std::string& assignment : options.set) apply_setting(assignment, s);
+  s.session.changed = changed_settings(defaults, s);
+  s.session.iterations = options.iterations;
+  s.session.seed = options.seed;
+  s.session.out = options.out;
+  s.session.resume = options.resume;
+  s.session.layers = layers_without(options.without);
+  s.session.world = options.world;
+  s.session.trial.watcher = options.watcher;
+  return s;
+}
+
+int learn(const LearnOptions& given, const RobotFactory& make_robot) {
+  LearnOptions options = given;
   const motion::Motion motion = motion::MotionLibrary().load(options.motion);
+  // an emulated robot stands on that ground, whatever its world (tools/plant/world.h)
+  if (options.ground != "plane") options.world += "+" + options.ground;
+  (void)settings_of(options, motion, false);  // a wrong name is told before a robot is asked for
   const std::unique_ptr<learn::RobotAccess> robot = make_robot(options);
-  mpc::MpcSettings mpc_settings;
-  mpc_settings.threads = options.threads;
-  mpc::UpperLayer upper(mpc_settings, host::AugmentedModel{});
-  learn::Session session(task_of(motion), session_settings(options, motion, robot->real_time()),
-                         *robot, upper);
+  const LearnSettings settings = settings_of(options, motion, robot->real_time());
+  host::AugmentedModel model;
+  model.ground = grounds::load_ground(options.ground);
+  mpc::UpperLayer upper(settings.mpc, model);
+  learn::Session session(task_of(motion), settings.session, *robot, upper, model);
 
   if (!options.quiet)
     fmt::print("{}: {} trials on {}, seed {}\n", motion.name, options.iterations,

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "host/app/learn_settings.h"
 #include "host/learn/session/robot_access.h"
 #include "host/learn/session/trial.h"
 #include "host/learn/session/watcher.h"
+#include "host/motion/motion.h"
 
 namespace sanso::app {
 
@@ -24,7 +26,11 @@ struct LearnOptions {
   std::uint64_t seed = 1;
   std::vector<std::string> without;  // lower, middle, upper, residual, stochastic
   std::string world = "lab";         // of an emulated robot
+  // the planner's, and an emulated robot's: "plane", a profile of shared/grounds, a file
+  std::string ground = "plane";
   int threads = 2;
+  std::string profile = "ours";
+  std::vector<std::string> set;  // "mpc.horizon=12"
   bool quiet = false;
   learn::SessionWatcher* watcher = nullptr;  // may be absent
 };
@@ -34,6 +40,11 @@ using RobotFactory = std::function<std::unique_ptr<learn::RobotAccess>(const Lea
 
 /// The layers that are left without those named. Throws std::runtime_error for an unknown name.
 learn::Layers layers_without(const std::vector<std::string>& names);
+
+/// All settings of a session of this motion, as the options leave them. Throws std::runtime_error
+/// for a setting or profile that does not exist.
+LearnSettings settings_of(const LearnOptions& options, const motion::Motion& motion,
+                          bool real_time);
 
 /// Exit code: 0 the last trial succeeded, 1 it failed. Throws std::runtime_error when there is no
 /// answer.

@@ -61,8 +61,11 @@ void write_motion(const std::filesystem::path& path, const Motion& motion);
 /// ../share/sanso/motions beside a program that stands in a folder bin; empty: there is none.
 std::filesystem::path installed_motions(const std::filesystem::path& program);
 
-/// A folder of motion files: SANSO_MOTIONS, else what is installed with the program, else the
-/// library of the source tree.
+/// Where a program finds its motions: installed with it, else in the source tree while it stands in
+/// its build tree; empty: nowhere.
+std::filesystem::path motions_of(const std::filesystem::path& program);
+
+/// A folder of motion files: SANSO_MOTIONS, else motions_of() this program.
 class MotionLibrary {
  public:
   MotionLibrary();

@@ -25,18 +25,28 @@ std::filesystem::path installed_motions(const std::filesystem::path& program) {
   return bin.filename() == "bin" && std::filesystem::is_directory(folder, error) ? folder : "";
 }
 
+std::filesystem::path motions_of(const std::filesystem::path& program) {
+  const std::filesystem::path installed = installed_motions(program);
+  if (!installed.empty()) return installed;
+  const std::filesystem::path built = program.lexically_relative(SANSO_BUILD_TREE);
+  // a program that was taken elsewhere does not look where it was built
+  return !built.empty() && *built.begin() != ".." ? SANSO_MOTION_LIBRARY : "";
+}
+
 MotionLibrary::MotionLibrary() {
   const char* chosen = std::getenv("SANSO_MOTIONS");
   std::error_code error;
-  folder_ = chosen && *chosen
-                ? chosen
-                : installed_motions(std::filesystem::read_symlink("/proc/self/exe", error));
-  if (folder_.empty()) folder_ = SANSO_MOTION_LIBRARY;  // run from the build tree
+  folder_ = chosen && *chosen ? chosen
+                              : motions_of(std::filesystem::read_symlink("/proc/self/exe", error));
 }
 
 MotionLibrary::MotionLibrary(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
 std::vector<std::string> MotionLibrary::names() const {
+  if (folder_.empty())
+    throw MotionError(
+        "no motions: none are installed beside this program (../share/sanso/motions); set "
+        "SANSO_MOTIONS to a folder of motion files");
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {

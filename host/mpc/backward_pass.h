@@ -1,13 +1,14 @@
 // Backward pass of stochastic iLQG [Todorov & Li 2005] with input limits and multiplicative noise.
 //
-//   Qx = lx + A'Vx          Qu  = lu + B'Vx + sigma^2 B' diag(Vxx) F
+//   Qx = lx + A'Vx          Qu  = lu + B'Vx + sigma^2 B' W F
 //   Qxx = lxx + A'Vxx A     Qux = B'Vxx A
-//   Quu = luu + B'Vxx B + sigma^2 B' diag(Vxx) B + mu I
+//   Quu = luu + B'Vxx B + sigma^2 B' W B + mu I
 //   k = -Quu^-1 Qu,  K = -Quu^-1 Qux  on the inputs that are not held at a limit
 //
-// The noise is x' = f + sigma F w with one channel per tangent coordinate; dF/du = B exactly, dF/dx
-// is left out (zero at a cold start). The kernels are compiled once per instruction set; the choice
-// is made at run time.
+// The noise is x' = f + sigma F w. With one channel a tangent coordinate W = diag(Vxx); with a
+// single channel, w a number and F one column of noise, W = Vxx. dF/du = B exactly, dF/dx is left
+// out (zero at a cold start). The kernels are compiled once per instruction set; the choice is made
+// at run time.
 #pragma once
 
 #include "host/mpc/problem.h"
@@ -30,6 +31,7 @@ struct BackwardInput {
   const double (*u)[kNuPadded] = nullptr;  // [stages] nominal upper input, rad
   double input_limit_rad = 0;
   double sigma = 0;
+  bool one_noise_channel = false;
   double mu = 0;  // added to the diagonal of Quu
   // called before a stage is read, from the last one on; may be null
   void (*wait_for)(void* context, int stage) = nullptr;
@@ -38,8 +40,7 @@ struct BackwardInput {
 
 struct BackwardOutput {
   StageGains* gains = nullptr;  // [stages]
-  // [stages] diag(Vxx) of the knot after the stage: prices the noise
-  double (*variance_weight)[kNdx] = nullptr;
+  NoisePrice* noise = nullptr;  // [stages] under the value of the knot after the stage
 };
 
 /// One instruction set's pass (lane_kernels.h has them all). `value` is scratch and ends as the

@@ -18,33 +18,42 @@ model::State reference_at(const TrialContext& context, double tick) {
   return model::interpolate(context.reference[i], context.reference[i + 1], s);
 }
 
+model::State DelayPrediction::step(const host::AugmentedModel& model,
+                                   const ResidualWeights* residual, const model::State& x,
+                                   const model::Input& u, double step_s) const {
+  model::StepScratch scratch;
+  model::State next;
+  model::analytical_step(model.analytical, model.ground, x.data(), u.data(), step_s, 1, next.data(),
+                         scratch);
+  if (residual == nullptr) return next;
+  // equal lanes: one evaluation costs the kernel no less
+  alignas(64) double xs[kNx][kRollOutLanes], us[kNu][kRollOutLanes], nexts[kNx][kRollOutLanes];
+  for (int i = 0; i < kNx; ++i)
+    std::fill_n(xs[i], kRollOutLanes, x[i]), std::fill_n(nexts[i], kRollOutLanes, next[i]);
+  for (int i = 0; i < kNu; ++i) std::fill_n(us[i], kRollOutLanes, u[i]);
+  kernels_.add_residual(*residual, step_s / model.residual_dt_s, xs, us, nexts);
+  for (int i = 0; i < kNx; ++i) next[i] = nexts[i][0];
+  return next;
+}
+
 model::State DelayPrediction::predict(const host::AugmentedModel& model,
                                       const ResidualWeights* residual, const TrialContext& context,
-                                      const PlanRequest& request) {
-  model::State x = request.x_observed;
+                                      const PlanRequest& request, bool in_one_step) {
+  const std::int32_t ticks = request.plan_tick - request.observed_tick;
   const double tick_s = to_seconds(kTickPeriod);
-  model::StepScratch scratch;
+  model::State x = request.x_observed;
+  model::Input mean = model::Input::Zero();
   for (std::int32_t tick = request.observed_tick; tick < request.plan_tick; ++tick) {
     const model::State reference = reference_at(context, tick);
     const model::Input u =
         policy::layer_outputs(request.in_use, context.middle, model::joints(reference),
                               context.u_rest, tick, x, context.on, context.reflex, scratch_)
             .sum();
-    model::State next;
-    model::analytical_step(model.analytical, model.ground, x.data(), u.data(), tick_s, 1,
-                           next.data(), scratch);
-    if (residual != nullptr) {
-      // equal lanes: one evaluation costs the kernel no less
-      alignas(64) double xs[kNx][kRollOutLanes], us[kNu][kRollOutLanes], nexts[kNx][kRollOutLanes];
-      for (int i = 0; i < kNx; ++i)
-        std::fill_n(xs[i], kRollOutLanes, x[i]), std::fill_n(nexts[i], kRollOutLanes, next[i]);
-      for (int i = 0; i < kNu; ++i) std::fill_n(us[i], kRollOutLanes, u[i]);
-      kernels_.add_residual(*residual, tick_s / model.residual_dt_s, xs, us, nexts);
-      for (int i = 0; i < kNx; ++i) next[i] = nexts[i][0];
-    }
-    x = next;
+    mean += u / ticks;
+    x = step(model, residual, x, u, tick_s);
   }
-  return x;
+  if (!in_one_step || ticks <= 0) return x;
+  return step(model, residual, request.x_observed, mean, ticks * tick_s);
 }
 
 }  // namespace sanso::mpc

@@ -1,6 +1,6 @@
-// From the observed state through the delay: one model step per 10 ms tick, with the sum that the
-// controller really forms.
-// Halves the error of a single 60 ms step with one held input.
+// From the observed state through the delay, with the sum that the controller really forms: one
+// model step a tick, or one step over all of it with the mean of what the ticks apply, which is the
+// step that was identified and that the residual network corrects.
 #pragma once
 
 #include "host/model/augmented_model.h"
@@ -17,9 +17,13 @@ class DelayPrediction {
   /// x at request.plan_tick. `residual` may be null; its training step length is
   /// `model.residual_dt_s`. No allocation.
   model::State predict(const host::AugmentedModel& model, const ResidualWeights* residual,
-                       const TrialContext& context, const PlanRequest& request);
+                       const TrialContext& context, const PlanRequest& request,
+                       bool in_one_step = false);
 
  private:
+  model::State step(const host::AugmentedModel& model, const ResidualWeights* residual,
+                    const model::State& x, const model::Input& u, double step_s) const;
+
   const LaneKernels& kernels_;
   policy::Knot scratch_;
 };

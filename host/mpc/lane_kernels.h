@@ -15,11 +15,9 @@ using LaneArray = double[kRollOutLanes];
 struct LineStage {
   const double* x_nominal;  // null without gains
   const double* u_nominal;
-  const StageGains* gains;              // null: u_up = ū
-  const StageDerivatives* derivatives;  // null: noise is not priced
-  const double* variance_weight;
-  const double* steps;  // of the group's lanes
-  double sigma;
+  const StageGains* gains;  // null: u_up = ū
+  const NoisePrice* noise;  // null: noise is not priced
+  const double* steps;      // of the group's lanes
   double input_limit_rad;
 };
 

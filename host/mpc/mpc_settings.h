@@ -1,4 +1,4 @@
-// The settings of the upper layer, each declared once with unit, default and range.
+// The settings of the upper layer, each declared once with unit, default, range and reason.
 #pragma once
 
 namespace sanso::mpc {
@@ -7,43 +7,59 @@ namespace sanso::mpc {
 inline constexpr int kMaxHorizon = 24;
 
 struct MpcSettings {
-  // states in the horizon, N (paper: 12, with 60 ms 0.66 s of prediction)
   int horizon = 12;
-  // s, one model step, one knot of the policy; a multiple of the 10 ms tick
   double dt_s = 0.06;
-  int max_iterations = 12;  // iLQG iterations at most
-  // stop when an iteration lowers the cost by less than this fraction
+  int max_iterations = 12;
   double convergence = 2e-4;
-  // tangent units, forward difference; chosen in docs/results/mpc.md
   double difference_step = 1e-6;
-  // first value added to the diagonal of Quu, per rad^2
   double regularization = 1e-6;
-  double gain_norm_limit = 13.0;  // Frobenius norm of K_up above which K_up is scaled down to it
-  double input_limit_rad = 0.5;   // rad, |u_up| per joint
-  double sigma = 0.1;             // noise amplitude, used when a request does not give its own
-  // start from the last plan shifted by one knot instead of u_up = 0
+  double gain_norm_limit = 13.0;
+  double input_limit_rad = 0.5;
+  double sigma = 0.1;
+  bool one_noise_channel = false;
+  bool noise_over_root_dt = false;
   bool warm_start = false;
-  int threads = 2;           // including the caller's
-  bool pin_threads = false;  // bind thread i to processor i
-  // predict from the observed state through the delay, tick by tick
+  int threads = 2;
+  bool pin_threads = false;
   bool delay_prediction = true;
+  bool one_step_prediction = false;
 
-  /// field(name, value, lowest, highest): the file reader, the command line and the settings page
-  /// walk this list.
+  /// field(name, value, unit, lowest, highest, reason): the command line and the settings page walk
+  /// this list.
   constexpr void visit(auto&& field) {
-    field("horizon", horizon, 2, kMaxHorizon);
-    field("dt_s", dt_s, 0.01, 0.12);
-    field("max_iterations", max_iterations, 1, 100);
-    field("convergence", convergence, 0.0, 0.1);
-    field("difference_step", difference_step, 1e-7, 1e-2);
-    field("regularization", regularization, 0.0, 1.0);
-    field("gain_norm_limit", gain_norm_limit, 0.0, 1000.0);
-    field("input_limit_rad", input_limit_rad, 0.01, 3.2);
-    field("sigma", sigma, 0.0, 1.0);
-    field("warm_start", warm_start, false, true);
-    field("threads", threads, 1, 64);
-    field("pin_threads", pin_threads, false, true);
-    field("delay_prediction", delay_prediction, false, true);
+    field("horizon", horizon, "states", 2, kMaxHorizon,
+          "N of the paper, 12: eleven steps of 60 ms, 0.66 s of prediction");
+    field("dt_s", dt_s, "s", 0.01, 0.12,
+          "one model step and one knot of the policy (paper); a multiple of the 10 ms tick");
+    field("max_iterations", max_iterations, "iterations", 1, 100,
+          "of iLQG at most; from a cold start 4 to 8 are usual");
+    field("convergence", convergence, "share", 0.0, 0.1,
+          "an iteration that lowers the cost by less ends the search");
+    field("difference_step", difference_step, "tangent units", 1e-7, 1e-2,
+          "forward difference; chosen in results/mpc.md");
+    field("regularization", regularization, "1/rad^2", 0.0, 1.0,
+          "first value added to the diagonal of Quu");
+    field(
+        "gain_norm_limit", gain_norm_limit, "rad", 0.0, 1000.0,
+        "Frobenius norm above which K_up is scaled down: spikes of K shake the servos; 1000: none");
+    field("input_limit_rad", input_limit_rad, "rad", 0.01, 3.2,
+          "of |u_up| a joint: full duty is reached at 0.31 rad of error");
+    field("sigma", sigma, "1", 0.0, 1.0,
+          "noise amplitude of plans outside a session; a session has its own, 0.7 falling to 0.1");
+    field("one_noise_channel", one_noise_channel, "yes or no", false, true,
+          "w is one number and F a column (paper, literally); no: a channel for each coordinate");
+    field("noise_over_root_dt", noise_over_root_dt, "yes or no", false, true,
+          "F divided by the root of dt without the root in the sampled noise (paper, literally)");
+    field("warm_start", warm_start, "yes or no", false, true,
+          "from the last plan moved by one knot instead of u_up = 0 (paper: no)");
+    field("threads", threads, "threads", 1, 64, "of the planner, the caller's among them");
+    field("pin_threads", pin_threads, "yes or no", false, true, "thread i stays on processor i");
+    field("delay_prediction", delay_prediction, "yes or no", false, true,
+          "from the observed state through the delay; no: plan from the observed state");
+    field(
+        "one_step_prediction", one_step_prediction, "yes or no", false, true,
+        "through the delay in one step with the mean input, the step that was identified (paper); "
+        "no: 10 ms steps");
   }
 };
 

@@ -78,10 +78,8 @@ void Op3Phases::roll_out_group(const LinePolicy& policy, const double* steps, in
     const LineStage line{nominal.x[k],
                          nominal.u[k],
                          policy.gains ? policy.gains + k : nullptr,
-                         policy.derivatives ? policy.derivatives + k : nullptr,
-                         policy.variance_weight ? policy.variance_weight[k] : nullptr,
+                         policy.noise ? policy.noise + k : nullptr,
                          steps,
-                         policy.sigma,
                          policy.input_limit_rad};
     kernels_.line_inputs(line, out.x[k], out.u[k], out.noise_cost);
     kernels_.layer_inputs(work_->context.stage[k], work_->context.reflex, out.x[k], out.u[k], u.v);

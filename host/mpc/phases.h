@@ -16,7 +16,7 @@ struct alignas(64) LaneGroup {
   double x[kMaxHorizon][kNxPadded][kRollOutLanes];
   double u[kMaxStages][kNuPadded][kRollOutLanes];
   double cost[kRollOutLanes];        // deterministic
-  double noise_cost[kRollOutLanes];  // sigma^2/2 sum of weight_i F_i^2 over the stages
+  double noise_cost[kRollOutLanes];  // sum of the stages' noise prices
 };
 
 /// All roll-outs of a line search.
@@ -34,10 +34,8 @@ struct LaneTrajectories {
 /// priced.
 struct LinePolicy {
   const Trajectory* nominal = nullptr;
-  const StageGains* gains = nullptr;              // null: u = ū, x̄ is not read
-  const StageDerivatives* derivatives = nullptr;  // null: noise is not priced
-  const double (*variance_weight)[kNdx] = nullptr;
-  double sigma = 0;
+  const StageGains* gains = nullptr;  // null: u = ū, x̄ is not read
+  const NoisePrice* noise = nullptr;  // null: noise is not priced
   double input_limit_rad = 0;
 };
 

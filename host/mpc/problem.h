@@ -48,6 +48,14 @@ struct alignas(64) StageCost {
   double luu_diagonal[kNu];
 };
 
+/// What the noise of a stage costs when u leaves the nominal input by du, sigma^2 included:
+/// (still + 2 slope'du + du'curvature du) / 2.
+struct alignas(64) NoisePrice {
+  double still;
+  double slope[kNu];
+  double curvature[kNu][kNu];
+};
+
 /// Feedforward and feedback of one stage: u = ū + alpha k + K (x ⊖ x̄).
 struct alignas(64) StageGains {
   double k[kNu];

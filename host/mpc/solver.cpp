@@ -87,7 +87,7 @@ bool Solver::roll_out_start(SolveResult& result) {
   if (result.finite) take_lane(0);
   std::memset(work_->gains, 0, sizeof work_->gains);
   std::memset(work_->taken, 0, sizeof work_->taken);
-  std::memset(work_->variance_weight, 0, sizeof work_->variance_weight);
+  std::memset(work_->noise, 0, sizeof work_->noise);
   return result.finite;
 }
 
@@ -98,8 +98,8 @@ Solver::Step Solver::improve(double sigma, SolveResult& result) {
   }
   for (int proposal = 0; proposal < kMaxProposals; ++proposal) {
     if (propose(sigma, result)) {
-      const double before = cost_ + noise_price(sigma);
-      const int lane = try_step_lengths(sigma, result);
+      const double before = cost_ + noise_price();
+      const int lane = try_step_lengths(result);
       const double after = work_->lanes.cost(lane) + work_->lanes.noise_cost(lane);
       if (after < before) {
         take_lane(lane);
@@ -122,22 +122,21 @@ bool Solver::propose(double sigma, SolveResult& result) {
   in.u = work_->trajectory.u;
   in.input_limit_rad = settings_.input_limit_rad;
   in.sigma = sigma;
+  in.one_noise_channel = settings_.one_noise_channel;
   in.mu = mu_;
   in.wait_for = [](void* phases, int stage) { static_cast<Phases*>(phases)->wait_for(stage); };
   in.wait_context = &phases_;
-  const bool ok = backward_pass_(in, {work_->gains, work_->variance_weight}, work_->value).ok;
+  const bool ok = backward_pass_(in, {work_->gains, work_->noise}, work_->value).ok;
   phases_.finish_linearize();
   return ok;
 }
 
-int Solver::try_step_lengths(double sigma, SolveResult& result) {
+int Solver::try_step_lengths(SolveResult& result) {
   const Stopwatch watch(result.timing.line_search);
   LinePolicy policy;
   policy.nominal = &work_->trajectory;
   policy.gains = work_->gains;
-  policy.derivatives = work_->derivatives;
-  policy.variance_weight = work_->variance_weight;
-  policy.sigma = sigma;
+  policy.noise = work_->noise;
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
   int best = 0;
@@ -149,14 +148,10 @@ int Solver::try_step_lengths(double sigma, SolveResult& result) {
   return best;
 }
 
-double Solver::noise_price(double sigma) const {
+double Solver::noise_price() const {
   double sum = 0;
-  for (int k = 0; k < phases_.stages(); ++k)
-    for (int i = 0; i < kNdx; ++i) {
-      const double F = work_->derivatives[k].F[i];
-      sum += work_->variance_weight[k][i] * F * F;
-    }
-  return 0.5 * sigma * sigma * sum;
+  for (int k = 0; k < phases_.stages(); ++k) sum += 0.5 * work_->noise[k].still;
+  return sum;
 }
 
 void Solver::take_lane(int lane) {

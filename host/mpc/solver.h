@@ -1,9 +1,9 @@
 // Stochastic iLQG: linearise, backward pass, roll-outs of all step lengths at once, until the cost
 // stops falling.
 //
-// Merit of a roll-out: its deterministic cost plus the price of its noise, sigma^2/2 sum_i Vxx_ii
-// F_i^2, with Vxx of the backward pass that proposed the step and F = F̄ + B (u - ū): the same
-// model of the noise that the backward pass minimises.
+// Merit of a roll-out: its deterministic cost plus the price of its noise, sigma^2/2 F'WF, with W
+// of the backward pass that proposed the step and F = F̄ + B (u - ū): the same model of the noise
+// that the backward pass minimises.
 // Convergence test: an iteration lowers the merit by less than the fraction `convergence` of it.
 #pragma once
 
@@ -20,6 +20,7 @@ struct SolverSettings {
   double convergence = 2e-4;
   double regularization = 1e-6;
   double input_limit_rad = 0.5;
+  bool one_noise_channel = false;
 };
 
 struct SolveResult {
@@ -56,7 +57,7 @@ class Solver {
     StageCost costs[kMaxHorizon];
     StageGains gains[kMaxStages];  // of the newest proposal
     StageGains taken[kMaxStages];  // of the last one that lowered the cost
-    double variance_weight[kMaxStages][kNdx];
+    NoisePrice noise[kMaxStages];
     Value value;
     LaneTrajectories lanes;
   };
@@ -65,8 +66,8 @@ class Solver {
   bool roll_out_start(SolveResult& result);
   Step improve(double sigma, SolveResult& result);
   bool propose(double sigma, SolveResult& result);
-  int try_step_lengths(double sigma, SolveResult& result);
-  double noise_price(double sigma) const;
+  int try_step_lengths(SolveResult& result);
+  double noise_price() const;
   void take_lane(int lane);
 
   SolverSettings settings_;

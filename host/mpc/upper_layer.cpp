@@ -20,7 +20,9 @@ struct UpperLayer::Impl {
             std::max(1, static_cast<int>(std::lround(s.dt_s / to_seconds(kTickPeriod))))),
         pool(s.threads, s.pin_threads),
         phases({s.horizon, s.dt_s, s.difference_step}, m, pool),
-        solver({s.max_iterations, s.convergence, s.regularization, s.input_limit_rad}, phases) {}
+        solver({s.max_iterations, s.convergence, s.regularization, s.input_limit_rad,
+                s.one_noise_channel},
+               phases) {}
 
   void fill_context(std::int32_t plan_tick);
   void fill_stage(int stage, double tick);
@@ -145,14 +147,17 @@ void UpperLayer::plan(const PlanRequest& request, PlanResult& result) {
   const SpinPool::Session session(s.pool);
   result.x_plan = request.x_observed;
   if (s.settings.delay_prediction)
-    result.x_plan = s.delay.predict(s.model, s.phases.residual(), s.trial, request);
+    result.x_plan = s.delay.predict(s.model, s.phases.residual(), s.trial, request,
+                                    s.settings.one_step_prediction);
   s.fill_context(request.plan_tick);
   s.fill_start(result.x_plan, request.plan_tick);
   const Nanoseconds predicted = steady_now();
 
   SolveResult solved;
   const Nanoseconds deadline = request.time_budget > 0 ? start + request.time_budget : 0;
-  s.solver.solve(request.sigma < 0 ? s.settings.sigma : request.sigma, deadline, solved);
+  double sigma = request.sigma < 0 ? s.settings.sigma : request.sigma;
+  if (s.settings.noise_over_root_dt) sigma /= std::sqrt(s.settings.dt_s);
+  s.solver.solve(sigma, deadline, solved);
   s.has_last = solved.finite;
   s.last_plan_tick = request.plan_tick;
   result.status = solved.finite ? Status::ok : Status::out_of_range;

@@ -9,12 +9,28 @@
 namespace sanso::learn {
 
 struct MiddleLayerSettings {
-  double learning_rate = 0.05;  // alpha; taken as 0 after a failed trial (paper)
-  // K is learned at this share of alpha: quieter targets at the same cost (measured)
+  double learning_rate = 0.05;
   double gain_rate_factor = 0.3;
-  double forgetting_rate = 0.01;   // mu; fixed point u_mid = (alpha/mu) u_up = 5 u_up
-  double max_gain_norm = 13.0;     // Frobenius; spikes of K_up above it would be learned and stay
-  bool start_at_reference = true;  // false: x_mid starts at the constant first state (paper)
+  double forgetting_rate = 0.01;
+  double max_gain_norm = 13.0;
+  bool start_at_reference = true;
+  bool first_knots_follow = true;
+
+  constexpr void visit(auto&& field) {
+    field("learning_rate", learning_rate, "1", 0.0, 1.0,
+          "alpha (paper: 0.05); 0 after a failed trial");
+    field("gain_rate_factor", gain_rate_factor, "1", 0.0, 1.0,
+          "share of alpha for K: quieter targets at the same cost (measured); paper: 1");
+    field("forgetting_rate", forgetting_rate, "1", 0.0, 0.5,
+          "mu (paper: 0.01); fixed point u_mid = (alpha / mu) u_up = 5 u_up");
+    field("max_gain_norm", max_gain_norm, "rad", 0.0, 1000.0,
+          "Frobenius norm: spikes of K_up above it would be learned and stay; 1000: none (paper)");
+    field(
+        "start_at_reference", start_at_reference, "yes or no", false, true,
+        "x_mid starts at the reference, so that K_mid pulls to it; no: at the first state (paper)");
+    field("first_knots_follow", first_knots_follow, "yes or no", false, true,
+          "knots before the first plan learn its first knot: the robot holds by them; no: nothing");
+  }
 };
 
 /// What the upper layer did at one knot of the middle layer's grid.

@@ -16,15 +16,19 @@ struct CrossEntropySettings {
   int population = 64;
   int elites = 12;
   int generations = 15;
-  double smoothing = 0.7;            // share of the elites' statistics in the new distribution
-  double smallest_deviation = 0.02;  // of a standardised parameter: keeps the search alive
+  double smoothing = 0.7;
+  double smallest_deviation = 0.02;
 
   constexpr void visit(auto&& field) {
-    field("population", population, 4, 100000);
-    field("elites", elites, 2, 100000);
-    field("generations", generations, 1, 10000);
-    field("smoothing", smoothing, 0.01, 1.0);
-    field("smallest_deviation", smallest_deviation, 0.0, 1.0);
+    field("population", population, "candidates", 4, 100000,
+          "of a generation: twice the parameters");
+    field("elites", elites, "candidates", 2, 100000, "a fifth of them make the next distribution");
+    field("generations", generations, "generations", 1, 10000,
+          "of a round; the next round goes on where this one ends");
+    field("smoothing", smoothing, "share", 0.01, 1.0,
+          "of the elites' statistics in the new distribution");
+    field("smallest_deviation", smallest_deviation, "prior deviations", 0.0, 1.0,
+          "keeps the search alive");
   }
 };
 

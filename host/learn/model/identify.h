@@ -15,16 +15,17 @@ namespace sanso::learn {
 
 struct IdentifySettings {
   CrossEntropySettings search;
-  // of |z|^2 / size, relative to the loss of the initial model: ties go to the initial model
   double prior_weight = 0.02;
-  int max_windows = 240;  // recordings are thinned to so many windows
+  int max_windows = 240;
   int threads = 2;
 
   constexpr void visit(auto&& field) {
     search.visit(field);
-    field("prior_weight", prior_weight, 0.0, 10.0);
-    field("max_windows", max_windows, 8, 1000000);
-    field("threads", threads, 1, 256);
+    field("prior_weight", prior_weight, "1", 0.0, 10.0,
+          "of |z|^2 / size, relative to the initial model's loss: ties go to the initial model");
+    field("max_windows", max_windows, "windows", 8, 1000000,
+          "recordings are thinned to so many, evenly: more change the answer less than the seed");
+    field("threads", threads, "threads", 1, 256, "of the search");
   }
 };
 

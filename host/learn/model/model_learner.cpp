@@ -74,7 +74,7 @@ std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episod
 }
 
 std::vector<PredictionWindow> ModelLearner::learning_windows(const Episode& episode) const {
-  if (!episode.failed()) return usable_windows(episode);
+  if (!episode.failed() || !settings_.failures_teach) return usable_windows(episode);
   std::vector<PredictionWindow> windows;
   for (const auto* ticks : {&episode.before, &episode.ticks})
     for (const PredictionWindow& w : cut_windows_of(*ticks, episode.trial, settings_.tilt_limit_rad,
@@ -99,6 +99,8 @@ ModelLearner::Data ModelLearner::split(const std::vector<Episode>& episodes) con
     auto& part = i < trained ? data.train : data.heldout;
     for (const PredictionWindow& w : learning_windows(episodes[i])) part.push_back(w);
   }
+  if (!settings_.held_out_decides)
+    data.train.insert(data.train.end(), data.heldout.begin(), data.heldout.end());
   return data;
 }
 
@@ -127,7 +129,7 @@ void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
   const double before = round.heldout_before.analytical;
   const double after = n_step_loss(data.heldout, model::make_step_model(found.parameters),
                                    initial_.ground, weights_);
-  round.identification_used = after < before;
+  round.identification_used = after < before || !settings_.held_out_decides;
   if (!round.identification_used) return;
   z_ = found.z;
   residual_.reset();  // it was trained on what the old parameters missed
@@ -141,8 +143,10 @@ void ModelLearner::train_network(const std::vector<Episode>& episodes, const Dat
   if (set.size() < static_cast<std::size_t>(settings_.residual.batch)) return;
   const std::uint64_t seed =
       derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::residual);
+  ResidualSettings training = settings_.residual;
+  training.held_out_decides = training.held_out_decides && settings_.held_out_decides;
   const ResidualTraining trained =
-      train_residual(set, weights_, settings_.residual, seed, residual_ ? &*residual_ : nullptr);
+      train_residual(set, weights_, training, seed, residual_ ? &*residual_ : nullptr);
   round.residual_one_step = trained.heldout_loss;
   round.residual_one_step_without = trained.heldout_loss_without;
   // Better over one step is not enough: the planner rolls the model out, and an error that feeds
@@ -152,15 +156,16 @@ void ModelLearner::train_network(const std::vector<Episode>& episodes, const Dat
   const double fresh = trained.network ? n_step_loss(data.heldout, m.analytical, m.ground, weights_,
                                                      &*trained.network)
                                        : std::numeric_limits<double>::infinity();
-  if (fresh < kClearlyBetter * in_use) {
+  if (fresh < kClearlyBetter * in_use || (trained.network && !settings_.held_out_decides)) {
     residual_ = trained.network;
     trust_ = {};
+    if (!settings_.trust_by_trials) trust_.share = 1.0;
   }
   round.residual_kept = residual_.has_value();
 }
 
 bool ModelLearner::judge_residual(const Episode& episode) {
-  if (!residual_) return false;
+  if (!residual_ || !settings_.trust_by_trials) return false;
   const host::AugmentedModel m = current();
   const ResidualTrust before = trust_;
   trust_ = judged(before, usable_windows(episode), m.analytical, m.ground, weights_, *residual_);

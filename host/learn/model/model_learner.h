@@ -26,18 +26,38 @@ double sigma_of_loss(double n_step_loss);
 struct ModelLearningSettings {
   IdentifySettings identify;
   ResidualSettings residual;
-  bool use_residual = true;         // false: ablation "without residual"
-  int window_stride_ticks = 6;      // identification: one window every 60 ms
-  int transition_stride_ticks = 2;  // residual network: one transition every 20 ms
-  // learn from so many of the newest episodes: older ones were run with other policies
+  bool use_residual = true;  // false: ablation "without residual"
+  int window_stride_ticks = 6;
+  int transition_stride_ticks = 2;
   int newest_episodes = 20;
   double tilt_limit_rad = kUprightTilt_rad;
+  bool failures_teach = true;
+  bool held_out_decides = true;
+  bool trust_by_trials = true;
 
   ModelLearningSettings() {
     identify.search.population = 48;
     identify.search.elites = 10;
     identify.search.generations = 12;
     identify.max_windows = 120;
+  }
+
+  constexpr void visit(auto&& field) {
+    field("window_stride_ticks", window_stride_ticks, "ticks", 1, 100,
+          "identification takes a window every 60 ms: neighbours are nearly copies");
+    field("transition_stride_ticks", transition_stride_ticks, "ticks", 1, 100,
+          "the network takes a transition every 20 ms");
+    field("newest_episodes", newest_episodes, "trials", 2, 1000000,
+          "that are learned from: older ones were run with other policies; paper: all");
+    field("tilt_limit_rad", tilt_limit_rad, "rad", 0.1, 3.2,
+          "a base that leans more is a fall in progress, not the robot's model");
+    field("failures_teach", failures_teach, "yes or no", false, true,
+          "of failed trials windows of any length count, and the hold; no: 0.72 s or none");
+    field("held_out_decides", held_out_decides, "yes or no", false, true,
+          "what predicts the newest trials worse is not taken; no: every round is (paper)");
+    field(
+        "trust_by_trials", trust_by_trials, "yes or no", false, true,
+        "a new network is followed by quarters, as trials bear it out; no: whole at once (paper)");
   }
 };
 

@@ -320,6 +320,8 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   openblas_set_num_threads(1);
   std::mt19937_64 rng(seed);
   Split split = split_by_trial(data, settings.heldout_fraction);
+  if (!settings.held_out_decides)
+    split.train.insert(split.train.end(), split.heldout.begin(), split.heldout.end());
   ResidualNetwork network = start != nullptr ? *start : random_network(rng);
   set_standardisation(data, split.train, network);
   const Standardised s = standardised(data, network);
@@ -336,12 +338,13 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   };
   double best_loss = heldout_loss();
   int since_best = 0;
-  while (result.epochs < settings.max_epochs && since_best < settings.patience) {
+  const int patience = settings.held_out_decides ? settings.patience : settings.max_epochs;
+  while (result.epochs < settings.max_epochs && since_best < patience) {
     shuffle(split.train, rng);
     result.train_loss = train_epoch(trainer, s, split.train, batch);
     ++result.epochs;
     ++since_best;
-    if (const double loss = heldout_loss(); loss < best_loss) {
+    if (const double loss = heldout_loss(); loss < best_loss || !settings.held_out_decides) {
       best_loss = loss;
       best = network;
       since_best = 0;
@@ -349,7 +352,8 @@ ResidualTraining train_residual(const TransitionSet& data, const model::Tangent&
   }
   result.heldout_loss = one_step_loss(data, split.heldout, weights, &best);
   result.heldout_loss_without = one_step_loss(data, split.heldout, weights, nullptr);
-  if (result.heldout_loss < result.heldout_loss_without) result.network = best;
+  if (result.heldout_loss < result.heldout_loss_without || !settings.held_out_decides)
+    result.network = best;
   return result;
 }
 

@@ -25,21 +25,30 @@ struct TransitionSet {
 };
 
 struct ResidualSettings {
-  double learning_rate = 1e-4;  // paper
-  int batch = 128;              // paper
-  // weight of the squared weights in the standardised loss; chosen, see docs/settings.md
+  double learning_rate = 1e-4;
+  int batch = 128;
   double l2 = 1e-4;
-  int max_epochs = 60;            // passes over the training data
-  int patience = 8;               // epochs without a better held-out loss before it stops
-  double heldout_fraction = 0.2;  // of the trials, the newest; at least one
+  int max_epochs = 60;
+  int patience = 8;
+  double heldout_fraction = 0.2;
+  bool held_out_decides = true;
 
   constexpr void visit(auto&& field) {
-    field("learning_rate", learning_rate, 1e-6, 1e-1);
-    field("batch", batch, 1, 4096);
-    field("l2", l2, 0.0, 1.0);
-    field("max_epochs", max_epochs, 1, 10000);
-    field("patience", patience, 1, 1000);
-    field("heldout_fraction", heldout_fraction, 0.05, 0.5);
+    field("learning_rate", learning_rate, "1", 1e-6, 1e-1, "of Adam (paper)");
+    field("batch", batch, "transitions", 1, 4096, "of one Adam step (paper)");
+    field(
+        "l2", l2, "1", 0.0, 1.0,
+        "weight of the squared weights in the standardised loss: far below the errors that remain");
+    field("max_epochs", max_epochs, "epochs", 1, 10000,
+          "passes over the training data; a round takes seconds, not minutes");
+    field("patience", patience, "epochs", 1, 1000,
+          "without a better held-out loss before training stops");
+    field("heldout_fraction", heldout_fraction, "share", 0.05, 0.5,
+          "of the trials, the newest, at least one: they show the motion as it is run now");
+    field(
+        "held_out_decides", held_out_decides, "yes or no", false, true,
+        "training stops by held-out trials, and a network worse than none there is not taken; no: "
+        "all data, max_epochs, always taken (paper)");
   }
 };
 

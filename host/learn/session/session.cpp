@@ -34,12 +34,13 @@ fs::path episode_file(const fs::path& out, std::uint32_t trial) {
 
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
-  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}",
+  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}",
                      task.name, s.seed, s.world, s.layers.mask(),
                      s.layers.residual ? "" : " no-residual",
                      s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
                      s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
-                     s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures);
+                     s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures,
+                     s.changed.empty() ? "" : " set " + s.changed);
 }
 
 ModelLearningSettings model_settings_of(const SessionSettings& settings) {
@@ -95,7 +96,7 @@ std::vector<model::State> reference_of(const policy::PrimitiveSet& primitives) {
   return out;
 }
 
-std::vector<UpperSample> upper_samples(const Episode& episode) {
+std::vector<UpperSample> upper_samples(const Episode& episode, bool first_knots_follow) {
   std::vector<UpperSample> out;
   for (const wire::Observation& o : episode.ticks) {
     if (o.trial_tick % kTicksPerMiddle != 0) continue;
@@ -107,7 +108,7 @@ std::vector<UpperSample> upper_samples(const Episode& episode) {
     out[knot].weight = o.upper_weight;
     policy::sample_upper(*executed, o.trial_tick, out[knot].knot);
   }
-  continue_into_hold(out);
+  if (first_knots_follow) continue_into_hold(out);
   return out;
 }
 
@@ -256,8 +257,8 @@ bool Session::time_to_learn_model() const {
 
 void Session::learn_from(const Episode& episode, const std::vector<model::State>& reference) {
   if (settings_.layers.middle)
-    update_middle_layer(upper_samples(episode), x_init_, episode.failed(), settings_.middle,
-                        state_->middle);
+    update_middle_layer(upper_samples(episode, settings_.middle.first_knots_follow), x_init_,
+                        episode.failed(), settings_.middle, state_->middle);
   if (episode.failed() && settings_.layers.lower)
     adapt_goals(episode, reference, task_.primitives, settings_.goals, state_->primitives);
 }

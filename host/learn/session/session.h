@@ -33,15 +33,24 @@ struct SessionSettings {
   // continue what is in `out`; without it `out` must hold no session
   bool resume = false;
   Layers layers;
-  std::string world;           // for the summary
-  int learn_model_every = 10;  // trials (paper); 0 = the model stays as it is
-  // so many failures in a row bring a round of learning of their own, and again after as many; 0 =
-  // never. A robot that falls at once otherwise repeats what a bad model plans ten times.
+  std::string world;    // for the summary
+  std::string profile;  // name of a set of settings, for the summary; empty: the defaults
+  std::string changed;  // "key=value ..." of settings that are not the defaults
+  int learn_model_every = 10;
   int learn_after_failures = 3;
   ModelLearningSettings model;
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
   TrialSettings trial;
+
+  /// The session's own; its parts have lists of their own.
+  constexpr void visit(auto&& field) {
+    field("learn_model_every", learn_model_every, "trials", 0, 1000000,
+          "from round to round of model learning (paper: 10); 0: the model stays as it is");
+    field("learn_after_failures", learn_after_failures, "trials", 0, 1000000,
+          "failed in a row bring a round of their own, and again after as many: a robot that falls "
+          "at once would repeat a bad plan ten times; 0: never (paper)");
+  }
 };
 
 class Session {
@@ -82,8 +91,8 @@ class Session {
 };
 
 /// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first
-/// plan see its first knot.
-std::vector<UpperSample> upper_samples(const Episode& episode);
+/// plan see its first knot, or nothing.
+std::vector<UpperSample> upper_samples(const Episode& episode, bool first_knots_follow = true);
 
 /// J of an episode with the true states in the estimates' place: what the controller believes of
 /// itself, and so an error of its attitude, is left out. Negative without truth.

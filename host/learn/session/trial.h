@@ -21,27 +21,47 @@ struct Layers : policy::LayerSwitches {
 };
 
 struct TrialSettings {
-  // standing in the first pose before the trial, lower and middle layer on
   double settle_s = 1.5;
-  // a person, or who stands for one in an emulated robot, has let go so long after the hold began
   double let_go_s = 0.4;
-  // a trial begins when trunk tilt against the first pose and its rate were below these for
-  // quiet_s; after quiet_patience_s more than settle_s it begins all the same
   double quiet_tilt_rad = 0.25;
   double quiet_rate_rad_s = 0.25;
   double quiet_s = 0.1;
   double quiet_patience_s = 3.0;
-  double cost_limit = 350.0;      // J_th (paper)
-  double tilt_limit_rad = 0.698;  // 40 deg between the base's and the reference's vertical
-  double drop_limit_m = 0.09;     // base below the reference
-  // a plan from every so many observations; it holds from the next multiple on
+  double cost_limit = 350.0;
+  double tilt_limit_rad = 0.698;
+  double drop_limit_m = 0.09;
   int upper_period_ticks = kTicksPerUpper;
-  // virtual clocks only: when a plan leaves the host, after its observation
   double modelled_planning_s = 0.030;
-  // real clocks: the planner returns its best after this; 0 = no budget
   double planning_budget_s = 0.0;
-  double silence_limit_s = 0.5;       // no observation for so long: link lost
+  double silence_limit_s = 0.5;
   SessionWatcher* watcher = nullptr;  // may be absent; outlives the trial
+
+  constexpr void visit(auto&& field) {
+    field("settle_s", settle_s, "s", 0.0, 30.0,
+          "in the first pose before the trial, lower and middle layer on");
+    field("let_go_s", let_go_s, "s", 0.0, 30.0,
+          "after the hold began a person, or who stands for one, has let go");
+    field("quiet_tilt_rad", quiet_tilt_rad, "rad", 0.0, 3.2,
+          "a trial begins with the trunk nearer to the first pose than this");
+    field("quiet_rate_rad_s", quiet_rate_rad_s, "rad/s", 0.0, 100.0,
+          "and turning slower than this: a robot that falls is past both");
+    field("quiet_s", quiet_s, "s", 0.0, 10.0, "for so long");
+    field("quiet_patience_s", quiet_patience_s, "s", 0.0, 1000.0,
+          "after settle_s; then it begins all the same and says so");
+    field("cost_limit", cost_limit, "1", 1.0, 1e9, "J_th (paper: 350); the motion's file has it");
+    field("tilt_limit_rad", tilt_limit_rad, "rad", 0.1, 3.2,
+          "between the verticals of base and reference; the motion's file has it");
+    field("drop_limit_m", drop_limit_m, "m", 0.01, 1.0,
+          "base below the reference; the motion's file has it");
+    field("upper_period_ticks", upper_period_ticks, "ticks", 1, 12,
+          "of 10 ms, from plan to plan; a plan holds from the next multiple on (paper: 6)");
+    field("modelled_planning_s", modelled_planning_s, "s", 0.0, 0.06,
+          "virtual clocks: a plan leaves the host so long after its observation, on every machine");
+    field("planning_budget_s", planning_budget_s, "s", 0.0, 1.0,
+          "real clocks: the planner returns its best after this; 0: no budget");
+    field("silence_limit_s", silence_limit_s, "s", 0.05, 60.0,
+          "without an observation: the link is lost");
+  }
 };
 
 /// What one trial is made of. Everything must outlive run_trial().

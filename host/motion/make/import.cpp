@@ -117,6 +117,18 @@ std::vector<std::string> complaints(const ReferenceCheck& check, MotionKind kind
   return found;
 }
 
+void finish_motion(ImportedMotion& made) {
+  const Recipe& recipe = made.motion.recipe;
+  const Retargeted& body = made.retargeted;
+  made.motion.window = recipe.kind == MotionKind::gait
+                           ? stepping_window(body.target, body.trajectory.dt_s)
+                           : moving_window(body.target, body.trajectory);
+  made.motion.primitives = fit_discrete(body.trajectory, {recipe.basis_per_second, 0.9});
+  // what the file holds is what is checked and returned
+  made.motion = parse_motion(to_toml(made.motion), made.motion.name);
+  made.fit = fit_error(made.motion.primitives, body.trajectory);
+}
+
 ImportedMotion import_motion(const ImportRequest& request) {
   ImportedMotion out;
   out.motion = catalogue_entry(request.like.empty() ? request.name : request.like);
@@ -139,13 +151,7 @@ ImportedMotion import_motion(const ImportRequest& request) {
     for (const auto& line : wrong) text += "\n  " + line;
     throw ClipError(text);
   }
-  const bool gait = recipe.kind == MotionKind::gait;
-  out.motion.window = gait ? stepping_window(out.retargeted.target, out.retargeted.trajectory.dt_s)
-                           : moving_window(out.retargeted.target, out.retargeted.trajectory);
-  out.motion.primitives = fit_discrete(out.retargeted.trajectory, {recipe.basis_per_second, 0.9});
-  // what the file holds is what is checked and returned
-  out.motion = parse_motion(to_toml(out.motion), request.name);
-  out.fit = fit_error(out.motion.primitives, out.retargeted.trajectory);
+  finish_motion(out);
   return out;
 }
 

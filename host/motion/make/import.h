@@ -35,6 +35,10 @@ struct ImportedMotion {
 /// MotionError for an unknown `like`.
 ImportedMotion import_motion(const ImportRequest& request);
 
+/// Window, primitives and the error of the fit, from the solved body; rounded to what the file
+/// holds.
+void finish_motion(ImportedMotion& made);
+
 /// One line per check that does not hold; empty when the reference may be shipped.
 std::vector<std::string> complaints(const ReferenceCheck& check, MotionKind kind);
 

@@ -31,8 +31,10 @@ inline void subtract_row(double factor, const double* in, double* out) {
 struct alignas(64) StageScratch {
   double T[kNdx][kColumns];    // Vxx [A | B]
   double B[kNdx][16];          // B, rows padded to two packs
-  double WB[kNdx][16];         // sigma^2 diag(Vxx) B
+  double WB[kNdx][16];         // sigma^2 W B
   double Quu_noise[kNu][16];   // B' WB
+  double noise_gradient[16];   // F' WB
+  double noise_still;          // F' sigma^2 W F
   double Qu_x[kNu][kColumns];  // [Qux | B'Vxx B]
   double Qxx[kNdxPadded][kNdxPadded];
   double Quu[kNu][kNu];
@@ -66,20 +68,15 @@ inline void quadratic_terms(const StageDerivatives& d, StageScratch& s) {
                                &s.Qu_x[r][0], kColumns);
 }
 
-/// Quu, Qu, Qx of the stage, noise included, mu not.
-inline void action_value(const BackwardInput& in, int stage, const Value& value, StageScratch& s) {
-  const StageDerivatives& d = in.derivatives[stage];
-  const StageCost& cost = in.costs[stage];
-  multiply_value(value, d, s);
-  quadratic_terms(d, s);
-  multiply_rows<1, kPacksAB>(value.Vx, 0, 1, &d.AB[0][0], kColumns, kNdx, s.Vx_AB, kColumns);
-
-  // noise: sigma^2 B' diag(Vxx) [B | F]
-  const double variance = in.sigma * in.sigma;
+/// Noise of a channel a coordinate: B' sigma^2 diag(Vxx) [B | F].
+inline void noise_by_coordinate(const StageDerivatives& d, const Value& value, double variance,
+                                StageScratch& s) {
   double weighted_F[kNdx];
+  s.noise_still = 0;
   for (int i = 0; i < kNdx; ++i) {
     const double w = variance * value.Vxx[i][i];
     weighted_F[i] = w * d.F[i];
+    s.noise_still += weighted_F[i] * d.F[i];
     for (int j = 0; j < kNu; ++j) {
       s.B[i][j] = d.AB[i][kNdx + j];
       s.WB[i][j] = w * s.B[i][j];
@@ -88,12 +85,39 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
   }
   for (int r = 0; r < kNu; r += 4)
     multiply_rows<4, 2>(&s.B[0][r], 1, 16, &s.WB[0][0], 16, kNdx, &s.Quu_noise[r][0], 16);
-  double noise_gradient[16];
-  multiply_rows<1, 2>(weighted_F, 0, 1, &s.B[0][0], 16, kNdx, noise_gradient, 16);
+  multiply_rows<1, 2>(weighted_F, 0, 1, &s.B[0][0], 16, kNdx, s.noise_gradient, 16);
+}
+
+/// Noise of a single channel along F: B' sigma^2 Vxx [B | F], from the products at hand.
+inline void noise_along_one(const StageDerivatives& d, const Value& value, double variance,
+                            StageScratch& s) {
+  s.noise_still = 0;
+  for (int j = 0; j < 16; ++j) s.noise_gradient[j] = 0;
+  for (int i = 0; i < kNdx; ++i) {
+    double VF = 0;
+    for (int j = 0; j < kNdx; ++j) VF += value.Vxx[i][j] * d.F[j];
+    s.noise_still += variance * d.F[i] * VF;
+    for (int j = 0; j < kNu; ++j) s.noise_gradient[j] += variance * d.F[i] * s.T[i][kNdx + j];
+  }
+  for (int r = 0; r < kNu; ++r)
+    for (int j = 0; j < kNu; ++j) s.Quu_noise[r][j] = variance * s.Qu_x[r][kNdx + j];
+}
+
+/// Quu, Qu, Qx of the stage, noise included, mu not.
+inline void action_value(const BackwardInput& in, int stage, const Value& value, StageScratch& s) {
+  const StageDerivatives& d = in.derivatives[stage];
+  const StageCost& cost = in.costs[stage];
+  multiply_value(value, d, s);
+  quadratic_terms(d, s);
+  multiply_rows<1, kPacksAB>(value.Vx, 0, 1, &d.AB[0][0], kColumns, kNdx, s.Vx_AB, kColumns);
+  if (in.one_noise_channel)
+    noise_along_one(d, value, in.sigma * in.sigma, s);
+  else
+    noise_by_coordinate(d, value, in.sigma * in.sigma, s);
 
   for (int i = 0; i < kNdx; ++i) s.Qx[i] = cost.lx[i] + s.Vx_AB[i];
   for (int i = 0; i < kNu; ++i) {
-    s.Qu[i] = cost.lu[i] + s.Vx_AB[kNdx + i] + noise_gradient[i];
+    s.Qu[i] = cost.lu[i] + s.Vx_AB[kNdx + i] + s.noise_gradient[i];
     for (int j = 0; j < kNu; ++j) s.Quu[i][j] = s.Qu_x[i][kNdx + j] + s.Quu_noise[i][j];
     s.Quu[i][i] += cost.luu_diagonal[i];
   }
@@ -101,6 +125,14 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
     if (i < kTheta || i >= kTheta + 3) s.Qxx[i][i] += cost.lxx_diagonal[i];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) s.Qxx[kTheta + i][kTheta + j] += cost.lxx_theta[i][j];
+}
+
+inline void price_of_noise(const StageScratch& s, NoisePrice& out) {
+  out.still = s.noise_still;
+  for (int i = 0; i < kNu; ++i) {
+    out.slope[i] = s.noise_gradient[i];
+    for (int j = 0; j < kNu; ++j) out.curvature[i][j] = s.Quu_noise[i][j];
+  }
 }
 
 /// Cholesky factor of Quu + mu I with held inputs replaced by unit rows. False when not positive
@@ -203,8 +235,8 @@ inline BackwardSummary run_backward_pass(const BackwardInput& in, const Backward
   start_value(in.costs[in.stages], value);
   for (int stage = in.stages - 1; stage >= 0; --stage) {
     if (in.wait_for) in.wait_for(in.wait_context, stage);
-    for (int i = 0; i < kNdx; ++i) out.variance_weight[stage][i] = value.Vxx[i][i];
     action_value(in, stage, value, s);
+    price_of_noise(s, out.noise[stage]);
     hold_inputs_at_limits(in.u[stage], in.input_limit_rad, s);
     if (!factorize(s, in.mu)) return summary;
     StageGains& g = out.gains[stage];

@@ -49,14 +49,14 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
     change[i] = u[i] - s.u_nominal[i];
     store(u_upper[i], u[i]);
   }
-  if (!s.derivatives) return;
-  Quad price = 0.0;
-  for (int i = 0; i < kNdx; ++i) {
-    Quad F = s.derivatives->F[i];
-    for (int j = 0; j < kNu; ++j) F += s.derivatives->AB[i][kNdx + j] * change[j];
-    price += s.variance_weight[i] * (F * F);
+  if (!s.noise) return;
+  Quad price = s.noise->still;
+  for (int i = 0; i < kNu; ++i) {
+    Quad row = 2.0 * s.noise->slope[i];
+    for (int j = 0; j < kNu; ++j) row += s.noise->curvature[i][j] * change[j];
+    price += change[i] * row;
   }
-  store(noise_cost, load_quad(noise_cost) + 0.5 * s.sigma * s.sigma * price);
+  store(noise_cost, load_quad(noise_cost) + 0.5 * price);
 }
 
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,

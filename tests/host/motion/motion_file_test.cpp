@@ -142,6 +142,10 @@ TEST(MotionLibrary, OfAnInstalledProgramStandsBesideIt) {
   std::filesystem::create_directories(motions);
   EXPECT_EQ(installed_motions(prefix.path() / "bin" / "sanso"), motions);
   EXPECT_EQ(installed_motions(prefix.path() / "sanso"), "") << "a build tree";
+  EXPECT_EQ(motions_of(prefix.path() / "bin" / "sanso"), motions);
+  EXPECT_EQ(motions_of(prefix.path() / "sanso"), "") << "taken elsewhere";
+  const auto here = std::filesystem::read_symlink("/proc/self/exe");
+  EXPECT_EQ(motions_of(here), MotionLibrary().folder()) << "in its build tree";
 }
 
 TEST(MotionFile, MessagesNameLineKeyAndExpectation) {

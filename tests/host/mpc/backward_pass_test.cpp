@@ -64,21 +64,31 @@ struct LinearProblem {
       }
     }
   }
-  BackwardInput input(double sigma, double mu = 0) const {
+  BackwardInput input(double sigma, double mu = 0, bool one_channel = false) const {
     BackwardInput in;
     in.stages = kStages, in.derivatives = derivatives.get(), in.costs = costs.get(), in.u = u;
     in.input_limit_rad = 1.0, in.sigma = sigma, in.mu = mu;
+    in.one_noise_channel = one_channel;
     return in;
   }
 };
 
 struct Pass {
   std::unique_ptr<StageGains[]> gains{new StageGains[kMaxStages]};
-  double weight[kMaxStages][kNdx];
+  std::unique_ptr<NoisePrice[]> noise{new NoisePrice[kMaxStages]};
   std::unique_ptr<Value> value{new Value};
   BackwardSummary summary;
   Pass(BackwardPassFn run, const BackwardInput& in) {
-    summary = run(in, {gains.get(), weight}, *value);
+    summary = run(in, {gains.get(), noise.get()}, *value);
+  }
+  double price(int k, const VectorXd& du) const {
+    const NoisePrice& n = noise[k];
+    double sum = n.still;
+    for (int i = 0; i < kNu; ++i) {
+      sum += 2 * n.slope[i] * du[i];
+      for (int j = 0; j < kNu; ++j) sum += du[i] * n.curvature[i][j] * du[j];
+    }
+    return sum;
   }
   double gain_norm(int k) const {
     double sum = 0;
@@ -101,20 +111,24 @@ std::vector<NamedPass> passes() {
 }
 
 TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
-  for (unsigned seed = 1; seed <= 3; ++seed)
+  for (unsigned seed = 1; seed <= 4; ++seed)
     for (const double sigma : {0.0, 0.7})
       for (const auto& pass : passes()) {
+        const bool one = seed % 2 == 0;  // a single channel, or one for every coordinate
         SCOPED_TRACE(std::string(pass.name) + " seed " + std::to_string(seed) + " sigma " +
                      std::to_string(sigma));
         const LinearProblem p(seed);
-        const Pass result(pass.run, p.input(sigma));
+        const Pass result(pass.run, p.input(sigma, 0, one));
         ASSERT_TRUE(result.summary.ok);
         // textbook recursion, dense, general linear solve
         MatrixXd V = p.W;
         VectorXd v = p.lx[LinearProblem::kStages];
         for (int k = LinearProblem::kStages - 1; k >= 0; --k) {
-          const MatrixXd D = V.diagonal().asDiagonal();
+          const MatrixXd D = one ? V : MatrixXd(V.diagonal().asDiagonal());
           const MatrixXd Quu = p.R + p.B[k].transpose() * (V + sigma * sigma * D) * p.B[k];
+          const VectorXd du = VectorXd::LinSpaced(kNu, -0.3, 0.2), F = p.F[k] + p.B[k] * du;
+          const double price = sigma * sigma * F.dot(D * F);
+          EXPECT_NEAR(result.price(k, du), price, 1e-9 * price);
           const VectorXd Qu = p.lu[k] + p.B[k].transpose() * (v + sigma * sigma * D * p.F[k]);
           const MatrixXd Qux = p.B[k].transpose() * V * p.A[k];
           const MatrixXd K = -Quu.partialPivLu().solve(Qux);

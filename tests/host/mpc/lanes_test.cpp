@@ -6,6 +6,7 @@
 #include <string>
 
 #include "host/mpc/op3_phases.h"
+#include "shared/grounds/ground_file.h"
 #include "tests/host/mpc/support/problems.h"
 #include "tests/host/mpc/support/reference_model.h"
 
@@ -73,7 +74,7 @@ TEST(Lanes, RollOutEqualsTheScalarModel) {
       const bool residual = seed % 2 == 0, middle = seed % 3 == 0;
       SCOPED_TRACE(std::string(kernels->name) + " seed " + std::to_string(seed));
       DrawnProblem s(seed, residual, middle, *kernels,
-                     seed == 5 ? model::make_ramp() : model::make_plane());
+                     seed == 5 ? grounds::load_ground("ramp") : model::make_plane());
       s.roll_out();
       const reference::Model scalar(s.model, *s.context, 0.06);
       // eleven steps with contact amplify rounding (single precision in the network) by some
@@ -115,7 +116,7 @@ TEST(Lanes, DerivativesEqualCentralDifferencesThroughContactOnAndOff) {
     for (unsigned seed = 1; seed <= 4; ++seed) {
       SCOPED_TRACE(std::string(kernels->name) + " seed " + std::to_string(seed));
       DrawnProblem s(seed, seed % 2 == 0, seed >= 3, *kernels,
-                     seed == 4 ? model::make_ramp() : model::make_plane());
+                     seed == 4 ? grounds::load_ground("ramp") : model::make_plane());
       // starts in the air: the first steps have no contact
       if (seed == 1) s.trajectory->x[0][2] += 0.1;
       s.roll_out();

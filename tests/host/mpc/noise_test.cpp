@@ -21,19 +21,22 @@ struct Sampled {
   double mean = 0, error = 0;  // error: standard deviation of the mean
 };
 
-/// Cost of the policy under x' = f(x, u) ⊕ sigma F w, w independent per coordinate, F = f(x, u) ⊖
-/// f(x, u without u_up).
+/// Cost of the policy under x' = f(x, u) ⊕ sigma F w, w independent per coordinate or one number,
+/// F = f(x, u) ⊖ f(x, u without u_up).
 /// Each sample is paired with its mirror image -w, which removes the part of the scatter that is
 /// odd in w.
-Sampled monte_carlo(const reference::Model& m, const Solver& solver, double sigma, int pairs,
-                    unsigned seed) {
+Sampled monte_carlo(const reference::Model& m, const Solver& solver, double sigma, bool one_channel,
+                    int pairs, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const Trajectory& t = solver.trajectory();
   double sum = 0, squares = 0;
   std::vector<Tangent> w(11);
   for (int pair = 0; pair < pairs; ++pair) {
-    for (Tangent& noise : w) noise = Tangent::NullaryExpr([&] { return normal(random); });
+    for (Tangent& noise : w) {
+      noise = Tangent::NullaryExpr([&] { return normal(random); });
+      if (one_channel) noise.setConstant(noise[0]);
+    }
     double cost = 0;
     for (const double side : {1.0, -1.0}) {
       State x = Eigen::Map<const State>(t.x[0]);
@@ -56,8 +59,16 @@ Sampled monte_carlo(const reference::Model& m, const Solver& solver, double sigm
   return {mean, std::sqrt((squares / pairs - mean * mean) / pairs)};
 }
 
-TEST(Noise, ExpectedCostEqualsTheMeanOfNoisyRollOuts) {
-  const auto reference = problems::reference_of("stand");
+/// The plan of one disturbed moment, and what it costs under its own noise.
+struct Noisy {
+  SolveResult plan;
+  Sampled sampled, still;
+  double noise() const { return plan.expected_cost - plan.cost_after; }
+  double sampled_noise() const { return sampled.mean - still.mean; }
+};
+
+Noisy plan_and_sample(const char* motion, double sigma, bool one_channel, int pairs) {
+  const auto reference = problems::reference_of(motion);
   SpinPool pool(1, false);
   const host::AugmentedModel model;
   Op3Phases phases({}, model, pool);
@@ -66,24 +77,43 @@ TEST(Noise, ExpectedCostEqualsTheMeanOfNoisyRollOuts) {
   SolverSettings settings;
   settings.convergence = 1e-7;
   settings.max_iterations = 60;
+  settings.one_noise_channel = one_channel;
   Solver solver(settings, phases);
   std::mt19937 random(3);
   const State x0 = model::plus(reference[50], problems::random_disturbance(random, 0.3));
   std::copy_n(x0.data(), kNx, solver.trajectory().x[0]);
-  constexpr double kSigma = 0.05;  // small: the expected cost is a second-order law in sigma
-  SolveResult result;
-  solver.solve(kSigma, 0, result);
-  const double noise = result.expected_cost - result.cost_after;
+  Noisy n;
+  solver.solve(sigma, 0, n.plan);
   const reference::Model m(model, *context, 0.06);
-  const Sampled sampled = monte_carlo(m, solver, kSigma, 5000, 1);
-  const Sampled still = monte_carlo(m, solver, 0.0, 1, 1);
-  std::printf("deterministic %.6f, expected %.6f, sampled %.6f +- %.6f (10000 roll-outs)\n",
-              result.cost_after, result.expected_cost, sampled.mean, sampled.error);
-  EXPECT_NEAR(still.mean, result.cost_after, 1e-6 * result.cost_after);
-  EXPECT_GT(noise, 0);
-  // three standard errors, and a fifth of the noise part for what the quadratic value function
-  // leaves out: dF/dx, kinks
-  EXPECT_NEAR(sampled.mean - still.mean, noise, 3 * sampled.error + 0.2 * noise);
+  n.sampled = monte_carlo(m, solver, sigma, one_channel, pairs, 1);
+  n.still = monte_carlo(m, solver, 0.0, one_channel, 1, 1);
+  std::printf("%s, %s, sigma %.2f: deterministic %.5f, expected %.5f, sampled %.5f +- %.5f\n",
+              motion, one_channel ? "one channel" : "a channel a coordinate", sigma,
+              n.plan.cost_after, n.plan.expected_cost, n.sampled.mean, n.sampled.error);
+  return n;
+}
+
+TEST(Noise, ExpectedCostEqualsTheMeanOfNoisyRollOuts) {
+  // small: the expected cost is a second-order law in sigma
+  for (const bool one_channel : {false, true}) {
+    const Noisy n = plan_and_sample("stand", 0.05, one_channel, 2500);
+    EXPECT_NEAR(n.still.mean, n.plan.cost_after, 1e-6 * n.plan.cost_after);
+    EXPECT_GT(n.noise(), 0);
+    // three standard errors, and a fifth of the noise part for what the quadratic value function
+    // leaves out: dF/dx, kinks
+    EXPECT_NEAR(n.sampled_noise(), n.noise(), 3 * n.sampled.error + 0.2 * n.noise());
+  }
+}
+
+TEST(Noise, HoldsAtTheAmplitudesOfASession) {
+  for (const char* motion : {"stand", "walk_forward"})
+    for (const double sigma : {0.1, 0.3, 0.7})
+      for (const bool one_channel : {false, true}) {
+        const Noisy n = plan_and_sample(motion, sigma, one_channel, 400);
+        EXPECT_NEAR(n.plan.expected_cost, n.sampled.mean,
+                    0.1 * n.sampled.mean + 3 * n.sampled.error)
+            << motion << " " << sigma << " " << one_channel;
+      }
 }
 
 }  // namespace

@@ -66,12 +66,10 @@ class LinearPhases : public Phases {
         }
         for (int i = 0; i < kNdx; ++i) {
           next[i] = 0;
-          double F = 0;
           for (int j = 0; j < kNdx; ++j) next[i] += fixed(j) ? 0 : AB_[i][j] * x[state_row(j)];
-          for (int j = 0; j < kNu; ++j) F += AB_[i][kNdx + j] * u[j];
-          next[i] += F;
-          if (p.derivatives) noise += 0.5 * p.sigma * p.sigma * p.variance_weight[k][i] * F * F;
+          for (int j = 0; j < kNu; ++j) next[i] += AB_[i][kNdx + j] * u[j];
         }
+        if (p.noise) noise += price(p.noise[k], u, p.nominal->u[k]);
         for (int i = 0; i < kNdx; ++i)
           if (!fixed(i)) x[state_row(i)] = next[i];
       }
@@ -82,6 +80,15 @@ class LinearPhases : public Phases {
 
   int roll_outs = 0;
 
+  static double price(const NoisePrice& n, const double* u, const double* nominal) {
+    double sum = n.still;
+    for (int i = 0; i < kNu; ++i) {
+      sum += 2 * n.slope[i] * (u[i] - nominal[i]);
+      for (int j = 0; j < kNu; ++j)
+        sum += (u[i] - nominal[i]) * n.curvature[i][j] * (u[j] - nominal[j]);
+    }
+    return 0.5 * sum;
+  }
   static bool fixed(int i) { return i >= kTheta && i < kTheta + 3; }
   static int state_row(int i) { return i < kTheta ? i : i + 1; }
 
