@@ -11,6 +11,7 @@
 #include "shared/files/atomic_file.h"
 #include "tools/conceal/built.h"
 #include "tools/conceal/decoy.h"
+#include "tools/conceal/floor_case.h"
 #include "tools/conceal/seal.h"
 #include "tools/conceal/severity.h"
 #include "tools/plant/world_error.h"
@@ -170,13 +171,42 @@ std::optional<Family> family_from_string(const std::string& name) {
   return std::nullopt;
 }
 
+namespace {
+
+/// Writes a case; the answer sealed.
+Concealed write_case(const fs::path& out, const std::string& urdf, const std::string& toml,
+                     const std::vector<recording::Recording>& recordings,
+                     const std::string& answer) {
+  fs::create_directories(out / "model");
+  fs::create_directories(out / "recordings");
+  files::write_atomically(out / "model" / "robot.urdf", urdf);
+  files::write_atomically(out / "model" / "model.toml", toml);
+  Concealed result;
+  result.model = (out / "model").string();
+  for (const auto& r : recordings) {
+    const fs::path path = out / "recordings" / r.file;
+    recording::write_csv(r, path.string());
+    result.recordings.push_back(path.string());
+  }
+  const auto sealed = make_seal(answer);
+  files::write_atomically(out / "answer.sealed", sealed);
+  result.hash = seal_hash(sealed);
+  return result;
+}
+
+}  // namespace
+
 Concealed conceal(const ConcealOptions& options) {
-  const RobotSpec nominal = make_robot(options.robot);
   const fs::path out(options.out);
   if (fs::exists(out / "answer.sealed")) {
     throw plant::WorldError(options.out +
                             " holds a case already; choose another --out or remove it");
   }
+  if (options.robot == kFloorRobot) {
+    const FloorCase made = make_floor_case(options);
+    return write_case(out, made.urdf, made.toml, made.recordings, made.answer);
+  }
+  const RobotSpec nominal = make_robot(options.robot);
   Random random(options.seed * 0x9E3779B97F4A7C15ull + 0xC0);
   Case c;
   c.family = draw_family(random);
@@ -204,21 +234,8 @@ Concealed conceal(const ConcealOptions& options) {
   }
   if (c.family == Family::decoy) c.decoy = spoil(recordings, random);
 
-  fs::create_directories(out / "model");
-  fs::create_directories(out / "recordings");
-  files::write_atomically(out / "model" / "robot.urdf", to_urdf(nominal));
-  files::write_atomically(out / "model" / "model.toml", model_toml(nominal, c.nominal_joint));
-  Concealed result;
-  result.model = (out / "model").string();
-  for (const auto& r : recordings) {
-    const fs::path path = out / "recordings" / r.file;
-    recording::write_csv(r, path.string());
-    result.recordings.push_back(path.string());
-  }
-  const auto sealed = make_seal(answer_json(c, options));
-  files::write_atomically(out / "answer.sealed", sealed);
-  result.hash = seal_hash(sealed);
-  return result;
+  return write_case(out, to_urdf(nominal), model_toml(nominal, c.nominal_joint), recordings,
+                    answer_json(c, options));
 }
 
 }  // namespace sanso::conceal

@@ -119,7 +119,7 @@ RobotSpec make_robot(const std::string& name) {
   if (name == "pendulum") return pendulum();
   if (name == "arm") return arm();
   if (name == "op3-stand") return op3_stand();
-  throw plant::WorldError("robot '" + name + "': expected pendulum, arm or op3-stand");
+  throw plant::WorldError("robot '" + name + "': expected pendulum, arm, op3-stand or op3-floor");
 }
 
 RobotSpec as_built(const RobotSpec& nominal, Random& random) {

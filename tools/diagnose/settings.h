@@ -5,100 +5,9 @@
 // looking at one real recording: scores on other data judge them.
 #pragma once
 
+#include "tools/diagnose/settings_of_data.h"
+
 namespace sanso::diagnose {
-
-/// When the data gate takes a sample or a channel for what it is not.
-struct GateSettings {
-  double glitch_deviations = 8.0;
-  double glitch_quanta = 4.0;
-  double glitch_steps = 3.0;
-  int held_changes = 20;
-  double resting_share = 0.1;
-  double clipped_deviations = 3.0;
-  double clock_skew = 0.1;
-  double clock_between = 0.02;
-  template <class Field>
-  void visit(Field&& field) {
-    field("glitch_deviations", glitch_deviations, "deviations", 1.0, 1000.0,
-          "of how far samples usually leave the median of five: a glitch leaves it further");
-    field("glitch_quanta", glitch_quanta, "small steps", 0.5, 1000.0,
-          "of the channel, counts if it has any: readings flicker by one or two");
-    field("glitch_steps", glitch_steps, "neighbouring steps", 0.5, 1000.0,
-          "a reversal leaves that median by one at most, however hard the stop");
-    field("held_changes", held_changes, "changes", 5, 100000,
-          "of more than one count, to tell a held channel from one that moves slowly");
-    field("resting_share", resting_share, "share", 0.001, 0.5,
-          "of these at other distances: motion that rested; with more the channel is not held");
-    field("clipped_deviations", clipped_deviations, "deviations", 0.5, 100.0,
-          "of the answer to other commands: further beyond a flat top, the command went on");
-    field("clock_skew", clock_skew, "s", 0.01, 1.0,
-          "further apart than any delay, filter or lead of the library puts two channels");
-    field("clock_between", clock_between, "s", 0.001, 1.0,
-          "and two rows: what a velocity's delay may differ by between recordings");
-  }
-};
-
-/// What is taken of the recordings, and how closely a simulation is asked to be right.
-struct DataSettings {
-  double shot_seconds = 0.5;
-  int least_shot_rows = 10;
-  double torque_window = 0.1;
-  double fastest_rate = 1100.0;
-  int maximum_rows = 40000;
-  int maximum_shots = 120;
-  double model_floor = 0.0002;
-  double secondary_floor = 0.05;
-  double arrival_inflation = 3.0;
-  int compared_rows = 100;
-  int smoothing_rounds = 3;
-  int likelihood_rows = 6000;
-  int coupled_starts = 4;
-  double start_step_position = 0.0001;
-  double start_step_velocity = 0.001;
-  int instants = 5;
-  double end_margin = 0.03;
-  int velocity_samples = 2000;
-  template <class Field>
-  void visit(Field&& field) {
-    field("shot_seconds", shot_seconds, "s", 0.05, 10.0,
-          "length of a shot: the horizon an MPC feels; long enough for a servo's lag");
-    field("least_shot_rows", least_shot_rows, "rows", 2, 1000,
-          "slower recordings get longer shots: fewer rows show no shape of motion");
-    field("torque_window", torque_window, "s", 0.01, 2.0,
-          "window of the missing-torque residual; between 60 and 240 ms");
-    field("fastest_rate", fastest_rate, "Hz", 50.0, 100000.0,
-          "faster recordings are thinned; joint physics end far below");
-    field("maximum_rows", maximum_rows, "rows x joints", 100, 10000000,
-          "compared in a search; more only narrows intervals");
-    field("maximum_shots", maximum_shots, "shots", 4, 100000,
-          "compared in a search; the same reason");
-    field("model_floor", model_floor, "share of the range", 0.0, 0.1,
-          "of a position's range: below this no simulation is asked to be right");
-    field("secondary_floor", secondary_floor, "share of the RMS", 0.0, 1.0,
-          "of an electrical or velocity channel: gain error and filters of such sensors");
-    field("arrival_inflation", arrival_inflation, "factor", 0.1, 100.0,
-          "on the smoother's velocity deviation: its motion model is not the robot's");
-    field("compared_rows", compared_rows, "rows", 10, 100000,
-          "of a shot; 200 Hz at half a second: above it neighbouring errors are the same error");
-    field("smoothing_rounds", smoothing_rounds, "rounds", 1, 100,
-          "the speed that says how well a jittering reading is known settles in as many");
-    field("likelihood_rows", likelihood_rows, "rows", 100, 10000000,
-          "by which the smoother's density is chosen; more change it by less than a step");
-    field("coupled_starts", coupled_starts, "joints", 1, 20,
-          "with more, starts are moved all at once and coupling is left out of their derivative");
-    field(
-        "start_step_position", start_step_position, "rad (m)", 1e-07, 0.01,
-        "of a start's derivative: well above the integrator's rounding, below any regime's width");
-    field("start_step_velocity", start_step_velocity, "rad/s (m/s)", 1e-06, 0.1,
-          "the same for the velocity");
-    field("instants", instants, "instants", 1, 100,
-          "at which what begins somewhere in a recording is probed: 0 and equal steps");
-    field("end_margin", end_margin, "share of the range", 0.001, 0.25,
-          "nearest to the end of a motion where a position is looked for: rows have to show it");
-    field("velocity_samples", velocity_samples, "samples", 100, 1000000,
-          "of a velocity channel by joint; more only sharpen a p that is small already");
-  }
-};
 
 /// What a nominal model may be wrong by without anything being missing: the deviation of the prior
 /// and, times `reach`, the bound.
@@ -150,6 +59,11 @@ struct DecisionSettings {
   double adequate = 1.42;
   int rivals = 8;
   int pairs = 4;
+  int pairs_of_one = 2;
+  double one_signature = 0.005;
+  double tied_drives = 2.0;
+  double same_robot = 0.25;
+  int disagreeing_groups = 6;
   int maximum_effects = 6;
   int folds = 4;
   int bootstrap = 199;
@@ -182,6 +96,16 @@ struct DecisionSettings {
           "cluster representatives fitted fully at every step");
     field("pairs", pairs, "pairs", 0, 1000,
           "of effects fitted together where none passes alone; each costs as much as two rivals");
+    field("pairs_of_one", pairs_of_one, "pairs", 1, 1000,
+          "in which one effect stands: others want to be heard");
+    field("one_signature", one_signature, "1 - correlation", 1e-6, 0.5,
+          "signatures of a pair that are more alike cannot be told apart by the screening");
+    field("tied_drives", tied_drives, "factor", 1.0, 1000.0,
+          "in torque between joints that share one number: one for unlike drives is nobody's");
+    field("same_robot", same_robot, "share", 0.001, 2.0,
+          "of an effect's size: recordings that differ by less are one robot on two days");
+    field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
+          "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,
           "more names than this is a different robot, not a missing effect");
     field("folds", folds, "groups", 1, 100,
@@ -346,6 +270,10 @@ struct EffortSettings {
   int ripples = 12;
   int maximum_terms = 60;
   double gain_share = 0.05;
+  double ends = 0.05;
+  int blocks = 120;
+  double nearly = 0.1;
+  double beyond = 1.5;
   template <class Field>
   void visit(Field&& field) {
     field("window", window, "s", 0.001, 1.0,
@@ -369,6 +297,13 @@ struct EffortSettings {
           "of all joints: more is a table, not a cause");
     field("gain_share", gain_share, "share", 0.0, 1.0,
           "of the effort that the links' known weight and inertia must explain to tell a gain");
+    field("ends", ends, "s", 0.0, 5.0,
+          "left out: the smoother knows acceleration from one side only there");
+    field("blocks", blocks, "blocks", 8, 10000, "at most: more sharpen no interval");
+    field("nearly", nearly, "share", 0.0, 0.9,
+          "of the best gain that a term of the same joint, no link's, may fall behind");
+    field("beyond", beyond, "factor", 0.5, 100.0,
+          "times the fastest motion that was fitted: beyond, nothing is judged");
   }
 };
 

@@ -47,6 +47,15 @@ TEST(CaseFolder, ASingleEffectIsRightOnlyByNamePlaceAndAlone) {
   EXPECT_FALSE(judge(truth, verdict("ABSENT", "")).right);
 }
 
+TEST(CaseFolder, WhatAGeneratorCouldNotTellIsZero) {
+  const CaseAnswer answer = parse_answer(R"({"family":"null","robot":"arm","effects":[],
+    "severity":null,"noise":{"rms":null},"oracle":{"explained":null}})",
+                                         "answer.json");
+  EXPECT_EQ(answer.ratio, 0.0);
+  EXPECT_EQ(answer.noise, 0.0);
+  EXPECT_EQ(answer.oracle_explained, 0.0);
+}
+
 TEST(CaseFolder, ANameInsideASetIsInTheSetAndNotFirst) {
   const CaseJudgement j =
       judge(single(), verdict("ONE_OF", R"({"effect":"tether","where":["lower"],"status":"ONE_OF",
@@ -170,7 +179,8 @@ TEST(BoundedError, GrowsAsTheSquareNearTheNoiseAndAsALogarithmFarAway) {
 CaseOutcome outcome(const std::string& name, CaseFamily family, const std::string& robot,
                     double ratio) {
   CaseOutcome o;
-  o.name = name, o.family = family, o.robot = robot, o.ratio = ratio, o.seconds = 1.0;
+  o.name = name, o.family = family, o.robot = robot, o.ratio = ratio;
+  o.seconds = 1.0, o.cpu_seconds = 2.0;
   return o;
 }
 

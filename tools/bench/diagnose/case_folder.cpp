@@ -20,6 +20,13 @@ Names names_at(const json& object, const char* key) {
   return object.contains(key) && object.at(key).is_array() ? object.at(key).get<Names>() : Names{};
 }
 
+/// A number of an answer; 0 where it is missing or null: what a generator could not tell.
+double number_at(const json& object, const char* part, const char* key) {
+  if (!object.contains(part) || !object.at(part).is_object()) return 0.0;
+  const json& of = object.at(part);
+  return of.contains(key) && of.at(key).is_number() ? of.at(key).get<double>() : 0.0;
+}
+
 TrueParameter parameter_of(const std::string& name, const json& said) {
   TrueParameter out{{name}, {said.at("value").get<double>()}};
   for (const std::string& alias : names_at(said, "aliases")) out.names.push_back(alias);
@@ -55,13 +62,13 @@ CaseAnswer answer_of(const json& said, const std::string& file) {
   out.family = *known;
   out.robot = said.at("robot").get<std::string>();
   if (said.value("variant", "") == "torque") out.robot += "/torque";
-  out.ratio = said.value("severity", json::object()).value("achieved_snr", 0.0);
+  out.ratio = number_at(said, "severity", "achieved_snr");
   for (const json& effect : said.at("effects")) out.effects.push_back(effect_of(effect));
   out.one_of = names_at(said, "one_of");
   if (said.contains("decoy") && said.at("decoy").is_object())
     out.decoy_channels = names_at(said.at("decoy"), "channels");
-  out.noise = said.value("noise", json::object()).value("rms", 0.0);
-  out.oracle_explained = said.value("oracle", json::object()).value("explained", 0.0);
+  out.noise = number_at(said, "noise", "rms");
+  out.oracle_explained = number_at(said, "oracle", "explained");
   return out;
 }
 

@@ -19,6 +19,7 @@
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
+#include "tools/diagnose/wholebody/diagnose_whole.h"
 
 namespace sanso::bench {
 namespace {
@@ -110,6 +111,11 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
                    {"sparse regression", sparse_regression(look)},
                    {"friction ladder", friction_ladder(look)}};
   out.explained = explained_half_second(found.verdict, out.proved);
+  // the simpler methods and the comparison with the truth simulate a bolted base
+  if (diagnose::floats(made.model)) {
+    files::write_atomically(folder / "outcome.json", json_of(out).dump(2) + "\n");
+    return out;
+  }
   out.network = residual_network(made.model, made.recordings, seed, options.settings);
   task.first_look_by_group = false;
   const bool hidden =

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -54,12 +55,16 @@ CaseOutcome run_case(const CaseFiles& c, const fs::path& folder,
   out.oracle_explained = c.answer.oracle_explained;
   for (const TrueEffect& e : c.answer.effects) out.truth.push_back(e.id);
   const auto start = std::chrono::steady_clock::now();
-  const diagnose::Diagnosis found = diagnose::diagnose(task, [](const std::string&) {});
+  const std::clock_t processor = std::clock();
+  fs::create_directories(folder);
+  std::ofstream log(folder / "progress.txt");
+  const diagnose::Diagnosis found =
+      diagnose::diagnose(task, [&](const std::string& line) { log << line << std::endl; });
+  out.cpu_seconds = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string verdict = diagnose::verdict_json(found.verdict);
   out.said = judge(c.answer, verdict);
   prove(c, found, out);
-  fs::create_directories(folder);
   files::write_atomically(folder / "verdict.json", verdict);
   files::write_atomically(folder / "outcome.json", nlohmann::json(out).dump(2) + "\n");
   return out;
@@ -100,9 +105,11 @@ int bench_folder(const FolderBenchOptions& options) {
       all.push_back(run_case(c, folder, options.settings));
     }
     const CaseOutcome& o = all.back();
-    fmt::print(stderr, "[{}/{}] {}: {} {} ratio {:.1f}: {} -> {} {}: {}, {:.1f} s\n", all.size(),
-               cases.size(), o.name, in_answers(o.family), o.robot, o.ratio, list(o.truth),
-               o.said.status, list(o.said.named), o.said.right ? "right" : "wrong", o.seconds);
+    fmt::print(stderr,
+               "[{}/{}] {}: {} {} ratio {:.1f}: {} -> {} {}: {}, {:.1f} s (processor {:.1f} s)\n",
+               all.size(), cases.size(), o.name, in_answers(o.family), o.robot, o.ratio,
+               list(o.truth), o.said.status, list(o.said.named), o.said.right ? "right" : "wrong",
+               o.seconds, o.cpu_seconds);
   }
   fmt::print("{}", options.json ? folder_json(all) : folder_table(all, options.ratio_bounds));
   return 0;

@@ -23,7 +23,8 @@ struct FolderBenchOptions {
 struct CaseOutcome {
   std::string name, robot;
   CaseFamily family = CaseFamily::clean;
-  double ratio = 0.0, seconds = 0.0;
+  double ratio = 0.0;
+  double seconds = 0.0, cpu_seconds = 0.0;  // what a user waits; of all cores together
   std::vector<std::string> truth;
   CaseJudgement said;
   bool proved = false;             // there are held-out recordings

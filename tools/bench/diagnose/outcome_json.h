@@ -21,7 +21,8 @@ inline void from_json(const nlohmann::json& in, CaseFamily& family) {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseJudgement, status, named, detected, named_first, in_set,
                                    place_right, refused, unnamed, right, wrong_confirmed, f1,
                                    set_size, relative_error, covered)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseOutcome, name, family, robot, ratio, seconds, truth, said,
-                                   proved, explained, explained_bounded, oracle_explained)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CaseOutcome, name, family, robot, ratio, seconds, cpu_seconds,
+                                   truth, said, proved, explained, explained_bounded,
+                                   oracle_explained)
 
 }  // namespace sanso::bench

@@ -12,9 +12,6 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Tied joints differ at most by this factor in torque: one number for unlike drives is nobody's.
-constexpr double kAlike = 2.0;
-
 /// All drives as the library's checks want them.
 std::vector<Drive> drives_of(const Comparison& comparison) {
   std::vector<Drive> out;
@@ -94,7 +91,8 @@ bool alike(const Comparison& comparison, const std::vector<JointScale>& scales, 
   if (scales.empty()) return true;
   const std::vector<TreeJoint>& tree = comparison.sources.front().nominal.tree.joints;
   const double x = scales[a].torque, y = scales[b].torque;
-  return tree[a].prismatic == tree[b].prismatic && std::max(x, y) <= kAlike * std::min(x, y);
+  return tree[a].prismatic == tree[b].prismatic &&
+         std::max(x, y) <= comparison.settings.decisions.tied_drives * std::min(x, y);
 }
 
 /// Places with more than one joint: mirror pairs, then all joints alike. One number stands for all

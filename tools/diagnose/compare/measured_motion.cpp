@@ -22,11 +22,12 @@ double position_noise(const std::vector<double>& q) {
   return std::max({robust_sigma(second), smallest_step / std::sqrt(12.0), 1e-6 * range, 1e-9});
 }
 
-MeasuredMotion measured_motion(const Drive& drive, const DataSettings& settings) {
+MeasuredMotion measured_motion(const Drive& drive, const Settings& settings) {
   MeasuredMotion motion;
   for (const JointData& joint : drive.joints) {
-    const std::vector<double> q = gate::without_glitches(joint.q);
-    SmoothedState state = smooth_position(drive.t, q, position_noise(q), settings.likelihood_rows);
+    const std::vector<double> q = gate::without_glitches(joint.q, nullptr, settings.gate);
+    SmoothedState state =
+        smooth_position(drive.t, q, position_noise(q), settings.data.likelihood_rows);
     motion.q.push_back(std::move(state.q));
     motion.dq.push_back(std::move(state.dq));
   }

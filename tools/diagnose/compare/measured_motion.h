@@ -15,7 +15,7 @@ namespace sanso::diagnose {
 double position_noise(const std::vector<double>& q);
 
 /// Smoothed motion of every joint; isolated single-sample glitches are left out.
-MeasuredMotion measured_motion(const Drive& drive, const DataSettings& settings);
+MeasuredMotion measured_motion(const Drive& drive, const Settings& settings);
 
 /// Windows of `seconds` that tile the recording, each starting at the measured state; one window
 /// when seconds is infinite. Pieces shorter than half a window at the end are left out unless they

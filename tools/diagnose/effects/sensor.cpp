@@ -84,7 +84,10 @@ Effect imu_bias() {
       .form = "reading + bias",
       .parameters = {{"gyro_x", "rad/s", 0, -0.1, 0.1, 0.01},
                      {"gyro_y", "rad/s", 0, -0.1, 0.1, 0.01},
-                     {"gyro_z", "rad/s", 0, -0.1, 0.1, 0.01}},
+                     {"gyro_z", "rad/s", 0, -0.1, 0.1, 0.01},
+                     {"acc_x", "m/s^2", 0, -2, 2, 0.2},
+                     {"acc_y", "m/s^2", 0, -2, 2, 0.2},
+                     {"acc_z", "m/s^2", 0, -2, 2, 0.2}},
       .residuals = kR5 | kR6,
       .needs = kImu,
       .confounders = {"imu_misalignment", "ground_slope"},
@@ -111,11 +114,40 @@ Effect imu_misalignment() {
   });
 }
 
+Effect pose_scale() {
+  return imu({
+      .id = "pose_scale",
+      .code = "S6",
+      .name = "scale of the recorded base positions",
+      .form = "position times scale",
+      .parameters = {{"scale", "-", 1, 0.8, 1.25, 0.02}},
+      .residuals = kR5 | kR6,
+      .needs = kGround,
+      .regimes = {"flight", "standstill"},
+      .signature = "pace of free fall, and height at rest",
+  });
+}
+
+Effect foot_force_scale() {
+  return imu({
+      .id = "foot_force_scale",
+      .code = "S7",
+      .name = "scale of the recorded foot forces",
+      .form = "force times scale",
+      .parameters = {{"scale", "-", 1, 0.5, 2, 0.02}},
+      .residuals = kR5,
+      .needs = kGround,
+      .confounders = {"link_mass", "payload"},
+      .regimes = {"stance"},
+      .signature = "sum of the feet against the weight",
+  });
+}
+
 }  // namespace
 
 std::vector<Effect> sensor_effects() {
-  return {encoder_offset(), encoder_nonlinearity(), velocity_filter(), imu_bias(),
-          imu_misalignment()};
+  return {encoder_offset(),   encoder_nonlinearity(), velocity_filter(), imu_bias(),
+          imu_misalignment(), pose_scale(),           foot_force_scale()};
 }
 
 }  // namespace sanso::diagnose

@@ -27,7 +27,7 @@ void drop_stand_ins(SearchState& state, const Candidate& own) {
   for (std::size_t i = 0; i < found.accepted.size();) {
     const FitResult reduced = state.without(i);
     const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
-    const HeldoutGain gain = compare(state.decisions(), energy, found.final_heldout);
+    const HeldoutGain gain = compare(*state.problem, energy, found.final_heldout);
     if (!stands_in(state.accepted(i), own) ||
         (gain.beyond_chance() && gain.removed() > state.practical())) {
       ++i;

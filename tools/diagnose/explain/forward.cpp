@@ -48,9 +48,15 @@ struct Objections {
   std::string gate, residual;
 };
 
-Objections objections_to(const SearchState& state, const Alternative& a) {
+Objections objections_to(const SearchState& state, const Alternative& a, bool at_its_bound) {
   Objections out;
   out.gate = refused_by(state, a);
+  const double removed =
+      state.gain_of(a.fit.model.effects.back(), state.found.final_heldout, a.heldout).removed();
+  // it names nothing; a description is worth its place where it is most of what is to be said
+  if (out.gate.empty() && at_its_bound &&
+      removed < state.decisions().stand_in_share * state.found.final_heldout.sum())
+    out.gate = "removes too little for what ends at a bound";
   if (out.gate.empty()) out.residual = state.residual_against(state.found.final, a.fit);
   return out;
 }
@@ -58,7 +64,7 @@ Objections objections_to(const SearchState& state, const Alternative& a) {
 /// The candidates of one step, best first, each judged once.
 class Judged {
  public:
-  Judged(SearchState& state, int step, const std::vector<Alternative>& fitted)
+  Judged(SearchState& state, int step, std::vector<Alternative>& fitted)
       : state_(state), step_(step), fitted_(fitted), objections_(fitted.size()) {}
 
   /// The best that ends at a bound, or that does not, and passes its gates; `refutable`: no
@@ -67,7 +73,9 @@ class Judged {
     for (std::size_t i = 0; i < fitted_.size(); ++i) {
       if (at_bound(state_.library, fitted_[i]) != at_its_bound) continue;
       const bool first_time = !objections_[i];
-      if (first_time) objections_[i] = objections_to(state_, fitted_[i]);
+      if (first_time && fitted_[i].far_behind)
+        fitted_[i].heldout = heldout_energy(*state_.found.around, fitted_[i].fit);
+      if (first_time) objections_[i] = objections_to(state_, fitted_[i], at_its_bound);
       const Objections& o = *objections_[i];
       const std::string& refused = o.gate.empty() && refutable ? o.residual : o.gate;
       if (first_time || refused.empty())
@@ -80,7 +88,7 @@ class Judged {
  private:
   SearchState& state_;
   int step_;
-  const std::vector<Alternative>& fitted_;
+  std::vector<Alternative>& fitted_;
   std::vector<std::optional<Objections>> objections_;
 };
 
@@ -90,7 +98,7 @@ Forward accept_first(SearchState& state, int step, std::vector<Alternative> fitt
                      const Screening& screening, double least_energy) {
   Judged judged(state, step, fitted);
   std::optional<std::size_t> which = judged.best(false, true);
-  if (!which && accept_pair(state, step, screening, least_energy)) return Forward::found;
+  if (!which && accept_pair(state, step, screening, fitted, least_energy)) return Forward::found;
   if (!which) which = judged.best(false, false);
   const bool inside = which.has_value();
   if (!which) which = judged.best(true, true);
@@ -118,7 +126,7 @@ Forward forward(SearchState& state, int step) {
         "step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,
         screening.probes.empty() ? 0.0 : screening.best(screening.ranking().front())->score,
         screening.critical));
-    return accept_pair(state, step, screening, least) ? Forward::found : Forward::none;
+    return accept_pair(state, step, screening, {}, least) ? Forward::found : Forward::none;
   }
   std::vector<Alternative> fitted =
       fit_all(*found.around, found.final.model, found.final.objective, which, screening);

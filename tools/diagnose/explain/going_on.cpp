@@ -93,7 +93,7 @@ void describe_what_going_on_beats(SearchState& state) {
       with += position_energy(*found.around, found.final.r, j);
       going += going_on_energy(state.problem, j);
     }
-    const HeldoutGain better = compare(state.decisions(), with, going);
+    const HeldoutGain better = compare(*state.problem, with, going);
     if (better.certainty() <= state.decisions().standard_errors || !entry.contradicted.empty())
       continue;
     entry.contradicted = "a joint that goes on as it went is predicted better";

@@ -78,7 +78,7 @@ void drop_refuted(SearchState& state) {
     }
     const std::string title = state.accepted(i).title();
     const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
-    if (compare(state.decisions(), energy, found.final_heldout).removed() >
+    if (compare(*state.problem, energy, found.final_heldout).removed() >
         state.decisions().stand_in_share * energy.sum()) {
       state.say("contradicted, kept as a description: " + title + ", " + refuted);
       found.accepted[i].contradicted = refuted;

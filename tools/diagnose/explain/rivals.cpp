@@ -35,11 +35,15 @@ const Alternative* find(const std::vector<Alternative>& all, std::size_t c) {
   return it == all.end() ? nullptr : &*it;
 }
 
+/// Of what is far behind: too good for it by what its fit has learned, and far behind even so.
+Eigen::VectorXd seen_energy(const Surroundings& around, const FitResult& fit) {
+  return around.bounded(around.starts.energy_by_shot(fit.r));
+}
+
 /// An earlier fit that was far behind, judged again without fitting it.
 Alternative as_it_was(const Surroundings& around, Alternative a) {
   a.fit.r = prediction_error(around.problem, *around.library, a.fit.model);
-  // too good for it by what its fit has learned
-  a.heldout = around.bounded(around.starts.energy_by_shot(a.fit.r));
+  a.heldout = seen_energy(around, a.fit);
   a.fit.objective = a.heldout.sum();
   return a;
 }
@@ -184,7 +188,7 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
           resume(around, std::move(a.fit),
                  around.settings().fitting.iterations - around.settings().fitting.first_iterations);
     if (!a.far_behind) a.fit = freed(around, std::move(a.fit));
-    a.heldout = heldout_energy(around, a.fit);
+    a.heldout = a.far_behind ? seen_energy(around, a.fit) : heldout_energy(around, a.fit);
   });
   return out;
 }
@@ -195,14 +199,16 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
   double unit = INFINITY;
   for (const Alternative& a : all) unit = std::min(unit, typical_energy(a.heldout));
   std::stable_sort(all.begin(), all.end(), [unit](const Alternative& a, const Alternative& b) {
+    if (a.far_behind != b.far_behind) return b.far_behind;
     return bounded_energy(a.heldout, unit) < bounded_energy(b.heldout, unit);
   });
   const Eigen::VectorXd best = all.front().heldout;
-  for (Alternative& a : all) a.behind = compare(decisions, a.heldout, best);
+  for (Alternative& a : all) a.behind = compare(*problem, a.heldout, best);
   std::size_t pick = 0;
   for (std::size_t i = 1; i < all.size(); ++i) {
     // a name with more parameters has to be better beyond chance, by something that matters
-    const bool close = !beaten(decisions, all[i].behind, practical_energy(*problem));
+    const bool close =
+        !all[i].far_behind && !beaten(decisions, all[i].behind, practical_energy(*problem));
     if (close &&
         free_parameters(library[all[i].candidate]) < free_parameters(library[all[pick].candidate]))
       pick = i;

@@ -48,14 +48,15 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
 /// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
 /// was, without derivatives.
 /// Candidates far behind after the first steps (by what the best removes of `base_objective`) are
-/// not polished.
+/// not polished, nor are groups left out of them: `heldout` is then the energy of what they have
+/// seen.
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  double base_objective, const std::vector<std::size_t>& which,
                                  const Screening& screening,
                                  const std::vector<Alternative>& known = {});
 
-/// Best first, in the measure of HeldoutGain. Among those that the best does not beat beyond chance
-/// or by something that matters, the one with fewest parameters.
+/// Best first, in the measure of HeldoutGain; what is far behind last. Among those that the best
+/// does not beat beyond chance or by something that matters, the one with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
 /// Of effect `i` of a fit: its interval excludes the null; a parameter was stopped at a bound.

@@ -5,6 +5,7 @@
 
 #include "tools/diagnose/explain/events.h"
 #include "tools/diagnose/explain/incidence.h"
+#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -21,6 +22,19 @@ bool settles_its_event(const SearchState& state, const Alternative& a) {
     return sum;
   };
   return energy(a.fit.r) <= state.decisions().minimum_share * energy(state.found.final.r);
+}
+
+/// A step asks as many candidates as are fitted, and the luckiest is accepted first: the level is
+/// theirs together (Bonferroni). The bootstrap's quantiles do not reach so far out; they are
+/// stretched as the normal's.
+bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain) {
+  const double asked = std::max(1, decisions.rivals + decisions.pairs);
+  const double level = 0.5 * decisions.gain_level;
+  const double stretch = normal_score(level / asked) / normal_score(level);
+  const auto sure = [stretch](const Paired& p) {
+    return p.total - stretch * (p.total - p.lower) > 0.0;
+  };
+  return sure(gain.energy) || sure(gain.bounded);
 }
 
 }  // namespace
@@ -89,7 +103,7 @@ std::vector<std::optional<std::size_t>> SearchState::occurrences(const Chosen& e
 
 HeldoutGain SearchState::gain_of(const Chosen& effect, const Eigen::VectorXd& without,
                                  const Eigen::VectorXd& with) const {
-  return compare(decisions(), without, with, occurrences(effect));
+  return compare(*problem, without, with, occurrences(effect));
 }
 
 std::string SearchState::residual_against(const FitResult& without, const FitResult& with) const {
@@ -100,7 +114,8 @@ std::string refused_by(const SearchState& state, const Alternative& a) {
   const Selection& found = state.found;
   const HeldoutGain gain =
       state.gain_of(a.fit.model.effects.back(), found.final_heldout, a.heldout);
-  if (!gain.beyond_chance()) return "held-out gain not beyond chance";
+  if (!beyond_chance_of_many(state.decisions(), gain))
+    return "held-out gain not beyond the chance of so many candidates";
   if (gain.removed() < state.practical()) return "changes predictions by less than what matters";
   if (gain.removed() < state.decisions().minimum_share * found.final_heldout.sum())
     return "removes less than 1 % of what is left";

@@ -85,6 +85,7 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
     options.reached(state.found);
     if (went == Forward::ended) break;
   }
+  one_for_two(state);
   swap_for_better(state);
   drop_refuted(state);
   describe_what_going_on_beats(state);

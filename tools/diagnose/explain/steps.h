@@ -19,8 +19,10 @@ enum class Forward {
 /// counts from 0.
 Forward forward(SearchState& state, int step);
 
-/// Accepts the best pair (fit/pairs.h) that passes every gate; false: none does.
-bool accept_pair(SearchState& state, int step, const Screening& screening, double least_energy);
+/// Accepts the best pair (fit/pairs.h) that passes every gate; false: none does. `singles`: what
+/// was fitted alone at this step.
+bool accept_pair(SearchState& state, int step, const Screening& screening,
+                 const std::vector<Alternative>& singles, double least_energy);
 
 /// Drops what the others have made superfluous; the last `just_judged` effects are left alone.
 void backward(SearchState& state, std::size_t just_judged);
@@ -28,6 +30,10 @@ void backward(SearchState& state, std::size_t just_judged);
 /// Tied effects and what takes them back at some of their joints, each joint for itself; all of
 /// them have to be needed.
 void untie(SearchState& state);
+
+/// One effect in the place of two at the same joint, where it is documented to look like both, has
+/// no more numbers, and the two do not predict better.
+void one_for_two(SearchState& state);
 
 /// Every accepted effect against its rivals, everything else refitted; the better one stays, the
 /// others are kept as rivals.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/effects/effect.h"
@@ -18,7 +19,7 @@ bool better(const SearchState& state, const std::vector<Alternative>& tried,
   const Alternative& best = tried.front();
   return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
          leaves_null(state.decisions(), state.library, best) &&
-         compare(state.decisions(), self.heldout, best.heldout).bounded.total > kNoiseUnit &&
+         compare(*state.problem, self.heldout, best.heldout).bounded.total > kNoiseUnit &&
          holds_on_conditions(state, best);
 }
 
@@ -56,6 +57,15 @@ void fit_from_its_prediction(const SearchState& state, std::size_t i, Alternativ
   rival.far_behind = false;
 }
 
+/// Predicts what the model predicts, within what matters: no data tell them apart, and how fits
+/// without a group happen to differ does not either.
+bool says_the_same(const SearchState& state, const Alternative& a) {
+  const Surroundings& around = *state.found.around;
+  const Eigen::VectorXd apart =
+      prediction_error(around.problem, *around.library, a.fit.model) - state.found.final.r;
+  return around.bounded(around.starts.energy_by_shot(apart)).sum() <= state.practical();
+}
+
 /// The others that were tried, with how far they are behind what is at place i now.
 std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
                                    std::vector<Alternative> tried) {
@@ -64,7 +74,10 @@ std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
   std::vector<Alternative> others;
   for (Alternative& a : tried) {
     if (a.candidate == entry.candidate) continue;
-    a.behind = state.gain_of(found.final.model.effects[i], a.heldout, found.final_heldout);
+    if (!a.far_behind && says_the_same(state, a))
+      a.behind.energy.standard_error = a.behind.bounded.standard_error = INFINITY;
+    else
+      a.behind = state.gain_of(found.final.model.effects[i], a.heldout, found.final_heldout);
     a.similarity = found.first.similarity(a.candidate, entry.candidate);
     others.push_back(std::move(a));
   }

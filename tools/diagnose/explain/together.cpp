@@ -18,18 +18,43 @@ struct FittedPair {
   Eigen::VectorXd heldout;
 };
 
-std::vector<FittedPair> fit_pairs(const SearchState& state,
-                                  const std::vector<CandidatePair>& pairs) {
+/// One of them alone, fitted fully, leaves next to nothing more: the other is not needed, and what
+/// proves it on held-out groups costs more than the fits.
+bool as_good_alone(const SearchState& state, const FittedPair& f,
+                   const std::vector<Alternative>& singles) {
+  return std::any_of(singles.begin(), singles.end(), [&](const Alternative& a) {
+    const bool member =
+        a.candidate == f.pair.first.candidate || a.candidate == f.pair.second.candidate;
+    return member && a.fit.objective - f.fit.objective < state.practical();
+  });
+}
+
+/// Best first; without those that need not both be there.
+std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<CandidatePair>& pairs,
+                                  const std::vector<Alternative>& singles) {
   const Surroundings& around = *state.found.around;
+  const FittingSettings& fitting = around.settings().fitting;
   std::vector<FittedPair> out(pairs.size());
   parallel_for(pairs.size(), [&](std::size_t i) {
     FittedPair& f = out[i];
     f.pair = pairs[i];
     f.fit =
         fit(around, best_start(around, state.found.final.model, pairs[i].first, pairs[i].second),
-            around.settings().fitting.iterations);
-    f.heldout = heldout_energy(around, f.fit);
+            fitting.first_iterations);
   });
+  double best = INFINITY;
+  for (const FittedPair& f : out) best = std::min(best, f.fit.objective);
+  const double near =
+      best + fitting.polish_share * std::max(0.0, state.found.final.objective - best);
+  std::erase_if(out, [near](const FittedPair& f) { return f.fit.objective > near; });
+  parallel_for(out.size(), [&](std::size_t i) {
+    if (out[i].fit.converged) return;
+    out[i].fit =
+        resume(around, std::move(out[i].fit), fitting.iterations - fitting.first_iterations);
+  });
+  std::erase_if(out, [&](const FittedPair& f) { return as_good_alone(state, f, singles); });
+  parallel_for(out.size(),
+               [&](std::size_t i) { out[i].heldout = heldout_energy(around, out[i].fit); });
   double unit = INFINITY;
   for (const FittedPair& f : out) unit = std::min(unit, typical_energy(f.heldout));
   std::stable_sort(out.begin(), out.end(), [unit](const FittedPair& a, const FittedPair& b) {
@@ -87,13 +112,15 @@ void accept(SearchState& state, FittedPair f) {
 
 }  // namespace
 
-bool accept_pair(SearchState& state, int step, const Screening& screening, double least_energy) {
+bool accept_pair(SearchState& state, int step, const Screening& screening,
+                 const std::vector<Alternative>& singles, double least_energy) {
   if (state.found.accepted.size() + 2 > static_cast<std::size_t>(state.decisions().maximum_effects))
     return false;
-  for (FittedPair& f : fit_pairs(state, promising_pairs(state.problem->settings, state.library,
-                                                        screening, least_energy))) {
+  const std::vector<CandidatePair> promising =
+      promising_pairs(state.problem->settings, state.library, screening, least_energy);
+  for (FittedPair& f : fit_pairs(state, promising, singles)) {
     const std::string refused = refused_by(state, f);
-    const HeldoutGain gain = compare(state.decisions(), state.found.final_heldout, f.heldout);
+    const HeldoutGain gain = compare(*state.problem, state.found.final_heldout, f.heldout);
     state.say(fmt::format(
         "step {}: {} and {} together: held-out gain {:.1f} % of the error (at least {:.1f}; "
         "bounded {:.1f}, at least {:.1f}){}",

@@ -81,15 +81,14 @@ std::vector<Untied> untied(const Library& library, const Model& model, std::size
 std::optional<FitResult> fit_untied(const Surroundings& around, const Untied& apart,
                                     const FitResult& tied) {
   FitResult out = fit(around, apart.model, around.settings().fitting.iterations);
-  const DecisionSettings& decisions = around.settings().decisions;
   // on what the fits saw first: where fits without a group are erratic, the second comparison alone
   // would let anything pass
   const auto seen = [&](const FitResult& f) {
     return around.bounded(around.starts.energy_by_shot(f.r));
   };
-  if (worse(around, compare(decisions, seen(out), seen(tied)))) return std::nullopt;
+  if (worse(around, compare(*around.problem, seen(out), seen(tied)))) return std::nullopt;
   if (worse(around,
-            compare(decisions, refitted_energy(around, out), refitted_energy(around, tied))))
+            compare(*around.problem, refitted_energy(around, out), refitted_energy(around, tied))))
     return std::nullopt;
   return out;
 }

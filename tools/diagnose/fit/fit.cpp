@@ -9,6 +9,7 @@
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/normal_equations.h"
+#include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/series.h"
 #include "tools/diagnose/stats/significance.h"
@@ -198,40 +199,52 @@ Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Ei
 
 namespace {
 
-/// Goes on from `x` with prediction error `r`; `out.J` holds its derivative already where
-/// `derived`.
-FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd x,
-                Eigen::VectorXd r, FitResult out, bool derived, int iterations) {
-  out.parameters = c.effects();
-  out.converged = false;
+/// Where a fit stands.
+struct Point {
+  Eigen::VectorXd x, r;
   double damping = 1e-4;
+  bool converged = false;
+};
+
+/// One damped step from `at`, shorter until the objective falls; converged where it falls no more.
+void take_step(const Surroundings& around, const Coordinates& c, const Normal& normal, Point& at) {
+  bool improved = false;
+  for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
+    const Eigen::VectorXd trial = c.inside(at.x + step_inside(c, normal, at.x, at.damping));
+    const Eigen::VectorXd r_trial =
+        prediction_error(around.problem, *around.library, c.model(trial));
+    const double objective = objective_at(around, c, trial, r_trial);
+    if (objective < normal.objective) {
+      improved = true;
+      at.converged = normal.objective - objective < around.settings().fitting.converged * objective;
+      at.x = trial;
+      at.r = r_trial;
+      at.damping = std::max(at.damping * 0.2, 1e-6);
+    } else {
+      at.damping = at.damping * 10.0 + 1e-3;
+    }
+  }
+  if (!improved) at.converged = true;
+}
+
+/// Goes on from `from` with prediction error `error`; `out.J` holds its derivative already where
+/// `derived`.
+FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd from,
+                Eigen::VectorXd error, FitResult out, bool derived, int iterations) {
+  out.parameters = c.effects();
+  Point at{std::move(from), std::move(error)};
   Normal normal;
   for (int iteration = 0;; ++iteration) {
-    if (iteration > 0 || !derived) out.J = jacobian(around, c, x, r);
-    normal = assemble(around, c, out.J, r, x);
-    if (iteration >= iterations || out.converged) break;
-    bool improved = false;
-    for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
-      const Eigen::VectorXd trial = c.inside(x + step_inside(c, normal, x, damping));
-      const Eigen::VectorXd r_trial =
-          prediction_error(around.problem, *around.library, c.model(trial));
-      const double objective = objective_at(around, c, trial, r_trial);
-      if (objective < normal.objective) {
-        improved = true;
-        out.converged =
-            normal.objective - objective < around.settings().fitting.converged * objective;
-        x = trial;
-        r = r_trial;
-        damping = std::max(damping * 0.2, 1e-6);
-      } else {
-        damping = damping * 10.0 + 1e-3;
-      }
-    }
-    if (!improved) out.converged = true;
+    if (iteration > 0 || !derived) out.J = jacobian(around, c, at.x, at.r);
+    normal = assemble(around, c, out.J, at.r, at.x);
+    if (iteration >= iterations || at.converged) break;
+    take_step(around, c, normal, at);
   }
+  out.converged = at.converged;
+  const Eigen::VectorXd& x = at.x;
   out.model = c.model(x);
   out.objective = normal.objective;
-  out.r = std::move(r);
+  out.r = std::move(at.r);
   out.fixed.assign(c.size(), 0);
   Eigen::MatrixXd H = normal.H;
   for (Eigen::Index i = 0; i < c.size(); ++i) {
@@ -258,6 +271,15 @@ FitResult resume(const Surroundings& around, FitResult from, int iterations) {
   const Eigen::VectorXd x = c.of(from.model);
   Eigen::VectorXd r = std::move(from.r);
   return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
+}
+
+QuickFit quick_fit(const Surroundings& around, const Model& start, int iterations) {
+  const Coordinates c(around, start);
+  Point at{c.inside(c.of(start)), {}};
+  at.r = prediction_error(around.problem, *around.library, c.model(at.x));
+  for (int iteration = 0; iteration < iterations && !at.converged; ++iteration)
+    take_step(around, c, assemble(around, c, jacobian(around, c, at.x, at.r), at.r, at.x), at);
+  return {c.model(at.x), objective_at(around, c, at.x, at.r), std::move(at.r)};
 }
 
 Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta) {

@@ -121,6 +121,12 @@ struct Paired {
 /// Bounded is the fall of the likelihood when every shot's error has a scale of its own: b - a for
 /// shots like the others (half of it at k), saturated for those far above. Two looks share one
 /// level.
+///
+/// Chance is what differs between the shots of one recording: recordings were chosen, and that a
+/// rotor shows in the fast one alone is no doubt about the rotor. Bounds are taken within
+/// recordings and added. Standard errors are those over all shots alike: two names are told apart
+/// where the recordings agree about them, since what a simulation does wrong differs from one to
+/// the other.
 struct HeldoutGain {
   Paired energy, bounded;
   double whole = 0.0;          // bounded gain of a model that leaves nothing: a = 0
@@ -131,6 +137,10 @@ struct HeldoutGain {
   /// The gain in standard errors, less a unit of log-likelihood: the more certain measure's.
   double certainty() const;
 };
+HeldoutGain compare(const Comparison& comparison, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after);
+/// The same for shots of one recording, or where parts were left out that hold recordings as a
+/// whole: then what differs between recordings is chance too.
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after);
 /// Median over shots of an energy, the unit k for several models compared at once; never 0.
@@ -141,7 +151,7 @@ double bounded_energy(const Eigen::VectorXd& energy, double unit);
 /// occurrences the shot belongs to, if any. Bound and error are those over occurrences and over
 /// the other shots, added: resampling all shots alike would ask whether the effect acts, not
 /// whether the name explains it.
-HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
+HeldoutGain compare(const Comparison& comparison, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after,
                     const std::vector<std::optional<std::size_t>>& occurrence);
 

@@ -10,6 +10,7 @@
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/fit.h"
 #include "tools/diagnose/fit/normal_equations.h"
+#include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/series.h"
 #include "tools/diagnose/stats/significance.h"
@@ -45,7 +46,7 @@ Without refit_without(const Surroundings& rest, const FitResult& result,
     if (is < least) least = is, best = std::move(model);
   }
   if (!std::isfinite(least)) best = moved(rest, result.model, 0.25 * delta);
-  const FitResult own = fit(rest, best, rest.settings().fitting.first_iterations);
+  const QuickFit own = quick_fit(rest, best, rest.settings().fitting.first_iterations);
   return {displacement(rest, result.model, own.model), energy_of(own.r)};
 }
 
@@ -203,7 +204,8 @@ Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& res
   parallel_for(problem->groups, [&](std::size_t group) {
     Surroundings rest = around;
     rest.left_out = group;
-    const FitResult fitted = fit(rest, result.model, around.settings().fitting.first_iterations);
+    const QuickFit fitted =
+        quick_fit(rest, result.model, around.settings().fitting.first_iterations);
     energy[group] = around.bounded(around.starts.energy_by_shot(fitted.r));
   });
   Eigen::VectorXd heldout(problem->shots.size());
@@ -219,27 +221,56 @@ using Values = std::vector<double>;
 
 double sum(const Values& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
 
-/// Two measures are looked at: each at half of the level.
-Paired paired(const DecisionSettings& settings, const Values& x) {
-  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
-  return {
-      sum(x),
-      standard_deviation(x) * std::sqrt(static_cast<double>(x.size()) * autocorrelation_time(x)),
-      moving_block_lower_bound(x, 0.5 * settings.gain_level, settings.gain_draws, Random(kSeed))};
+/// Of which recording a shot is, and which occurrence of an effect, if any.
+struct Place {
+  std::size_t recording = 0;
+  std::optional<std::size_t> occurrence = {};
+};
+
+/// `x` recording by recording, in their order; recordings of very few shots are one together: alone
+/// they cannot tell how much they scatter.
+std::vector<Values> by_recording(const std::vector<std::pair<std::size_t, double>>& x) {
+  constexpr std::size_t kFewest = 6;
+  std::map<std::size_t, Values> of;
+  for (const auto& [recording, value] : x) of[recording].push_back(value);
+  std::vector<Values> out;
+  Values few;
+  for (auto& [recording, values] : of) {
+    if (values.size() < kFewest)
+      few.insert(few.end(), values.begin(), values.end());
+    else
+      out.push_back(std::move(values));
+  }
+  if (!few.empty()) out.push_back(std::move(few));
+  return out;
 }
 
-/// The same with shots of one occurrence taken together, and apart from all others.
-Paired paired(const DecisionSettings& settings, const Values& x,
-              const std::vector<std::optional<std::size_t>>& occurrence) {
+/// Two measures are looked at: each at half of the level.
+Paired paired(const DecisionSettings& settings, const std::vector<Values>& strata) {
+  constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
+  Values all;
+  for (const Values& x : strata) all.insert(all.end(), x.begin(), x.end());
+  const double independent = static_cast<double>(all.size()) * autocorrelation_time(all);
+  return {sum(all), standard_deviation(all) * std::sqrt(independent),
+          stratified_lower_bound(strata, 0.5 * settings.gain_level, settings.gain_draws,
+                                 Random(kSeed))};
+}
+
+/// Shots of one occurrence are taken together, and apart from all others.
+Paired paired(const DecisionSettings& settings, const Values& x, const std::vector<Place>& places) {
   std::map<std::size_t, double> there;
-  Values rest, occurrences;
+  std::vector<std::pair<std::size_t, double>> rest;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    if (occurrence[i]) there[*occurrence[i]] += x[i];
-    if (!occurrence[i]) rest.push_back(x[i]);
+    if (places[i].occurrence)
+      there[*places[i].occurrence] += x[i];
+    else
+      rest.emplace_back(places[i].recording, x[i]);
   }
-  if (there.empty()) return paired(settings, x);
+  const Paired b = paired(settings, by_recording(rest));
+  if (there.empty()) return b;
+  Values occurrences;
   for (const auto& [which, gained] : there) occurrences.push_back(gained);
-  const Paired a = paired(settings, occurrences), b = paired(settings, rest);
+  const Paired a = paired(settings, {occurrences});
   return {a.total + b.total, std::hypot(a.standard_error, b.standard_error), a.lower + b.lower};
 }
 
@@ -284,22 +315,41 @@ double bounded_energy(const Eigen::VectorXd& energy, double unit) {
   return unit * ((energy.array() + unit) / unit).log().sum();
 }
 
+namespace {
+
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
-                    const Eigen::VectorXd& after,
-                    const std::vector<std::optional<std::size_t>>& occurrence) {
+                    const Eigen::VectorXd& after, const std::vector<Place>& places) {
   const double unit = typical_energy(0.5 * (before + after));
   const Values removed = differences(before, after);
   HeldoutGain gain;
-  gain.energy = paired(settings, removed, occurrence);
-  gain.bounded = paired(settings, bounded_differences(before, after, unit), occurrence);
+  gain.energy = paired(settings, removed, places);
+  gain.bounded = paired(settings, bounded_differences(before, after, unit), places);
   gain.whole = bounded_energy(before, unit);
   gain.concentration = concentration(removed);
   return gain;
 }
 
+}  // namespace
+
 HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) {
-  return compare(settings, before, after, std::vector<std::optional<std::size_t>>(before.size()));
+  return compare(settings, before, after,
+                 std::vector<Place>(static_cast<std::size_t>(before.size())));
+}
+
+HeldoutGain compare(const Comparison& comparison, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after) {
+  return compare(comparison, before, after,
+                 std::vector<std::optional<std::size_t>>(comparison.shots.size()));
+}
+
+HeldoutGain compare(const Comparison& comparison, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after,
+                    const std::vector<std::optional<std::size_t>>& occurrence) {
+  std::vector<Place> places;
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s)
+    places.push_back({comparison.shots[s].source, occurrence[s]});
+  return compare(comparison.settings.decisions, before, after, places);
 }
 
 }  // namespace sanso::diagnose

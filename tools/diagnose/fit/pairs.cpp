@@ -11,11 +11,6 @@
 namespace sanso::diagnose {
 namespace {
 
-/// The screening cannot tell signatures that are more alike than this from one.
-constexpr double kAlike = 0.995;
-/// A candidate stands in so many of the pairs that are proposed: others want to be heard.
-constexpr int kTimes = 2;
-
 bool part_of(const Candidate& small, const Candidate& large) {
   return std::find(large.contains.begin(), large.contains.end(), small.effect) !=
          large.contains.end();
@@ -66,7 +61,8 @@ struct Looked {
   double at = 0.0;
 };
 
-Looked look_at_all(const Library& library, const Screening& screening) {
+Looked look_at_all(const Library& library, const Screening& screening,
+                   const DecisionSettings& decisions) {
   Looked out;
   const std::vector<ProbeScore>& probes = screening.probes;
   for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -78,8 +74,8 @@ Looked look_at_all(const Library& library, const Screening& screening) {
       out.at += 1.0;
       const double rho =
           screening.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-      const TogetherPromise both =
-          promise_together(probes[i].z, probes[k].z, rho, !a.two_sided, !b.two_sided, kAlike);
+      const TogetherPromise both = promise_together(probes[i].z, probes[k].z, rho, !a.two_sided,
+                                                    !b.two_sided, 1.0 - decisions.one_signature);
       CandidatePair& of = out.best[{probes[i].candidate, probes[k].candidate}];
       if (!(both.energy > of.promise)) continue;
       of.promise = both.energy;
@@ -99,7 +95,7 @@ std::vector<CandidatePair> promising_pairs(const Settings& settings, const Libra
   for (const ProbeScore& p : screening.probes) single = std::max(single, p.score * p.score);
   const double least = std::max(single + screening.critical * screening.critical,
                                 least_energy / settings.fitting.linear_reach);
-  Looked looked = look_at_all(library, screening);
+  Looked looked = look_at_all(library, screening, settings.decisions);
   std::vector<CandidatePair> order;
   for (auto& [which, pair] : looked.best) {
     // chi-square with two degrees of freedom has the tail exp(-x / 2)
@@ -113,7 +109,7 @@ std::vector<CandidatePair> promising_pairs(const Settings& settings, const Libra
   for (const CandidatePair& pair : order) {
     int &a = times[pair.first.candidate], &b = times[pair.second.candidate];
     if (out.size() == static_cast<std::size_t>(settings.decisions.pairs)) break;
-    if (a >= kTimes || b >= kTimes) continue;
+    if (std::max(a, b) >= settings.decisions.pairs_of_one) continue;
     ++a, ++b;
     out.push_back(pair);
   }

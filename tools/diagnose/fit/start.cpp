@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/gate/checks.h"
 
 namespace sanso::diagnose {
@@ -93,12 +94,12 @@ std::vector<double> orders_near(const Candidate& effect, std::size_t index, doub
 /// least after `iterations` Gauss-Newton steps.
 Model best_value(const Surroundings& around, const Model& model, std::size_t index,
                  const std::vector<double>& values, int iterations) {
-  FitResult best = fit(around, model, iterations);
+  QuickFit best = quick_fit(around, model, iterations);
   for (const double value : values) {
     Model trial = model;
     trial.effects.back().theta[index] = value;
-    const FitResult fitted = fit(around, trial, iterations);
-    if (fitted.objective < best.objective) best = fitted;
+    QuickFit fitted = quick_fit(around, trial, iterations);
+    if (fitted.objective < best.objective) best = std::move(fitted);
   }
   return best.model;
 }
@@ -148,7 +149,7 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
 Model halved_to_best_place(const Surroundings& around, const Model& start, std::size_t index,
                            const Range& range, double least_step,
                            std::optional<std::size_t> keeps = {}) {
-  FitResult best = fit(around, start, 2);
+  QuickFit best = quick_fit(around, start, 2);
   for (double step = 0.5 * range.step; step > least_step; step *= 0.5) {
     const double place = best.model.effects.back().theta[index];
     for (const double next :
@@ -158,7 +159,7 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
       theta[index] = next;
       if (keeps) theta[*keeps] -= next - place;
       if (keeps && !(theta[*keeps] > 0.0)) continue;
-      FitResult fitted = fit(around, trial, 2);
+      QuickFit fitted = quick_fit(around, trial, 2);
       if (fitted.objective < best.objective) best = std::move(fitted);
     }
   }

@@ -116,7 +116,8 @@ void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defe
 
 }  // namespace
 
-std::vector<Defect> check_wraps(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> check_wraps(const GateRecording& r, const Joints& joints,
+                                const GateSettings& /*settings*/) {
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
@@ -145,18 +146,20 @@ double range_of(std::span<const double> x) { return quantile(x, 1.0) - quantile(
 /// on. A mechanical stop also holds a position, but it is left slowly; a servo at rest does not
 /// move either, but then its command rests too.
 int flat_tops(std::span<const double> x, std::span<const double> u, double extreme, double fast,
-              long* first) {
-  constexpr std::size_t kRun = 5, kSpan = 3;
+              const GateSettings& settings, long* first) {
+  const auto least = static_cast<std::size_t>(settings.flat_rows),
+             approach = static_cast<std::size_t>(settings.flat_position_approach);
+  const auto rows = static_cast<double>(approach);
   int runs = 0;
-  for (std::size_t i = kSpan + 1; i + 1 < x.size(); ++i) {
+  for (std::size_t i = approach + 1; i + 1 < x.size(); ++i) {
     if (x[i] != extreme || x[i - 1] == extreme) continue;
     std::size_t end = i;
     while (end < x.size() && x[end] == extreme) ++end;
-    if (end - i < kRun || end + kSpan >= x.size()) continue;
+    if (end - i < least || end + approach >= x.size()) continue;
     // mean speed over the samples before and after the run (the crossing sample itself is cut
     // short)
-    const double entry = std::abs(x[i - 1] - x[i - 1 - kSpan]) / kSpan,
-                 exit = std::abs(x[end + kSpan] - x[end]) / kSpan;
+    const double entry = std::abs(x[i - 1] - x[i - 1 - approach]) / rows,
+                 exit = std::abs(x[end + approach] - x[end]) / rows;
     // rows in which the command moves: a held goal makes a flat top of its own
     std::size_t changes = 0;
     for (std::size_t k = i; k < end && !u.empty(); ++k) changes += u[k] != u[k - 1];
@@ -169,13 +172,15 @@ int flat_tops(std::span<const double> x, std::span<const double> u, double extre
 
 }  // namespace
 
-std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<GateJoint>& joints) {
-  constexpr int kRunsNeeded = 2;
+std::vector<Defect> check_clipping(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings) {
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
     const GateChannel* u = r.find("u:" + joint.name);
-    if (q == nullptr || finite_values(q->values).size() < kMinimumRows) continue;
+    if (q == nullptr ||
+        finite_values(q->values).size() < static_cast<std::size_t>(settings.least_rows))
+      continue;
     std::vector<double> steps;
     for (std::size_t i = 1; i < q->values.size(); ++i)
       steps.push_back(std::abs(q->values[i] - q->values[i - 1]));
@@ -183,8 +188,8 @@ std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<Gat
     for (const double extreme : {quantile(q->values, 0.0), quantile(q->values, 1.0)}) {
       long first = -1;
       const int runs = flat_tops(q->values, u != nullptr ? u->values : std::span<const double>{},
-                                 extreme, fast, &first);
-      if (runs < kRunsNeeded) continue;
+                                 extreme, fast, settings, &first);
+      if (runs < settings.flat_tops) continue;
       out.push_back(
           {r.file, q->name, first, defect::kClipped,
            fmt::format(
@@ -221,7 +226,8 @@ class Hang {
 
 }  // namespace
 
-std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> check_stuck(const GateRecording& r, const Joints& joints,
+                                const GateSettings& /*settings*/) {
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);

@@ -1,44 +1,39 @@
-// The single checks of the gate; each returns the defects it finds. All limits stand here, with
-// their reasons.
+// The single checks of the gate; each returns the defects it finds. All limits stand in
+// GateSettings, with their reasons.
 #pragma once
 
 #include "tools/diagnose/gate/gate.h"
 
 namespace sanso::diagnose::gate {
 
-// chosen: a recording of 10 s at 1 kHz with 60 channels is 10 MB; a GiB is a mistake (a bag of
-// images, an endless log)
-inline constexpr std::size_t kMaximumFileBytes = std::size_t{1} << 30;
-inline constexpr std::size_t kMinimumRows = 50;  // fewer cannot hold one shot and its hold-out
-inline constexpr double kMinimumSeconds = 0.5;   // one shot
-// legal: single lost samples (packet loss up to 30 % makes runs of ~8)
-inline constexpr double kGapPeriods = 10.0;
-// and long against what a servo does between two samples
-inline constexpr double kGapSeconds = 0.1;
 inline constexpr double kDegree = 57.29577951308232;
 
-std::vector<Defect> check_size(const GateRecording& r);
-std::vector<Defect> check_time(const GateRecording& r);
-std::vector<Defect> check_required(const GateRecording& r, const std::vector<GateJoint>& joints);
-std::vector<Defect> check_wraps(const GateRecording& r, const std::vector<GateJoint>& joints);
-std::vector<Defect> check_clipping(const GateRecording& r, const std::vector<GateJoint>& joints);
-std::vector<Defect> check_stuck(const GateRecording& r, const std::vector<GateJoint>& joints);
-std::vector<Defect> check_units(const GateRecording& r, const std::vector<GateJoint>& joints);
-std::vector<Defect> check_commands(const GateRecording& r, const std::vector<GateJoint>& joints);
+using Joints = std::vector<GateJoint>;
+std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings);
+std::vector<Defect> check_time(const GateRecording& r, const GateSettings& settings);
+std::vector<Defect> check_required(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings);
+std::vector<Defect> check_wraps(const GateRecording& r, const Joints& joints,
+                                const GateSettings& settings);
+std::vector<Defect> check_clipping(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings);
+std::vector<Defect> check_stuck(const GateRecording& r, const Joints& joints,
+                                const GateSettings& settings);
+std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
+                                const GateSettings& settings);
+std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings);
 /// A command that the log cuts off: the position goes on beyond its flat tops.
-std::vector<Defect> check_clipped_commands(const GateRecording& r,
-                                           const std::vector<GateJoint>& joints,
+std::vector<Defect> check_clipped_commands(const GateRecording& r, const Joints& joints,
                                            const GateSettings& settings);
 /// Commands beyond a limit of the model that the joint does not follow, in words: legal.
-std::vector<std::string> unfollowed_commands(const GateRecording& r,
-                                             const std::vector<GateJoint>& joints);
+std::vector<std::string> unfollowed_commands(const GateRecording& r, const Joints& joints);
 /// Command against answer and position against velocity.
-std::vector<Defect> check_clocks(const GateRecording& r, const std::vector<GateJoint>& joints,
+std::vector<Defect> check_clocks(const GateRecording& r, const Joints& joints,
                                  const GateSettings& settings);
 /// A velocity whose delay is another in one recording.
 std::vector<Defect> check_clocks_between(const std::vector<GateRecording>& recordings,
-                                         const std::vector<GateJoint>& joints,
-                                         const GateSettings& settings);
+                                         const Joints& joints, const GateSettings& settings);
 std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings);
 
 /// Median sampling interval [s].

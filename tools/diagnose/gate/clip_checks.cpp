@@ -15,16 +15,17 @@ namespace {
 using Run = std::pair<std::size_t, std::size_t>;  // [first, last) rows
 
 /// Runs at exactly `level` into which and out of which the command moves: not the corners of steps.
-std::vector<Run> plateaus(std::span<const double> u, double level) {
-  constexpr std::size_t kRows = 5, kSpan = 5;
+std::vector<Run> plateaus(std::span<const double> u, double level, const GateSettings& settings) {
+  const auto least = static_cast<std::size_t>(settings.flat_rows),
+             approach = static_cast<std::size_t>(settings.flat_command_approach);
   std::vector<Run> out;
-  for (std::size_t k = kSpan; k < u.size(); ++k) {
+  for (std::size_t k = approach; k < u.size(); ++k) {
     if (u[k] != level || u[k - 1] == level) continue;
     std::size_t end = k;
     while (end < u.size() && u[end] == level) ++end;
-    if (end - k < kRows || end + kSpan > u.size()) continue;
-    const double in = std::abs(u[k - 1] - u[k - kSpan]), jump = std::abs(u[k] - u[k - 1]);
-    const double away = std::abs(u[end + kSpan - 1] - u[end]);
+    if (end - k < least || end + approach > u.size()) continue;
+    const double in = std::abs(u[k - 1] - u[k - approach]), jump = std::abs(u[k] - u[k - 1]);
+    const double away = std::abs(u[end + approach - 1] - u[end]);
     if (in > 0.0 && away > 0.0 && jump <= 2.0 * in) out.emplace_back(k, end);
   }
   return out;
@@ -37,7 +38,7 @@ struct Follower {
 };
 
 Follower follower_at(std::span<const double> q, std::span<const double> u, std::size_t lag,
-                     double low, double high) {
+                     double low, double high, const GateSettings& settings) {
   std::vector<double> x, y;
   const std::size_t skip = std::max<std::size_t>(1, u.size() / 4000);
   for (std::size_t k = 0; k + lag < q.size(); k += skip) {
@@ -47,7 +48,7 @@ Follower follower_at(std::span<const double> q, std::span<const double> u, std::
   Follower f;
   f.lag = lag;
   const double r = correlation(x, y);
-  if (x.size() < kMinimumRows || r <= 0.5) return f;
+  if (x.size() < static_cast<std::size_t>(settings.least_rows) || r <= 0.5) return f;
   f.gain = r * standard_deviation(y) / standard_deviation(x);
   f.offset = mean(y) - f.gain * mean(x);
   f.rms = standard_deviation(y) * std::sqrt(std::max(0.0, 1.0 - r * r));
@@ -55,13 +56,13 @@ Follower follower_at(std::span<const double> q, std::span<const double> u, std::
 }
 
 Follower follower(const GateRecording& r, std::span<const double> q, std::span<const double> u,
-                  double low, double high) {
-  constexpr double kLongest = 0.4, kStep = 0.01;  // s: of a servo that follows
+                  double low, double high, const GateSettings& settings) {
+  const double step = settings.answer_delay / 40.0;
   const double interval = std::max(sampling_interval(r.t), 1e-6);
   Follower best;
-  for (double lag = 0.0; lag <= kLongest; lag += std::max(kStep, interval)) {
+  for (double lag = 0.0; lag <= settings.answer_delay; lag += std::max(step, interval)) {
     const auto rows = static_cast<std::size_t>(std::lround(lag / interval));
-    const Follower f = follower_at(q, u, rows, low, high);
+    const Follower f = follower_at(q, u, rows, low, high, settings);
     if (f.rms < best.rms) best = f;
   }
   return best;
@@ -91,15 +92,15 @@ std::vector<Defect> check_clipped_commands(const GateRecording& r,
     const double low = quantile(u->values, 0.0), high = quantile(u->values, 1.0);
     for (const double side : {-1.0, 1.0}) {
       const double level = side < 0.0 ? low : high;
-      const std::vector<Run> runs = plateaus(u->values, level);
-      if (runs.size() < 2) continue;
-      const Follower f = follower(r, q->values, u->values, low, high);
+      const std::vector<Run> runs = plateaus(u->values, level, settings);
+      if (runs.size() < static_cast<std::size_t>(settings.flat_tops)) continue;
+      const Follower f = follower(r, q->values, u->values, low, high, settings);
       if (!std::isfinite(f.rms)) continue;
       const auto beyond = std::count_if(runs.begin(), runs.end(), [&](const Run& run) {
         return excess(q->values, f, run, level, side) >
                settings.clipped_deviations * f.rms + quantisation_step(q->values);
       });
-      if (2 * beyond <= static_cast<long>(runs.size()) || beyond < 2) continue;
+      if (2 * beyond <= static_cast<long>(runs.size()) || beyond < settings.flat_tops) continue;
       out.push_back(
           {r.file, u->name, static_cast<long>(runs.front().first), defect::kClipped,
            fmt::format(

@@ -11,11 +11,6 @@
 namespace sanso::diagnose::gate {
 namespace {
 
-constexpr double kFarthest = 0.5;   // s, to either side: longer is another motion
-constexpr double kLagStep = 0.005;  // s
-constexpr long kPairs = 2000;       // compared at a lag
-constexpr double kFollows = 0.9;    // correlation of a channel that follows the other at all
-
 /// Correlation of a(t) with b(t - lag) by lag.
 struct LagCurve {
   std::vector<double> lag, correlation;
@@ -40,17 +35,17 @@ struct Part {
 };
 
 LagCurve lag_curve(std::span<const double> a, std::span<const double> b, double interval,
-                   const Part& part = {}) {
+                   const GateSettings& settings, const Part& part = {}) {
   LagCurve out;
-  const auto step = std::max<long>(1, std::lround(kLagStep / interval));
-  const auto reach = std::max<long>(step, std::lround(kFarthest / interval));
+  const auto step = std::max<long>(1, std::lround(settings.clock_step / interval));
+  const auto reach = std::max<long>(step, std::lround(settings.clock_reach / interval));
   const auto rows = static_cast<long>(a.size());
   if (rows <= 2 * reach) return out;
   const auto row_at = [&](double share) {
     return reach + std::lround(share * static_cast<double>(rows - 2 * reach));
   };
   const long first = row_at(part.first), last = row_at(part.last);
-  const auto skip = std::max<long>(1, (last - first) / kPairs);
+  const auto skip = std::max<long>(1, (last - first) / settings.clock_pairs);
   std::vector<double> x;
   for (long k = first; k < last; k += skip) x.push_back(a[static_cast<std::size_t>(k)]);
   std::vector<double> y(x.size());
@@ -72,20 +67,27 @@ std::vector<double> changes_over(std::span<const double> x, double seconds, doub
   return out;
 }
 
+bool follows(double correlation, const GateSettings& settings) {
+  return correlation >= 1.0 - settings.clock_unlike;
+}
+
 /// Whether correlation `a` says clearly more than `b`: what it leaves is less than half.
-bool clearly_better(double a, double b) { return a > kFollows && 1.0 - a < 0.5 * (1.0 - b); }
+bool clearly_better(double a, double b, const GateSettings& settings) {
+  return follows(a, settings) && 1.0 - a < 0.5 * (1.0 - b);
+}
 
 /// Whether a shift that is seen in the whole is seen in its quarters too: one slow rise and fall
 /// may follow another by chance. Quarters that follow at no lag say nothing.
 template <class Allowed>
 bool seen_in_quarters(std::span<const double> a, std::span<const double> b, double interval,
-                      Allowed&& allowed) {
+                      const GateSettings& settings, Allowed&& allowed) {
   int for_it = 0, against = 0;
   for (int k = 0; k < 4; ++k) {
-    const LagCurve curve = lag_curve(a, b, interval, {0.25 * k, 0.25 * (k + 1)});
-    if (curve.lag.empty() || curve.correlation[curve.best()] < kFollows) continue;
-    const bool shifted = !allowed(curve.lag[curve.best()]) &&
-                         clearly_better(curve.correlation[curve.best()], curve.best_of(allowed));
+    const LagCurve curve = lag_curve(a, b, interval, settings, {0.25 * k, 0.25 * (k + 1)});
+    if (curve.lag.empty() || !follows(curve.correlation[curve.best()], settings)) continue;
+    const bool shifted =
+        !allowed(curve.lag[curve.best()]) &&
+        clearly_better(curve.correlation[curve.best()], curve.best_of(allowed), settings);
     (shifted ? for_it : against) += 1;
   }
   return for_it >= 2 && against <= 1;
@@ -98,7 +100,7 @@ std::vector<double> velocity_of(const GateRecording& r, const GateChannel& q) {
 }
 
 /// The position answers the command before it was given.
-void check_answer(const GateRecording& r, const GateJoint& joint, double skew,
+void check_answer(const GateRecording& r, const GateJoint& joint, const GateSettings& settings,
                   std::vector<Defect>& out) {
   const GateChannel* q = r.find("q:" + joint.name);
   const GateChannel* u = r.find("u:" + joint.name);
@@ -106,13 +108,15 @@ void check_answer(const GateRecording& r, const GateJoint& joint, double skew,
   const double interval = interval_of(r);
   const std::vector<double> answer = changes_over(q->values, 0.2, interval),
                             asked = changes_over(u->values, 0.2, interval);
-  const LagCurve curve = lag_curve(answer, asked, interval);
+  const LagCurve curve = lag_curve(answer, asked, interval, settings);
   if (curve.lag.empty()) return;
   const std::size_t best = curve.best();
   const auto after = [](double lag) { return lag >= 0.0; };
   const double causal = curve.best_of(after);
-  if (curve.lag[best] >= -skew || !clearly_better(curve.correlation[best], causal)) return;
-  if (!seen_in_quarters(answer, asked, interval, after)) return;
+  if (curve.lag[best] >= -settings.clock_skew ||
+      !clearly_better(curve.correlation[best], causal, settings))
+    return;
+  if (!seen_in_quarters(answer, asked, interval, settings, after)) return;
   out.push_back({r.file, q->name, -1, defect::kShiftedClock,
                  fmt::format("the position does what {} asks {:.3g} s later (correlation {:.4f}, "
                              "{:.4f} at best with what was asked before); the two columns have "
@@ -121,26 +125,26 @@ void check_answer(const GateRecording& r, const GateJoint& joint, double skew,
 }
 
 /// The velocity is that of another time.
-void check_velocity(const GateRecording& r, const GateJoint& joint, double skew,
+void check_velocity(const GateRecording& r, const GateJoint& joint, const GateSettings& settings,
                     std::vector<Defect>& out) {
   const GateChannel* q = r.find("q:" + joint.name);
   const GateChannel* dq = r.find("dq:" + joint.name);
   if (q == nullptr || dq == nullptr) return;
   const double interval = interval_of(r);
   const std::vector<double> velocity = velocity_of(r, *q);
-  const LagCurve curve = lag_curve(dq->values, velocity, interval);
+  const LagCurve curve = lag_curve(dq->values, velocity, interval, settings);
   if (curve.lag.empty()) return;
   const std::size_t best = curve.best();
-  const auto close = [&](double lag) { return std::abs(lag) <= skew; };
+  const auto close = [&](double lag) { return std::abs(lag) <= settings.clock_skew; };
   const double near = curve.best_of(close);
-  if (close(curve.lag[best]) || !clearly_better(curve.correlation[best], near)) return;
-  if (!seen_in_quarters(dq->values, velocity, interval, close)) return;
+  if (close(curve.lag[best]) || !clearly_better(curve.correlation[best], near, settings)) return;
+  if (!seen_in_quarters(dq->values, velocity, interval, settings, close)) return;
   out.push_back(
       {r.file, dq->name, -1, defect::kShiftedClock,
        fmt::format("the velocity is d({})/dt of {:.3g} s {} (correlation {:.4f}, {:.4f} at best "
                    "within {:.3g} s); the two columns have different clocks: shift one of them",
                    q->name, std::abs(curve.lag[best]), curve.lag[best] > 0 ? "before" : "later",
-                   curve.correlation[best], near, skew)});
+                   curve.correlation[best], near, settings.clock_skew)});
 }
 
 }  // namespace
@@ -150,8 +154,8 @@ std::vector<Defect> check_clocks(const GateRecording& r, const std::vector<GateJ
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const std::size_t before = out.size();
-    check_answer(r, joint, settings.clock_skew, out);
-    if (out.size() == before) check_velocity(r, joint, settings.clock_skew, out);
+    check_answer(r, joint, settings, out);
+    if (out.size() == before) check_velocity(r, joint, settings, out);
   }
   return out;
 }
@@ -168,8 +172,8 @@ std::vector<Defect> check_clocks_between(const std::vector<GateRecording>& recor
       const GateChannel* q = r.find("q:" + joint.name);
       const GateChannel* dq = r.find("dq:" + joint.name);
       if (q == nullptr || dq == nullptr) continue;
-      LagCurve curve = lag_curve(dq->values, velocity_of(r, *q), interval_of(r));
-      if (curve.lag.empty() || curve.correlation[curve.best()] < kFollows) continue;
+      LagCurve curve = lag_curve(dq->values, velocity_of(r, *q), interval_of(r), settings);
+      if (curve.lag.empty() || !follows(curve.correlation[curve.best()], settings)) continue;
       lags.push_back(curve.lag[curve.best()]);
       curves.push_back(std::move(curve));
       with.push_back(&r);
@@ -181,7 +185,7 @@ std::vector<Defect> check_clocks_between(const std::vector<GateRecording>& recor
       const double near =
           curves[k].best_of([&](double lag) { return std::abs(lag - usual) <= allowed; });
       if (std::abs(lags[k] - usual) <= allowed ||
-          !clearly_better(curves[k].correlation[curves[k].best()], near)) {
+          !clearly_better(curves[k].correlation[curves[k].best()], near, settings)) {
         continue;
       }
       out.push_back({with[k]->file, "dq:" + joint.name, -1, defect::kShiftedClock,

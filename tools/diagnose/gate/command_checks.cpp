@@ -10,13 +10,14 @@
 namespace sanso::diagnose::gate {
 namespace {
 
-/// Largest correlation of position with the command delayed by 0 .. 0.4 s, on changes over 0.2 s
-/// (what a tracking servo must show, whatever its delay, friction or load).
-double tracking(const GateRecording& r, const GateChannel& q, const GateChannel& u) {
+/// Largest correlation of position with the command delayed by up to `answer_delay`, on changes
+/// over 0.2 s (what a tracking servo must show, whatever its delay, friction or load).
+double tracking(const GateRecording& r, const GateChannel& q, const GateChannel& u,
+                const GateSettings& settings) {
   const double interval = std::max(sampling_interval(r.t), 1e-6);
   const auto stride = std::max<std::size_t>(1, static_cast<std::size_t>(0.2 / interval));
   double strongest = 0.0;
-  for (double lag = 0.0; lag <= 0.4; lag += 0.05) {
+  for (double lag = 0.0; lag <= settings.answer_delay; lag += settings.answer_delay / 8.0) {
     const auto shift = static_cast<std::size_t>(lag / interval);
     std::vector<double> dq, du;
     for (std::size_t i = shift + stride; i < q.values.size();
@@ -47,8 +48,7 @@ bool is_copy(const GateChannel& q, const GateChannel& u) {
 
 /// The model's joint that follows another joint's command, and the other way round.
 void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
-                 std::vector<Defect>& out) {
-  constexpr double kFollows = 0.7, kDoesNot = 0.4;
+                 const GateSettings& settings, std::vector<Defect>& out) {
   const std::size_t n = joints.size();
   std::vector<std::vector<double>> follows(n, std::vector<double>(n, 0.0));
   const auto channel = [&](const char* kind, std::size_t j) {
@@ -59,15 +59,15 @@ void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
     const GateChannel* q = channel("q:", j);
     const GateChannel* u = channel("u:", j);
     if (q == nullptr || u == nullptr) continue;
-    follows[j][j] = tracking(r, *q, *u);
-    own_fails[j] = std::abs(follows[j][j]) < kDoesNot;
+    follows[j][j] = tracking(r, *q, *u, settings);
+    own_fails[j] = std::abs(follows[j][j]) < settings.does_not_answer;
   }
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = i + 1; j < n; ++j) {
       if (!own_fails[i] || !own_fails[j]) continue;
-      const double ij = tracking(r, *channel("q:", i), *channel("u:", j));
-      const double ji = tracking(r, *channel("q:", j), *channel("u:", i));
-      if (ij > kFollows && ji > kFollows) {
+      const double ij = tracking(r, *channel("q:", i), *channel("u:", j), settings);
+      const double ji = tracking(r, *channel("q:", j), *channel("u:", i), settings);
+      if (ij > settings.answers && ji > settings.answers) {
         out.push_back(
             {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
              fmt::format("q:{} follows u:{} and q:{} follows u:{} (correlation {:.2f}, {:.2f})",
@@ -80,7 +80,7 @@ void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
 /// The same by velocity: d(q_i)/dt equals dq_j and not dq_i (for torque-controlled robots, or
 /// swapped position columns).
 void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
-                          std::vector<Defect>& out) {
+                          const GateSettings& settings, std::vector<Defect>& out) {
   const auto derivative_matches = [&](std::size_t i, std::size_t j) {
     const GateChannel* q = r.find("q:" + joints[i].name);
     const GateChannel* dq = r.find("dq:" + joints[j].name);
@@ -97,10 +97,12 @@ void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& 
   };
   for (std::size_t i = 0; i < joints.size(); ++i) {
     for (std::size_t j = i + 1; j < joints.size(); ++j) {
-      if (std::abs(derivative_matches(i, i)) > 0.4 || std::abs(derivative_matches(j, j)) > 0.4)
+      if (std::abs(derivative_matches(i, i)) > settings.does_not_answer ||
+          std::abs(derivative_matches(j, j)) > settings.does_not_answer) {
         continue;
+      }
       const double ij = derivative_matches(i, j), ji = derivative_matches(j, i);
-      if (ij > 0.7 && ji > 0.7) {
+      if (ij > settings.answers && ji > settings.answers) {
         out.push_back(
             {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
              fmt::format("d(q:{})/dt is dq:{} and the other way round (correlation {:.2f}, {:.2f})",
@@ -112,7 +114,8 @@ void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& 
 
 }  // namespace
 
-std::vector<Defect> check_commands(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings) {
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
@@ -125,8 +128,8 @@ std::vector<Defect> check_commands(const GateRecording& r, const std::vector<Gat
            "servo"});
       continue;
     }
-    const double follows = tracking(r, *q, *u);
-    if (follows < -0.7) {
+    const double follows = tracking(r, *q, *u, settings);
+    if (follows < -settings.answers) {
       out.push_back(
           {r.file, q->name, -1, defect::kWrongSign,
            fmt::format(
@@ -135,8 +138,8 @@ std::vector<Defect> check_commands(const GateRecording& r, const std::vector<Gat
                follows)});
     }
   }
-  check_swaps(r, joints, out);
-  if (out.empty()) check_velocity_swaps(r, joints, out);
+  check_swaps(r, joints, settings, out);
+  if (out.empty()) check_velocity_swaps(r, joints, settings, out);
   return out;
 }
 

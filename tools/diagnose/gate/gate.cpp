@@ -33,16 +33,17 @@ std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJo
                                 const GateSettings& settings) {
   std::vector<Defect> out;
   for (auto* check : {&gate::check_size, &gate::check_time}) {
-    append(out, (*check)(r));
+    append(out, (*check)(r, settings));
     if (!out.empty()) return out;
   }
-  using Check = std::vector<Defect> (*)(const GateRecording&, const std::vector<GateJoint>&);
+  using Check =
+      std::vector<Defect> (*)(const GateRecording&, const gate::Joints&, const GateSettings&);
   for (const std::initializer_list<Check>& group :
        {std::initializer_list<Check>{gate::check_required},
         {gate::check_wraps},
         {gate::check_units},
         {gate::check_commands, gate::check_clipping, gate::check_stuck}}) {
-    for (Check check : group) append(out, check(r, joints));
+    for (Check check : group) append(out, check(r, joints, settings));
     if (!out.empty()) return out;
   }
   append(out, gate::check_clocks(r, joints, settings));

@@ -106,7 +106,7 @@ GateReport inspect(const std::vector<GateRecording>& recordings,
                    const std::vector<GateJoint>& joints, const GateSettings& settings = {});
 
 /// Files that cannot be a recording are refused before they are read: missing, empty, larger than
-/// kMaximumFileBytes.
-std::vector<Defect> inspect_file(const std::string& path);
+/// `largest_file`.
+std::vector<Defect> inspect_file(const std::string& path, const GateSettings& settings = {});
 
 }  // namespace sanso::diagnose

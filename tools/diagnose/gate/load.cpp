@@ -9,6 +9,7 @@
 #include "shared/files/hash.h"
 #include "tools/diagnose/gate/held.h"
 #include "tools/recording/mcap_recording.h"
+#include "tools/recording/reading_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -31,6 +32,20 @@ void keep_one_row_per_refresh(recording::Recording& recording, const GateSetting
                                 [&](const auto& other) { return other.name == held.channel; });
     c->values = one_row_per_refresh(c->values, held.rows);
   }
+}
+
+const char* name_of(recording::ReadFault fault) {
+  switch (fault) {
+    case recording::ReadFault::unreadable:
+      return defect::kUnreadable;
+    case recording::ReadFault::too_large:
+      return defect::kTooLarge;
+    case recording::ReadFault::not_a_number:
+      return defect::kNotANumber;
+    case recording::ReadFault::missing_channel:
+      return defect::kMissingChannel;
+  }
+  return defect::kUnreadable;
 }
 
 }  // namespace
@@ -65,18 +80,9 @@ std::vector<GateJoint> gate_joints(const ModelFolder& model) {
 }
 
 Defect defect_of(const files::InputError& error) {
-  static const std::pair<const char*, const char*> names[] = {
-      {"NaN or infinity", defect::kNotANumber},  {"recording too large", defect::kTooLarge},
-      {"time missing", defect::kNotANumber},     {"no time column", defect::kMissingChannel},
-      {"cannot open", defect::kUnreadable},      {"binary data", defect::kUnreadable},
-      {"no positions", defect::kMissingChannel}, {"no command column", defect::kMissingChannel},
-  };
-  Defect d{error.file, error.channel, error.line > 1 ? error.line - 2 : -1, error.defect,
-           error.what()};
-  for (const auto& [theirs, ours] : names) {
-    if (error.defect == theirs) d.defect = ours;
-  }
-  return d;
+  const auto* reading = dynamic_cast<const recording::ReadingError*>(&error);
+  return {error.file, error.channel, error.line > 1 ? error.line - 2 : -1,
+          reading != nullptr ? name_of(reading->fault) : error.defect, error.what()};
 }
 
 LoadedRecordings load_recordings(const std::vector<std::string>& files,
@@ -84,7 +90,7 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
                                  const GateSettings& settings) {
   LoadedRecordings loaded;
   for (const std::string& file : files) {
-    std::vector<Defect> defects = inspect_file(file);
+    std::vector<Defect> defects = inspect_file(file, settings);
     if (defects.empty()) {
       try {
         loaded.recordings.push_back(recording::read_recording(file));

@@ -10,17 +10,17 @@
 
 namespace sanso::diagnose {
 
-std::vector<Defect> inspect_file(const std::string& path) {
+std::vector<Defect> inspect_file(const std::string& path, const GateSettings& settings) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   if (error) return {{path, "", -1, defect::kUnreadable, "cannot be opened: " + error.message()}};
   if (size == 0)
     return {{path, "", -1, defect::kEmpty,
              "0 bytes; expected a header line and rows (docs/model-folder.md)"}};
-  if (size > gate::kMaximumFileBytes) {
+  if (size >> 20 >= static_cast<std::uintmax_t>(settings.largest_file)) {
     return {{path, "", -1, defect::kTooLarge,
              fmt::format("{} MB; at most {} MB are read: cut it into recordings of one motion each",
-                         size >> 20, gate::kMaximumFileBytes >> 20)}};
+                         size >> 20, settings.largest_file)}};
   }
   return {};
 }
@@ -33,18 +33,20 @@ double sampling_interval(std::span<const double> t) {
   return median(steps);
 }
 
-std::vector<Defect> check_size(const GateRecording& r) {
+std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings) {
   if (r.t.empty())
-    return {{r.file, "t", -1, defect::kHeaderOnly, "no data rows; expected at least 50"}};
-  if (r.t.size() < kMinimumRows || r.t.back() - r.t.front() < kMinimumSeconds) {
+    return {{r.file, "t", -1, defect::kHeaderOnly,
+             fmt::format("no data rows; expected at least {}", settings.least_rows)}};
+  if (r.t.size() < static_cast<std::size_t>(settings.least_rows) ||
+      r.t.back() - r.t.front() < settings.least_seconds) {
     return {{r.file, "t", -1, defect::kTooShort,
              fmt::format("{} rows, {:.3g} s; expected at least {} rows and {} s", r.t.size(),
-                         r.t.back() - r.t.front(), kMinimumRows, kMinimumSeconds)}};
+                         r.t.back() - r.t.front(), settings.least_rows, settings.least_seconds)}};
   }
   return {};
 }
 
-std::vector<Defect> check_time(const GateRecording& r) {
+std::vector<Defect> check_time(const GateRecording& r, const GateSettings& settings) {
   std::vector<Defect> out;
   const double interval = sampling_interval(r.t);
   bool backwards = false, duplicate = false, gap = false;
@@ -65,7 +67,7 @@ std::vector<Defect> check_time(const GateRecording& r) {
       out.push_back(
           {r.file, "t", row, defect::kDuplicateTime, fmt::format("t = {} twice", r.t[i])});
       duplicate = true;
-    } else if (step > std::max(kGapPeriods * interval, kGapSeconds) && !gap) {
+    } else if (step > std::max(settings.gap_periods * interval, settings.gap_seconds) && !gap) {
       out.push_back(
           {r.file, "t", row, defect::kGap,
            fmt::format("{:.3g} s without a row (usual step {:.3g} s); split the file there", step,
@@ -76,12 +78,14 @@ std::vector<Defect> check_time(const GateRecording& r) {
   return out;
 }
 
-std::vector<Defect> check_required(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> check_required(const GateRecording& r, const Joints& joints,
+                                   const GateSettings& settings) {
   std::vector<Defect> out;
   bool any_position = false;
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
-    any_position |= q != nullptr && finite_values(q->values).size() >= kMinimumRows;
+    any_position |= q != nullptr && finite_values(q->values).size() >=
+                                        static_cast<std::size_t>(settings.least_rows);
   }
   if (!any_position) {
     out.push_back({r.file, joints.empty() ? "q:" : "q:" + joints.front().name, -1,

@@ -27,8 +27,9 @@ std::string name_of_factor(double ratio) {
 
 /// Slope of y on x through the medians' spread: scale ratio of two channels that should be equal; 0
 /// when they do not agree.
-double scale_ratio(std::span<const double> x, std::span<const double> y) {
-  if (std::abs(correlation(x, y)) < 0.7) return 0.0;
+double scale_ratio(std::span<const double> x, std::span<const double> y,
+                   const GateSettings& settings) {
+  if (std::abs(correlation(x, y)) < settings.answers) return 0.0;
   const double sx = standard_deviation(x), sy = standard_deviation(y);
   return sx > 0.0 ? sy / sx : 0.0;
 }
@@ -48,10 +49,10 @@ void check_time_unit(const GateRecording& r, std::vector<Defect>& out) {
 
 /// Position against velocity: the integral of dq must span what q spans.
 void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                         std::vector<Defect>& out) {
+                         const GateSettings& settings, std::vector<Defect>& out) {
   const GateChannel* dq = r.find("dq:" + joint.name);
   if (dq == nullptr) return;
-  const std::vector<double> position = without_glitches(q.values);
+  const std::vector<double> position = without_glitches(q.values, nullptr, settings);
   std::vector<double> difference, velocity;
   // over stretches of ~50 ms: longer than the quantisation of either channel, shorter than a swing
   const double interval = sampling_interval(r.t);
@@ -67,12 +68,12 @@ void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const G
     difference.push_back((position[i + stride] - position[i]) / (r.t[i + stride] - r.t[i]));
     velocity.push_back(sum / static_cast<double>(n));
   }
-  const double ratio = scale_ratio(velocity, difference);
+  const double ratio = scale_ratio(velocity, difference, settings);
   if (ratio == 0.0) return;
   if (correlation(velocity, difference) < 0.0) {
     out.push_back({r.file, dq->name, -1, defect::kWrongSign,
                    "velocity runs against the change of position; expected dq = d(q)/dt"});
-  } else if (ratio > 20.0 || ratio < 1.0 / 20.0) {
+  } else if (ratio > settings.wrong_unit || ratio < 1.0 / settings.wrong_unit) {
     const bool q_large = ratio > 1.0;
     out.push_back({r.file, q_large ? q.name : dq->name, -1, defect::kWrongUnit,
                    fmt::format("d(q)/dt is {:.4g} times dq: {}", ratio,
@@ -82,11 +83,11 @@ void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const G
 
 /// Position against command: same unit, or the slope betrays it.
 void check_command_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                        std::vector<Defect>& out) {
+                        const GateSettings& settings, std::vector<Defect>& out) {
   const GateChannel* u = r.find("u:" + joint.name);
   if (u == nullptr) return;
-  const double ratio = scale_ratio(u->values, q.values);
-  if (ratio == 0.0 || (ratio < 20.0 && ratio > 1.0 / 20.0)) return;
+  const double ratio = scale_ratio(u->values, q.values, settings);
+  if (ratio == 0.0 || (ratio < settings.wrong_unit && ratio > 1.0 / settings.wrong_unit)) return;
   const bool q_large = ratio > 1.0;
   out.push_back({r.file, q_large ? q.name : u->name, -1, defect::kWrongUnit,
                  fmt::format("q moves {:.4g} times as far as u: {}", ratio,
@@ -96,11 +97,11 @@ void check_command_unit(const GateRecording& r, const GateJoint& joint, const Ga
 /// Against the machine: joint limits, reachable speed, and the encoder's own step (360 / 2^k
 /// degrees).
 bool check_position_scale(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                          std::vector<Defect>& out) {
+                          const GateSettings& settings, std::vector<Defect>& out) {
   if (joint.prismatic) {
     const double span = joint.upper - joint.lower;
     const double range = quantile(q.values, 1.0) - quantile(q.values, 0.0);
-    if (span > 0.0 && range > 20.0 * span) {
+    if (span > 0.0 && range > settings.wrong_unit * span) {
       out.push_back({r.file, q.name, -1, defect::kWrongUnit,
                      fmt::format("moves over {:.4g}, limits allow {:.4g} m; is it in millimetres?",
                                  range, span)});
@@ -136,14 +137,14 @@ bool check_position_scale(const GateRecording& r, const GateJoint& joint, const 
   return true;
 }
 
-/// Electrical channels against the data sheet: a factor of 20 is no tolerance.
+/// Electrical channels against the data sheet.
 void check_magnitude(const GateRecording& r, const std::string& channel, double expected,
-                     const char* unit, std::vector<Defect>& out) {
+                     const char* unit, const GateSettings& settings, std::vector<Defect>& out) {
   const GateChannel* c = r.find(channel);
   if (c == nullptr || expected <= 0.0) return;
   const double high =
       std::max(std::abs(quantile(c->values, 0.99)), std::abs(quantile(c->values, 0.01)));
-  if (std::isfinite(high) && high > 20.0 * expected) {
+  if (std::isfinite(high) && high > settings.wrong_unit * expected) {
     out.push_back({r.file, channel, -1, defect::kWrongUnit,
                    fmt::format("reaches {:.4g}; the model allows {:.4g} {}: thousandths?", high,
                                expected, unit)});
@@ -152,27 +153,28 @@ void check_magnitude(const GateRecording& r, const std::string& channel, double 
 
 }  // namespace
 
-std::vector<Defect> check_units(const GateRecording& r, const std::vector<GateJoint>& joints) {
+std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
+                                const GateSettings& settings) {
   std::vector<Defect> out;
   check_time_unit(r, out);
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
     if (q == nullptr) continue;
-    if (!check_position_scale(r, joint, *q, out)) {
+    if (!check_position_scale(r, joint, *q, settings, out)) {
       const std::size_t before = out.size();
-      check_command_unit(r, joint, *q, out);
-      if (out.size() == before) check_velocity_unit(r, joint, *q, out);
+      check_command_unit(r, joint, *q, settings, out);
+      if (out.size() == before) check_velocity_unit(r, joint, *q, settings, out);
     }
-    check_magnitude(r, "i:" + joint.name, joint.current_limit, "A", out);
-    check_magnitude(r, "tau:" + joint.name, joint.torque_limit, "N m", out);
-    check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", out);
+    check_magnitude(r, "i:" + joint.name, joint.current_limit, "A", settings, out);
+    check_magnitude(r, "tau:" + joint.name, joint.torque_limit, "N m", settings, out);
+    check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", settings, out);
     const GateChannel* temperature = r.find("temp:" + joint.name);
     if (temperature != nullptr && quantile(temperature->values, 0.5) > 200.0) {
       out.push_back({r.file, temperature->name, -1, defect::kWrongUnit,
                      "above 200; expected degrees Celsius, not kelvin"});
     }
   }
-  if (!joints.empty()) check_magnitude(r, "volt", joints.front().voltage, "V", out);
+  if (!joints.empty()) check_magnitude(r, "volt", joints.front().voltage, "V", settings, out);
   return out;
 }
 

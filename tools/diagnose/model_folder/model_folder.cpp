@@ -9,6 +9,8 @@
 #include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
+#include "tools/diagnose/model_folder/body_tree.h"
+#include "tools/diagnose/model_folder/model_text.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -45,7 +47,8 @@ void read_robot(const TomlTable& table, ModelFolder& model) {
 }
 
 void read_ground(const TomlTable& table, ModelFolder& model) {
-  table.allow_only({"kind", "friction"});
+  // the last four are read by whole_body.cpp
+  table.allow_only({"kind", "friction", "stiffness", "damping", "restitution", "height"});
   model.ground_kind = table.string("kind").value_or(model.ground_kind);
   if (model.ground_kind != "plane" && model.ground_kind != "ramp" &&
       model.ground_kind != "jump_ramp" && model.ground_kind != "heights") {
@@ -69,7 +72,8 @@ EffectEntry read_effect(const TomlTable& table) {
 
 /// Everything of model.toml but the joints, whose names are only known when the URDF has been read.
 void read_settings(const TomlTable& top, ModelFolder& model) {
-  top.allow_only({"format", "robot", "control", "joint_default", "joint", "ground", "effect"});
+  top.allow_only({"format", "robot", "control", "joint_default", "joint", "ground", "effect", "imu",
+                  "contact"});
   const auto format = top.integer("format");
   if (!format) top.fail("format", "missing key", "", "format = 1 in the first line");
   if (*format != 1) top.fail("format", "unknown format", std::to_string(*format), "1");
@@ -81,6 +85,12 @@ void read_settings(const TomlTable& top, ModelFolder& model) {
   if (const auto table = top.table("ground")) read_ground(*table, model);
   if (const auto table = top.table("joint_default")) read_joint(*table, model.joint_default);
   for (const TomlTable& table : top.tables("effect")) model.effects.push_back(read_effect(table));
+}
+
+/// Of a base that floats the whole tree: what has no joint is one body.
+RobotTree read_tree(const ModelFolder& model, const std::string& file) {
+  return model.floating ? body_tree_from_urdf(model.urdf, file).tree
+                        : tree_from_urdf(model.urdf, file);
 }
 
 std::string joint_names(const RobotTree& tree) {
@@ -130,7 +140,7 @@ ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std:
   ModelFolder model;
   read_settings(top, model);
   model.urdf = urdf;
-  model.tree = tree_from_urdf(model.urdf, model.urdf_file);
+  model.tree = read_tree(model, model.urdf_file);
   read_joints(top, model);
   return model;
 }
@@ -157,12 +167,12 @@ ModelFolder read_model_folder(const std::string& folder) {
   read_settings(top, model);
   const std::string urdf_path = (path / model.urdf_file).string();
   model.urdf = files::read_text(urdf_path);
-  model.tree = tree_from_urdf(model.urdf, urdf_path);
+  model.tree = read_tree(model, urdf_path);
   read_joints(top, model);
   return model;
 }
 
-std::string model_toml(const ModelFolder& model) {
+std::string robot_text(const ModelFolder& model) {
   using files::toml_number;
   using files::toml_quoted;
   std::ostringstream out;
@@ -177,10 +187,18 @@ std::string model_toml(const ModelFolder& model) {
     out << "\n[joint." << files::toml_key(model.tree.joints[k].name) << "]\n";
     append_joint(out, model.joints[k], &model.joint_default);
   }
-  if (model.floating) {
-    out << "\n[ground]\nkind = " << toml_quoted(model.ground_kind)
-        << "\nfriction = " << toml_number(model.ground_friction) << "\n";
-  }
+  return out.str();
+}
+
+std::string ground_text(const ModelFolder& model) {
+  return "\n[ground]\nkind = " + files::toml_quoted(model.ground_kind) +
+         "\nfriction = " + files::toml_number(model.ground_friction) + "\n";
+}
+
+std::string effects_text(const ModelFolder& model) {
+  using files::toml_number;
+  using files::toml_quoted;
+  std::ostringstream out;
   for (const EffectEntry& effect : model.effects) {
     out << "\n[[effect]]\nid = " << toml_quoted(effect.id) << "\nwhere = [";
     for (std::size_t k = 0; k < effect.where.size(); ++k)
@@ -191,6 +209,11 @@ std::string model_toml(const ModelFolder& model) {
     }
   }
   return out.str();
+}
+
+std::string model_toml(const ModelFolder& model) {
+  return robot_text(model) + (model.floating ? ground_text(model) : std::string()) +
+         effects_text(model);
 }
 
 void write_model_folder(const ModelFolder& model, const std::string& folder) {

@@ -1,10 +1,11 @@
-// URDF text to RobotTree. The XML is read by urdfdom; what the simulator cannot do is refused by
-// name.
+// URDF text to RobotTree or BodyTree. The XML is read by urdfdom; what the simulator cannot do is
+// refused by name.
 #include <cmath>
+#include <numbers>
 
 #include "host/model/urdf_text.h"
 #include "shared/files/input_error.h"
-#include "tools/diagnose/model_folder/robot_tree.h"
+#include "tools/diagnose/model_folder/body_tree.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -21,13 +22,13 @@ Vec3 vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 class TreeBuilder {
  public:
-  TreeBuilder(const urdf::ModelInterface& model, std::string file) : file_(std::move(file)) {
-    tree_.name = model.getName();
+  TreeBuilder(const urdf::ModelInterface& model, std::string file, int most_joints)
+      : file_(std::move(file)), most_joints_(most_joints) {
+    body_.tree.name = model.getName();
+    body_.root = model.getRoot()->name;
     add_link(*model.getRoot(), -1, kIdentity3, {0, 0, 0});
-    if (tree_.joints.empty())
-      fail("", "no movable joint", "", "at least one revolute, continuous or prismatic joint");
   }
-  RobotTree take() { return std::move(tree_); }
+  BodyTree take() { return std::move(body_); }
 
  private:
   [[noreturn]] void fail(const std::string& where, const char* defect, const std::string& value,
@@ -37,10 +38,13 @@ class TreeBuilder {
 
   /// Adds a link that sits at (R, p) in the frame of joint `joint`, then everything behind it.
   void add_link(const urdf::Link& link, int joint, const Mat3& R, const Vec3& p) {
-    tree_.links[link.name] = {joint, R, p};
-    if (link.inertial && joint >= 0) {
-      add_body(tree_.joints[static_cast<std::size_t>(joint)].body, moved(inertia(link), R, p));
+    RobotTree& tree = body_.tree;
+    tree.links[link.name] = {joint, R, p};
+    if (link.inertial) {
+      add_body(joint < 0 ? body_.base : tree.joints[static_cast<std::size_t>(joint)].body,
+               moved(inertia(link), R, p));
     }
+    for (const auto& collision : link.collision_array) add_shape(link, *collision, joint, R, p);
     for (const auto& child : link.child_joints) add_joint(*child, link, joint, R, p);
   }
 
@@ -59,8 +63,10 @@ class TreeBuilder {
         joint.type != urdf::Joint::CONTINUOUS) {
       fail(joint.name, "joint type not supported", "", "revolute, continuous, prismatic or fixed");
     }
-    if (tree_.size() >= kMaxJoints)
-      fail(joint.name, "too many joints", "", "at most 20 movable joints");
+    if (body_.tree.size() >= most_joints_) {
+      throw InputError(file_, 0, joint.name, "too many joints", "",
+                       "at most " + std::to_string(most_joints_) + " movable joints");
+    }
     TreeJoint t;
     t.name = joint.name;
     t.link = child.name;
@@ -75,8 +81,30 @@ class TreeBuilder {
       t.effort = joint.limits->effort;
       t.speed = joint.limits->velocity;
     }
-    tree_.joints.push_back(t);
-    add_link(child, tree_.size() - 1, kIdentity3, {0, 0, 0});
+    body_.tree.joints.push_back(t);
+    add_link(child, body_.tree.size() - 1, kIdentity3, {0, 0, 0});
+  }
+
+  /// Boxes, spheres and cylinders; meshes are named, so that somebody can say what touches.
+  void add_shape(const urdf::Link& link, const urdf::Collision& collision, int joint, const Mat3& R,
+                 const Vec3& p) {
+    if (!collision.geometry) return;
+    CollisionShape shape{link.name, joint, {}, 0.0};
+    if (const auto* box = dynamic_cast<const urdf::Box*>(collision.geometry.get())) {
+      shape.points = box_corners(vector(box->dim));
+    } else if (const auto* ball = dynamic_cast<const urdf::Sphere*>(collision.geometry.get())) {
+      shape.points = {{0, 0, 0}};
+      shape.radius = ball->radius;
+    } else if (const auto* can = dynamic_cast<const urdf::Cylinder*>(collision.geometry.get())) {
+      shape.points = cylinder_rims(can->radius, can->length);
+    } else {
+      body_.meshes.push_back(link.name);
+      return;
+    }
+    const Mat3 R_shape = product(R, rotation(collision.origin.rotation));
+    const Vec3 p_shape = p + rotated(R, vector(collision.origin.position));
+    for (Vec3& point : shape.points) point = p_shape + rotated(R_shape, point);
+    body_.shapes.push_back(std::move(shape));
   }
 
   Vec3 unit_axis(const urdf::Joint& joint) const {
@@ -101,13 +129,44 @@ class TreeBuilder {
   }
 
   std::string file_;
-  RobotTree tree_;
+  int most_joints_;
+  BodyTree body_;
 };
 
 }  // namespace
 
+std::vector<Vec3> box_corners(const Vec3& size) {
+  std::vector<Vec3> out;
+  for (const double x : {-0.5, 0.5}) {
+    for (const double y : {-0.5, 0.5}) {
+      for (const double z : {-0.5, 0.5}) out.push_back({x * size[0], y * size[1], z * size[2]});
+    }
+  }
+  return out;
+}
+
+std::vector<Vec3> cylinder_rims(double radius, double length) {
+  constexpr int kAround = 12;  // the rim between two points is 3 % of the radius further out
+  std::vector<Vec3> out;
+  for (int k = 0; k < kAround; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kAround;
+    for (const double z : {-0.5, 0.5})
+      out.push_back({radius * std::cos(angle), radius * std::sin(angle), z * length});
+  }
+  return out;
+}
+
+BodyTree body_tree_from_urdf(const std::string& urdf, const std::string& file) {
+  return TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxBodyJoints).take();
+}
+
 RobotTree tree_from_urdf(const std::string& urdf, const std::string& file) {
-  return TreeBuilder(*model::parse_urdf_text(urdf, file), file).take();
+  RobotTree tree = TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxJoints).take().tree;
+  if (tree.joints.empty()) {
+    throw InputError(file, 0, "", "no movable joint", "",
+                     "at least one revolute, continuous or prismatic joint");
+  }
+  return tree;
 }
 
 }  // namespace sanso::diagnose

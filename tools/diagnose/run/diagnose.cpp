@@ -13,6 +13,7 @@
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/run/time_ahead.h"
+#include "tools/diagnose/run/whole_options.h"
 #include "tools/diagnose/torque/disagreement.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/patched_model.h"
@@ -117,7 +118,6 @@ Selection search(const Problem& problem, const Library& library, const DiagnoseO
 /// What the recordings do not agree about: the search's model fitted to each condition alone, or
 /// to each recording where all have one condition. Each takes a fit; more than a few say no more.
 std::vector<std::string> disagreements(const Library& library, const Selection& selection) {
-  constexpr std::size_t kGroups = 6;
   const Surroundings& around = *selection.around;
   const Comparison& comparison = *around.problem;
   std::map<std::string, std::vector<std::size_t>> groups;
@@ -128,7 +128,8 @@ std::vector<std::string> disagreements(const Library& library, const Selection& 
         .push_back(s);
   }
   std::vector<std::string> out;
-  if (groups.size() < 2 || groups.size() > kGroups || selection.accepted.empty()) return out;
+  const auto most = static_cast<std::size_t>(comparison.settings.decisions.disagreeing_groups);
+  if (groups.size() < 2 || groups.size() > most || selection.accepted.empty()) return out;
   std::vector<std::pair<std::string, FitResult>> fits;
   for (const auto& [name, shots] : groups) {
     Surroundings here =
@@ -309,7 +310,11 @@ Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress, SoF
   const Teller tell(progress, so_far);
   try {
     const ModelFolder model = read_model_folder(options.model);
-    require_fixed_base(model, "sanso diagnose");
+    if (model.floating) {
+      Diagnosis whole;
+      whole.verdict = diagnose_whole(whole_options(options), progress).verdict;
+      return whole;
+    }
     tell.ask("are the recordings sound?");
     const LoadedRecordings loaded =
         load_recordings(options.recordings, gate_joints(model), options.settings.gate);

@@ -66,5 +66,7 @@ Diagnosis diagnose(const DiagnoseOptions& options, const Progress& progress,
 
 /// The command: runs, prints, writes `out`. Exit code 0 no mismatch, 1 mismatch found, 2 refused.
 int run_diagnose(const DiagnoseOptions& options);
+/// The same for a model whose base floats (wholebody/).
+int run_diagnose_whole(const DiagnoseOptions& options);
 
 }  // namespace sanso::diagnose

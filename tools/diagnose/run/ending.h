@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "tools/diagnose/model_folder/whole_body.h"
 #include "tools/diagnose/run/diagnose.h"
 
 namespace sanso::diagnose {
@@ -14,8 +15,9 @@ namespace sanso::diagnose {
 struct Ending {
   Verdict verdict;
   std::optional<ModelFolder> patched;
-  std::string text;    // verdict.txt, and what the terminal shows
-  std::string report;  // report.html
+  std::string text;                         // verdict.txt, and what the terminal shows
+  std::string report;                       // report.html
+  std::optional<WholeBody> patched_body{};  // instead of `patched`, of a base that floats
 };
 
 /// A method, and what it can say when it was ended early, `seconds` after its start.

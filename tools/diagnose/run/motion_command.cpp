@@ -7,6 +7,7 @@
 #include "tools/diagnose/run/diagnosis_report.h"
 #include "tools/diagnose/run/ending.h"
 #include "tools/diagnose/run/report_words.h"
+#include "tools/diagnose/wholebody/diagnose_whole.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -67,6 +68,7 @@ Ending ending_of(Diagnosis d) {
 }  // namespace
 
 int run_diagnose(const DiagnoseOptions& options) {
+  if (floats(options.model)) return run_diagnose_whole(options);
   SoFar so_far;
   return run_command(
       options,

@@ -111,6 +111,7 @@ EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& 
   };
   try {
     const ModelFolder model = read_model_folder(options.model);
+    require_fixed_base(model, "sanso diagnose --predict effort");
     ask("are the recordings sound?");
     const LoadedRecordings loaded =
         load_recordings(options.recordings, gate_joints(model), options.settings.gate);

@@ -89,21 +89,21 @@ struct Prepared {
   MeasuredMotion motion;
 };
 Prepared prepare(const ModelFolder& model, const recording::Recording& recording,
-                 const DataSettings& data) {
+                 const Settings& settings) {
   require_fixed_base(model, "sanso score");
   const ModelFolder here = with_overrides(model, recording);
   Prepared out;
   out.drive = make_drive(recording, here);
   out.params = params_with_effects(here);
-  out.motion = measured_motion(out.drive, data);
+  out.motion = measured_motion(out.drive, settings);
   return out;
 }
 
 }  // namespace
 
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording,
-                     const DataSettings& data) {
-  const Prepared p = prepare(model, recording, data);
+                     const Settings& settings) {
+  const Prepared p = prepare(model, recording, settings);
   RecordingScore out;
   out.file = recording.file;
   for (std::size_t h = 0; h < kSeconds.size(); ++h)
@@ -112,8 +112,8 @@ RecordingScore score(const ModelFolder& model, const recording::Recording& recor
 }
 
 std::vector<double> window_errors(const ModelFolder& model, const recording::Recording& recording,
-                                  double seconds, const DataSettings& data) {
-  const Prepared p = prepare(model, recording, data);
+                                  double seconds, const Settings& settings) {
+  const Prepared p = prepare(model, recording, settings);
   SimOptions options;
   options.motion = &p.motion;
   std::vector<double> out;
@@ -129,11 +129,11 @@ std::vector<double> window_errors(const ModelFolder& model, const recording::Rec
 
 std::vector<RecordingScore> score_files(const std::string& model_folder,
                                         const std::vector<std::string>& files,
-                                        const DataSettings& data) {
+                                        const Settings& settings) {
   const ModelFolder model = read_model_folder(model_folder);
   std::vector<RecordingScore> scores;
   for (const std::string& file : files)
-    scores.push_back(score(model, recording::read_recording(file), data));
+    scores.push_back(score(model, recording::read_recording(file), settings));
   return scores;
 }
 

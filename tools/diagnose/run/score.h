@@ -32,20 +32,20 @@ struct RecordingScore {
 /// restarted from the measured state at every horizon, and compares with every measured channel
 /// that the model predicts: q, dq, tau (torque actuators and dc_servo), i and pwm (dc_servo).
 /// Samples while an actuator is off are left out of tau, i and pwm. Throws files::InputError.
-/// `data`: how the motion is smoothed.
+/// `settings`: how the motion is smoothed.
 RecordingScore score(const ModelFolder& model, const recording::Recording& recording,
-                     const DataSettings& data = {});
+                     const Settings& settings = {});
 
 /// RMS of the predicted positions' errors (all joints, rad or m) of every window of `seconds` [s]
 /// that is restarted from the measured state, in order of time. Throws files::InputError.
 std::vector<double> window_errors(const ModelFolder& model, const recording::Recording& recording,
-                                  double seconds, const DataSettings& data = {});
+                                  double seconds, const Settings& settings = {});
 
 /// The command: reads everything first, so that bad input writes nothing. Throws
 /// files::InputError.
 std::vector<RecordingScore> score_files(const std::string& model_folder,
                                         const std::vector<std::string>& files,
-                                        const DataSettings& data = {});
+                                        const Settings& settings = {});
 
 std::string score_json(const std::vector<RecordingScore>& scores);
 /// A table for people: one row a recording, RMSE of the positions in mrad (mm) by horizon.

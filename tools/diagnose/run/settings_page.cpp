@@ -5,27 +5,39 @@
 
 #include <stdexcept>
 
+#include "tools/diagnose/wholebody/whole_settings.h"
+
 namespace sanso::diagnose {
+namespace {
+
+template <class Group>
+std::string group_table(const char* name, Group& group) {
+  std::string out = fmt::format(
+      "\n## {}\n\n| name | default | range | unit | why |\n|---|---|---|---|---|\n", name);
+  group.visit(
+      [&](const char* key, auto& value, const char* unit, auto low, auto high, const char* reason) {
+        out += fmt::format("| `{}.{}` | {:g} | {:g} .. {:g} | {} | {} |\n", name, key,
+                           static_cast<double>(value), static_cast<double>(low),
+                           static_cast<double>(high), unit, reason);
+      });
+  return out;
+}
+
+}  // namespace
 
 std::string settings_page() {
   std::string page =
       "# Settings of the diagnosis\n\n"
-      "Made from `tools/diagnose/settings.h` by `sanso-diagnose-settings-page`; a test compares.\n"
+      "Made from `tools/diagnose/settings.h` and `wholebody/whole_settings.h` by\n"
+      "`sanso-diagnose-settings-page`; a test compares.\n"
       "No command takes them from a person, but `remains.horizon` and `remains.matters`, which\n"
       "say what the person needs: an answer that depends on them is no answer. What half and\n"
       "double of one does is measured by `sanso bench diagnose --setting NAME=FACTOR`\n"
       "([results](results/diagnose.md)).\n";
   Settings settings;
-  settings.visit([&](const char* group, auto& section) {
-    page += fmt::format(
-        "\n## {}\n\n| name | default | range | unit | why |\n|---|---|---|---|---|\n", group);
-    section.visit([&](const char* key, auto& value, const char* unit, auto low, auto high,
-                      const char* reason) {
-      page += fmt::format("| `{}.{}` | {:g} | {:g} .. {:g} | {} | {} |\n", group, key,
-                          static_cast<double>(value), static_cast<double>(low),
-                          static_cast<double>(high), unit, reason);
-    });
-  });
+  settings.visit([&](const char* group, auto& section) { page += group_table(group, section); });
+  WholeSettings whole;
+  page += group_table("whole", whole);
   return page;
 }
 

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shared/files/input_error.h"
+#include "tools/recording/reading_error.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using files::InputError;
+using recording::ReadFault;
+using recording::ReadingError;
 using recording::Recording;
 
 std::vector<double> column(const Recording& recording, const std::string& name) {
@@ -26,9 +27,10 @@ std::vector<double> command_of(const Recording& recording, const std::string& jo
   for (const std::string& name : names) {
     if (recording.has(name)) return column(recording, name);
   }
-  throw InputError(recording.file, recording.header_line, names[0], "no command column", "",
-                   "what the actuator '" + std::string(recording::to_string(actuator)) +
-                       "' follows, or another actuator in model.toml");
+  throw ReadingError(ReadFault::missing_channel, recording.file, recording.header_line, names[0],
+                     "no command column", "",
+                     "what the actuator '" + std::string(recording::to_string(actuator)) +
+                         "' follows, or another actuator in model.toml");
 }
 
 }  // namespace
@@ -47,8 +49,9 @@ Drive make_drive(const Recording& recording, const ModelFolder& model) {
     data.q = column(recording, "q:" + name);
     if (std::count_if(data.q.begin(), data.q.end(), [](double q) { return std::isfinite(q); }) <
         3) {
-      throw InputError(
-          recording.file, recording.header_line, "q:" + name, "no positions", "",
+      throw ReadingError(
+          ReadFault::missing_channel, recording.file, recording.header_line, "q:" + name,
+          "no positions", "",
           "the measured position of every movable joint of the URDF, at least three samples; a "
           "joint that was not "
           "recorded can be made type=\"fixed\" in robot.urdf");

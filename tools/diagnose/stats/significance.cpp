@@ -78,15 +78,17 @@ std::vector<double> step_down_max_t(std::span<const double> statistic, int draws
   return p;
 }
 
-double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random) {
+namespace {
+
+/// Sums of `draws` resamples less their mean, widened: what chance adds to the sum of `x`.
+std::vector<double> moving_block_deviations(std::span<const double> x, int draws, Random& random) {
+  std::vector<double> sums(static_cast<std::size_t>(draws), 0.0);
+  if (x.size() < 2) return sums;
   const auto n = static_cast<double>(x.size());
-  const double total = n * mean(x);
-  if (x.size() < 2) return x.empty() ? 0.0 : total;
   const double wanted = std::max(std::cbrt(n), 3.0 * autocorrelation_time(x));
   const auto block =
       static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, std::max(1.0, n / 3.0)));
   const int starts = static_cast<int>(x.size() - block) + 1;
-  std::vector<double> sums(static_cast<std::size_t>(draws), 0.0);
   for (double& sum : sums) {
     for (std::size_t taken = 0; taken < x.size();) {
       const auto from = static_cast<std::size_t>(random.below(starts));
@@ -96,7 +98,28 @@ double moving_block_lower_bound(std::span<const double> x, double level, int dra
   // blocks that cannot wrap around reach the ends less often: their mean is taken out, the sum's
   // own put in
   const double widened = std::sqrt(n / (n - static_cast<double>(block)));
-  return total + widened * (quantile(sums, level) - mean(sums));
+  const double centre = mean(sums);
+  for (double& sum : sums) sum = widened * (sum - centre);
+  return sums;
+}
+
+}  // namespace
+
+double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random) {
+  const std::vector<double> of_all(x.begin(), x.end());
+  return stratified_lower_bound(std::span(&of_all, 1), level, draws, random);
+}
+
+double stratified_lower_bound(std::span<const std::vector<double>> strata, double level, int draws,
+                              Random random) {
+  double total = 0.0;
+  std::vector<double> deviations(static_cast<std::size_t>(draws), 0.0);
+  for (const std::vector<double>& x : strata) {
+    total += std::accumulate(x.begin(), x.end(), 0.0);
+    const std::vector<double> of_one = moving_block_deviations(x, draws, random);
+    for (std::size_t b = 0; b < deviations.size(); ++b) deviations[b] += of_one[b];
+  }
+  return total + quantile(deviations, level);
 }
 
 Interval wilson_interval(int successes, int trials) {

@@ -38,6 +38,10 @@ struct Interval {
 /// (a third of all at most), percentiles widened by sqrt(n / (n - block)) since fewer blocks spread
 /// too little. The sum itself for n < 2.
 double moving_block_lower_bound(std::span<const double> x, double level, int draws, Random random);
+/// The same of several series by each other, resampled within each: what differs between them is no
+/// chance.
+double stratified_lower_bound(std::span<const std::vector<double>> strata, double level, int draws,
+                              Random random);
 
 /// Wilson interval (95 %) of a proportion: `successes` of `trials`.
 Interval wilson_interval(int successes, int trials);

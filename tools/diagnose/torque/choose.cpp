@@ -13,9 +13,6 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Share of the best gain that counts as nearly as good.
-constexpr double kNearly = 0.9;
-
 bool is_ripple(const EffortTerm& term) {
   return term.effect == "cogging" || term.effect == "position_friction";
 }
@@ -234,10 +231,11 @@ class Chooser {
     const bool wild = term.effect.starts_with("link_m") && x[design_.first_column(best)] > 1.0;
     if (!wild) return best;
     const double before = total(design_.fit(active, split_.fitted)), gain = before - left(best);
+    const double enough = (1.0 - settings_.effort.nearly) * gain;
     for (const int t : next) {
       const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
       if (other.effect.starts_with("link_") || other.joints.back() != term.joints.back()) continue;
-      if (before - left(t) > kNearly * gain && plausible(active, t) && pays(active, t)) return t;
+      if (before - left(t) > enough && plausible(active, t) && pays(active, t)) return t;
     }
     return best;
   }

@@ -9,9 +9,6 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Of the size: recordings that differ by less are one robot on two days.
-constexpr double kShare = 0.25;
-
 /// Weighted mean of all but `left_out`, and its deviation.
 GroupValue others(const std::vector<GroupValue>& values, std::size_t left_out) {
   double weight = 0.0, sum = 0.0;
@@ -39,7 +36,7 @@ std::string disagreement(const std::string& what, const std::string& unit,
     const double size = std::max(std::abs(values[i].value), std::abs(rest.value));
     apart = apart ||
             (distance > 2.0 * decisions.standard_errors * std::hypot(values[i].sigma, rest.sigma) &&
-             distance > kShare * size);
+             distance > decisions.same_robot * size);
   }
   if (!apart) return "";
   std::string text = "recordings disagree about " + what + ":";

@@ -13,6 +13,7 @@
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/smoother.h"
+#include "tools/recording/reading_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -21,14 +22,15 @@ using recording::Recording;
 
 /// A joint's smoothed motion at every row of the recording.
 SmoothedState smoothed(const Recording& recording, const std::string& joint,
-                       const DataSettings& settings) {
+                       const Settings& settings) {
   const auto column = recording.find("q:" + joint);
   if (std::count_if(column.begin(), column.end(), [](double q) { return std::isfinite(q); }) < 3) {
-    throw files::InputError(recording.file, recording.header_line, "q:" + joint, "no positions", "",
-                            "the measured position of every movable joint of the URDF");
+    throw recording::ReadingError(recording::ReadFault::missing_channel, recording.file,
+                                  recording.header_line, "q:" + joint, "no positions", "",
+                                  "the measured position of every movable joint of the URDF");
   }
-  const std::vector<double> q = gate::without_glitches(column);
-  return smooth_position(recording.t, q, position_noise(q), settings.likelihood_rows);
+  const std::vector<double> q = gate::without_glitches(column, nullptr, settings.gate);
+  return smooth_position(recording.t, q, position_noise(q), settings.data.likelihood_rows);
 }
 
 /// Mean of the finite values of x in [first, last).
@@ -83,7 +85,7 @@ EffortRecording read(const ModelFolder& model, const Recording& recording, bool 
   std::vector<SmoothedState> states(joints);
   parallel_for(static_cast<int>(joints), [&](int j) {
     const auto i = static_cast<std::size_t>(j);
-    states[i] = smoothed(recording, out.nominal.tree.joints[i].name, settings.data);
+    states[i] = smoothed(recording, out.nominal.tree.joints[i].name, settings);
   });
   for (std::size_t j = 0; j < joints; ++j) {
     fill_joint(out, j, states[j], out.channels[j].effort, stride, settings.effort);
@@ -112,15 +114,11 @@ void add_window(EffortRows& all, int r, std::size_t first, std::size_t last, int
   }
 }
 
-/// The smoother's ends know acceleration from one side only.
-constexpr double kEnds = 0.05;  // s
-constexpr double kBlocks = 120;
-
 /// `block`: length of a block, s.
 void cut(EffortRows& all, int r, double block_s, const EffortSettings& settings) {
   const EffortRecording& recording = all.recordings[static_cast<std::size_t>(r)];
   const std::vector<double>& t = recording.t;
-  const double begin = t.front() + kEnds, end = t.back() - kEnds;
+  const double begin = t.front() + settings.ends, end = t.back() - settings.ends;
   const int first_block = all.blocks;
   for (std::size_t first = 0; first < t.size();) {
     std::size_t last = first + 1;
@@ -165,8 +163,7 @@ EffortRows effort_rows(const ModelFolder& model, const std::vector<Recording>& r
     out.recordings.push_back(read(model, r, free_gain, settings));
     seconds += out.recordings.back().t.back() - out.recordings.back().t.front();
   }
-  // more blocks than this sharpen no interval
-  const double block = std::max(settings.effort.block, seconds / kBlocks);
+  const double block = std::max(settings.effort.block, seconds / settings.effort.blocks);
   for (std::size_t r = 0; r < recordings.size(); ++r)
     cut(out, static_cast<int>(r), block, settings.effort);
   if (out.rows.empty()) {

@@ -188,15 +188,14 @@ struct Reach {
     }
     return out;
   }
-  bool holds(const EffortRows& rows, const EffortRow& row) const {
+  /// Not faster than `beyond` times what was fitted.
+  bool holds(const EffortRows& rows, const EffortRow& row, double beyond) const {
     const MotionSample& m = middle(rows, row);
     const auto j = static_cast<std::size_t>(row.joint);
-    return std::abs(m.dq[j]) <= kBeyond * speed && std::abs(m.ddq[j]) <= kBeyond * acceleration;
+    return std::abs(m.dq[j]) <= beyond * speed && std::abs(m.ddq[j]) <= beyond * acceleration;
   }
 
  private:
-  /// Times the fastest that was fitted.
-  static constexpr double kBeyond = 1.5;
   static const MotionSample& middle(const EffortRows& rows, const EffortRow& row) {
     return rows.recordings[static_cast<std::size_t>(row.recording)]
         .motion[(row.first + row.last) / 2];
@@ -205,7 +204,7 @@ struct Reach {
 
 /// Held-out scores of one joint. `named`: values of the terms alone that predict.
 EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const EffortValues& x,
-                     const EffortValues& named, int joint) {
+                     const EffortValues& named, int joint, double beyond) {
   const EffortRows& rows = design.rows();
   const Eigen::VectorXd left = design.residual(x), left_by_named = design.residual(named);
   const auto held = [&](const EffortRow& row) {
@@ -223,7 +222,7 @@ EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const
       fitted_effort.push_back(recorded);
       continue;
     }
-    if (!reach.holds(rows, row)) {
+    if (!reach.holds(rows, row, beyond)) {
       ++out.beyond;
       continue;
     }
@@ -339,7 +338,8 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
                                         split.fitted);
   for (std::size_t j = 0; j < rows.recordings.front().channels.size(); ++j) {
     if (rows.recordings.front().channels[j].known)
-      out.scores.push_back(score_of(design, split, judge.fitted(), named, static_cast<int>(j)));
+      out.scores.push_back(score_of(design, split, judge.fitted(), named, static_cast<int>(j),
+                                    settings.effort.beyond));
   }
   const Eigen::VectorXd left = design.residual(judge.fitted());
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {

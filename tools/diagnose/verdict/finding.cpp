@@ -88,8 +88,8 @@ bool as_good(const Library& library, const Selection& selection, const Candidate
   const DecisionSettings& decisions = selection.around->settings().decisions;
   const bool needs_more = free_parameters(library[a.candidate]) > free_parameters(chosen) &&
                           a.behind.certainty() > decisions.standard_errors;
-  const bool level =
-      !needs_more && !beaten(decisions, a.behind, practical_energy(*selection.around->problem));
+  const bool level = !needs_more && !a.far_behind &&
+                     !beaten(decisions, a.behind, practical_energy(*selection.around->problem));
   const bool other_place = rival.effect == chosen.effect;
   return level && rival.said_wrong.empty() && !contains(library[a.candidate], chosen) &&
          !other_place;

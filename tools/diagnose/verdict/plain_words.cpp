@@ -59,14 +59,16 @@ std::string size_of(const Finding& f) {
 }
 
 std::string finding_in_words(const Finding& f) {
-  std::string text =
-      any_of(f.status == VerdictStatus::one_of ? f.one_of : std::vector<std::string>{f.effect});
-  text += " at " + places(f.where) + size_of(f);
+  const bool set = f.status == VerdictStatus::one_of;
+  std::string text = any_of(set ? f.one_of : std::vector<std::string>{f.effect});
+  text += " at " + places(f.where);
+  const std::string size = size_of(f);
+  text += set && !size.empty() ? " (if it is " + name_of(f.effect) + size + ")" : size;
   switch (f.status) {
     case VerdictStatus::confirmed:
       return text + ", confirmed";
     case VerdictStatus::one_of:
-      return text + ", which of them these data cannot tell";
+      return text + ", which of them these data cannot tell: their order says nothing";
     case VerdictStatus::unfinished:
       return text + ", accepted so far";
     default:

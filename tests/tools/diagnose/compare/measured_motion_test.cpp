@@ -35,7 +35,7 @@ TEST(PositionNoise, OfAnEncoderIsAtLeastThatOfItsSteps) {
 
 TEST(MeasuredMotion, FollowsTheMotionAndItsSpeed) {
   const Drive drive = sine(1e-3);
-  const MeasuredMotion motion = measured_motion(drive, DataSettings{});
+  const MeasuredMotion motion = measured_motion(drive, Settings{});
   std::vector<double> position, speed;
   for (std::size_t k = 10; k + 10 < drive.rows(); ++k) {
     position.push_back(motion.q[0][k] - 0.5 * std::sin(2.0 * drive.t[k]));
@@ -47,9 +47,9 @@ TEST(MeasuredMotion, FollowsTheMotionAndItsSpeed) {
 
 TEST(MeasuredMotion, DoesNotFollowOneGlitch) {
   Drive drive = sine(1e-3);
-  const MeasuredMotion before = measured_motion(drive, DataSettings{});
+  const MeasuredMotion before = measured_motion(drive, Settings{});
   drive.joints[0].q[300] += 2.0;
-  const MeasuredMotion after = measured_motion(drive, DataSettings{});
+  const MeasuredMotion after = measured_motion(drive, Settings{});
   // in its place stands the median of five rows: off by no more than the motion of a row
   for (std::size_t k = 290; k < 310; ++k) EXPECT_NEAR(after.q[0][k], before.q[0][k], 0.01) << k;
 }
@@ -57,14 +57,14 @@ TEST(MeasuredMotion, DoesNotFollowOneGlitch) {
 TEST(MeasuredMotion, GoesThroughCellsThatWereNotSampled) {
   Drive drive = sine(1e-3);
   for (std::size_t k = 200; k < 210; ++k) drive.joints[0].q[k] = NAN;
-  const MeasuredMotion motion = measured_motion(drive, DataSettings{});
+  const MeasuredMotion motion = measured_motion(drive, Settings{});
   for (std::size_t k = 195; k < 215; ++k)
     EXPECT_NEAR(motion.q[0][k], 0.5 * std::sin(2.0 * drive.t[k]), 0.01) << k;
 }
 
 TEST(TiledWindows, CoverTheRecordingOnceInOrder) {
   const Drive drive = sine(1e-3);
-  const MeasuredMotion motion = measured_motion(drive, DataSettings{});
+  const MeasuredMotion motion = measured_motion(drive, Settings{});
   for (const double seconds : {0.1, 0.37, 0.5, 2.0}) {
     const std::vector<Window> windows = tiled_windows(drive, motion, seconds);
     EXPECT_EQ(windows.front().first, 0u);
@@ -85,7 +85,7 @@ TEST(TiledWindows, CoverTheRecordingOnceInOrder) {
 
 TEST(TiledWindows, OfEndlessLengthAreOne) {
   const Drive drive = sine(1e-3);
-  const auto windows = tiled_windows(drive, measured_motion(drive, DataSettings{}), INFINITY);
+  const auto windows = tiled_windows(drive, measured_motion(drive, Settings{}), INFINITY);
   ASSERT_EQ(windows.size(), 1u);
   EXPECT_EQ(windows[0].last, drive.rows() - 1);
 }

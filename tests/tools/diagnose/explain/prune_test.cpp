@@ -17,8 +17,9 @@ const EffectEntry kSpring = hidden("cable_spring", "a", {{"stiffness", 0.3}, {"t
 
 /// A search that has accepted some names already, whatever they explain.
 struct Standing {
-  Standing(const std::vector<EffectEntry>& world, const std::vector<std::string>& names)
-      : c(compared(pendulum(kNoisyServo), world, kTried, 41, 3)),
+  Standing(const std::vector<EffectEntry>& world, const std::vector<std::string>& names,
+           const std::vector<std::string>& tried = kTried)
+      : c(compared(pendulum(kNoisyServo), world, tried, 41, 3)),
         state(c.problem, c.library, options) {
     Selection& found = state.found;
     found.around = make_surroundings(state.problem, c.library, nominal(c));
@@ -101,6 +102,51 @@ TEST(Prune, OfARobotAsItsModelNothingStays) {
               0.01 * s.state.found.nominal_heldout.sum());
 }
 
+const std::vector<std::string> kOfLoad{"gear_efficiency", "load_friction",
+                                       "directional_load_friction", "coulomb_friction"};
+
+TEST(OneForTwo, OneFrictionOfTwoNumbersTakesThePlaceOfTwoOfOne) {
+  Standing s({hidden("directional_load_friction", "a", {{"drive", 0.3}, {"backdrive", 0.05}})},
+             {"gear_efficiency", "load_friction"}, kOfLoad);
+  const double before = s.state.found.final_heldout.sum();
+  one_for_two(s.state);
+  EXPECT_EQ(s.names(), Names{"directional_load_friction"});
+  EXPECT_TRUE(s.said("in the place of"));
+  EXPECT_LT(s.state.found.final_heldout.sum(), 1.05 * before) << "it cost no prediction";
+  EXPECT_NEAR(s.state.found.final.model.effects[0].theta[0], 0.3, 0.05);
+}
+
+TEST(OneForTwo, TwoThatAreBothThereStay) {
+  // dry friction and what grows with the load have relatives in common, and none is both
+  Standing s({hidden("load_friction", "a", {{"load", 0.2}}), kRubbing},
+             {"load_friction", "coulomb_friction"}, kOfLoad);
+  one_for_two(s.state);
+  EXPECT_EQ(s.names(), (Names{"load_friction", "coulomb_friction"}));
+}
+
+TEST(Gate, TheLuckiestOfManyIsNoFinding) {
+  // a gain that one candidate alone would prove, and the best of a dozen has by chance
+  Standing s({}, {});
+  Alternative a;
+  a.candidate = s.c.of("coulomb_friction");
+  a.fit = s.state.found.final;
+  a.fit.model.effects.push_back({a.candidate, {0.08}});
+  const Eigen::VectorXd& before = s.state.found.final_heldout;
+  const auto with_scatter = [&](double scatter) {
+    Random random(5);
+    a.heldout = before;
+    for (Eigen::Index i = 0; i < before.size(); ++i)
+      a.heldout[i] -= 0.1 * before[i] * (1.0 + scatter * random.normal());
+    return compare(*s.state.problem, before, a.heldout).beyond_chance();
+  };
+  double scatter = 0.1;
+  ASSERT_TRUE(with_scatter(scatter));
+  EXPECT_EQ(refused_by(s.state, a).find("so many candidates"), std::string::npos);
+  while (with_scatter(1.02 * scatter)) scatter *= 1.02;
+  ASSERT_TRUE(with_scatter(scatter)) << "by a little";
+  EXPECT_NE(refused_by(s.state, a).find("so many candidates"), std::string::npos);
+}
+
 TEST(Swap, TheNameThatPredictsBetterTakesThePlace) {
   Standing s({kRubbing}, {"viscous_friction"});
   const double before = s.state.found.final_heldout.sum();
@@ -135,6 +181,23 @@ TEST(Swap, TheRightNameStays) {
   for (const Alternative& a : s.state.found.accepted[0].alternatives)
     EXPECT_TRUE(beaten(s.state.decisions(), a.behind, s.state.practical()))
         << s.c.library[a.candidate].title();
+}
+
+TEST(Swap, WhatPredictsTheSameIsNotBehind) {
+  // servo and readings late: one motion, and fits without a group end where they happen to
+  Standing s({hidden("command_delay", "a", {{"delay", 0.02}})}, {"command_delay"},
+             {"command_delay", "sensor_delay", "coulomb_friction"});
+  swap_for_better(s.state);
+  ASSERT_EQ(s.names().size(), 1U);
+  bool found = false;
+  for (const Alternative& a : s.state.found.accepted[0].alternatives) {
+    const std::string& name = s.c.library[a.candidate].effect;
+    if (name != "command_delay" && name != "sensor_delay") continue;
+    found = true;
+    EXPECT_EQ(a.behind.removed(), 0.0);
+    EXPECT_LE(a.behind.certainty(), 0.0);
+  }
+  EXPECT_TRUE(found);
 }
 
 /// Two names of the same effects: one with a single number, one with three.

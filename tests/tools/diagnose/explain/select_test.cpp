@@ -152,7 +152,7 @@ struct AtFirst {
     state.found.first = screen(*state.found.around, Model{}, r, state.open(), Random(1));
     state.calibrate(state.found.first);
   }
-  bool pair() { return accept_pair(state, 0, state.found.first, state.practical()); }
+  bool pair() { return accept_pair(state, 0, state.found.first, {}, state.practical()); }
   SmallComparison c;
   SelectOptions options;
   SearchState state;

@@ -1,5 +1,6 @@
 // The fit: derivatives, recovery of what was hidden with honest intervals, held-out energies.
 #include "tools/diagnose/fit/fit.h"
+#include "tools/diagnose/fit/quick_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -282,6 +283,23 @@ TEST(Overdispersion, OfNoiseIsOneAndGrowsWithTheSquare) {
   const double one = overdispersion(*c.problem, r)[0];
   EXPECT_NEAR(one, 1.2, 0.4);
   EXPECT_NEAR(overdispersion(*c.problem, 3.0 * r)[0] / one, 9.0, 1e-6);
+}
+
+TEST(QuickFit, IsTheFitWithoutDerivatives) {
+  const SmallComparison c =
+      compared(pendulum(kNoisyServo), {hidden("coulomb_friction", "a", {{"coulomb", 0.08}})},
+               {"coulomb_friction"}, 17);
+  const Surroundings around = make_surroundings(c.problem, c.library, nominal(c));
+  Model start = nominal(c);
+  start.effects.push_back({c.of("coulomb_friction"), {0.02}});
+  for (const int iterations : {0, 1, 3, 9}) {
+    const FitResult whole = fit(around, start, iterations);
+    const QuickFit quick = quick_fit(around, start, iterations);
+    EXPECT_DOUBLE_EQ(quick.model.effects[0].theta[0], whole.model.effects[0].theta[0]);
+    EXPECT_EQ(quick.model.nuisance, whole.model.nuisance);
+    EXPECT_EQ(quick.r, whole.r);
+    EXPECT_NEAR(quick.objective, whole.objective, 1e-6 * whole.objective);
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
 #include "tests/tools/diagnose/gate/made_recording.h"
+#include "tools/recording/reading_error.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -79,7 +80,8 @@ TEST_F(Load, AWordAmongTheNumbersIsNamedByRow) {
 }
 
 TEST(DefectOf, KeepsFilePlaceAndTextOfTheReadersError) {
-  const files::InputError error("r.csv", 12, "q:hip", "NaN or infinity", "inf", "a number");
+  const recording::ReadingError error(recording::ReadFault::not_a_number, "r.csv", 12, "q:hip",
+                                      "NaN or infinity", "inf", "a number");
   const Defect d = defect_of(error);
   EXPECT_EQ(d.file, "r.csv");
   EXPECT_EQ(d.channel, "q:hip");

@@ -246,5 +246,30 @@ TEST(MovingBlockBootstrap, CoversTheTrueSumOfDependentGains) {
   EXPECT_LT(above, 60) << "30 are expected";
 }
 
+TEST(StratifiedBootstrap, WhatDiffersBetweenStrataIsNoChance) {
+  const std::vector<double> a = coloured(60, 0.3, 31), b = coloured(60, 0.3, 32);
+  std::vector<std::vector<double>> strata{a, b};
+  const double bound = stratified_lower_bound(strata, 0.05, 999, Random(6));
+  EXPECT_LT(bound, 60 * (mean(a) + mean(b)));
+  strata[1] = affine(b, 1.0, 50.0);
+  EXPECT_NEAR(stratified_lower_bound(strata, 0.05, 999, Random(6)), bound + 50.0 * 60, 1e-6);
+  // as one series a step of 50 is scatter
+  std::vector<double> series = a;
+  series.insert(series.end(), strata[1].begin(), strata[1].end());
+  EXPECT_LT(moving_block_lower_bound(series, 0.05, 999, Random(6)), bound + 25.0 * 60);
+}
+
+TEST(StratifiedBootstrap, CoversTheTrueSumOfDependentGains) {
+  int above = 0;
+  for (std::uint64_t s = 0; s < 300; ++s) {
+    std::vector<std::vector<double>> strata;
+    for (std::uint64_t k = 0; k < 4; ++k)
+      strata.push_back(affine(coloured(50, 0.4, 7000 + 4 * s + k), 1.0, static_cast<double>(k)));
+    above += stratified_lower_bound(strata, 0.1, 199, Random(s)) > 50.0 * (0 + 1 + 2 + 3);
+  }
+  EXPECT_GT(above, 12);
+  EXPECT_LT(above, 66) << "30 are expected";
+}
+
 }  // namespace
 }  // namespace sanso::diagnose

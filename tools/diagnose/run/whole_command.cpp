@@ -1,0 +1,104 @@
+// `sanso diagnose` of a base that floats: what the terminal, verdict.txt and the page say.
+#include <fmt/format.h>
+
+#include "tools/diagnose/run/ending.h"
+#include "tools/diagnose/run/report_sections.h"
+#include "tools/diagnose/run/report_words.h"
+#include "tools/diagnose/run/whole_options.h"
+#include "tools/diagnose/verdict/plain_words.h"
+
+namespace sanso::diagnose {
+namespace {
+
+std::string parameters_text(const Finding& f) {
+  std::string out;
+  for (const auto& [name, p] : f.parameters)
+    out += fmt::format("{:<11}{}.{} at {} = {:.4g} {} [{:.4g}, {:.4g}]\n", "", f.effect, name,
+                       places(f.where), p.value, p.unit, p.low, p.high);
+  return out;
+}
+
+std::string text_of(const Verdict& v) {
+  std::string out = wrapped(v.summary, 96) + "\n";
+  out += "question   what do pose, IMU and feet say that the model does not?\n";
+  out += fmt::format("answer     {}: {}\n", to_string(v.status), v.answer);
+  for (const Defect& d : v.refused)
+    out += fmt::format("refused    {} {}{}: {}: {}\n", d.file, d.channel,
+                       d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
+  if (v.status == VerdictStatus::refused) return out;
+  for (const Finding& f : v.findings) out += parameters_text(f);
+  const auto scores = v.heldout.find("0");
+  if (scores != v.heldout.end()) {
+    for (const auto& [channel, s] : scores->second)
+      out += fmt::format("held out   {}: {:.4g} -> {:.4g} (noise {:.2g})\n", channel, s.nominal,
+                         s.patched, s.noise);
+  }
+  for (const Untestable& u : v.untestable)
+    out += fmt::format("untestable {}: {}\n", u.effect, u.because);
+  for (const std::string& note : v.notes) out += fmt::format("note       {}\n", note);
+  return out;
+}
+
+void tell_scores(report::HtmlPage& page, const Verdict& v) {
+  const auto scores = v.heldout.find("0");
+  if (scores == v.heldout.end() || scores->second.empty()) return;
+  page.heading("Proof on data that were not fitted");
+  report::Table table{{"what", "nominal", "patched", "noise"}, {}};
+  for (const auto& [channel, s] : scores->second)
+    table.rows.push_back({channel, fmt::format("{:.4g}", s.nominal),
+                          fmt::format("{:.4g}", s.patched), fmt::format("{:.2g}", s.noise)});
+  page.table(table);
+}
+
+std::string page_of(const WholeDiagnosis& d) {
+  const Verdict& v = d.verdict;
+  report::HtmlPage page("Diagnosis of the whole robot");
+  page.paragraph("Question: what do pose, IMU and feet say that the model does not?");
+  page.answer(fmt::format("{}: {}", to_string(v.status), v.answer),
+              v.status == VerdictStatus::absent);
+  page.paragraph(v.summary);
+  if (v.status == VerdictStatus::refused) {
+    tell_refusal(page, v);
+    return page.finish();
+  }
+  for (const Finding& f : v.findings) tell_finding(page, f);
+  tell_scores(page, v);
+  tell_limits(page, v);
+  page.heading("How it was found");
+  std::string log;
+  for (const std::string& line : d.log) log += line + "\n";
+  page.code(log);
+  for (const std::string& note : v.notes) page.paragraph("Note: " + note);
+  return page.finish();
+}
+
+Ending ending_of(WholeDiagnosis d) {
+  Ending out;
+  out.text = text_of(d.verdict);
+  out.report = page_of(d);
+  out.verdict = std::move(d.verdict);
+  out.patched_body = std::move(d.patched);
+  return out;
+}
+
+/// Nothing is kept of a run that was ended: it takes seconds.
+Ending ended_early(double seconds) {
+  WholeDiagnosis d;
+  d.verdict.status = VerdictStatus::unfinished;
+  d.verdict.unfinished = Unfinished{"what do pose, IMU and feet say?", seconds, 0.0};
+  d.verdict.answer = fmt::format("Unfinished after {:.0f} s.", seconds);
+  d.verdict.summary = plain_words(d.verdict);
+  return ending_of(std::move(d));
+}
+
+}  // namespace
+
+int run_diagnose_whole(const DiagnoseOptions& options) {
+  const WholeOptions whole = whole_options(options);
+  return run_command(options, {[&](const Progress& progress) {
+                                 return ending_of(diagnose_whole(whole, progress));
+                               },
+                               ended_early});
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,160 @@
+// Groups are resampled whole, because the values inside one are not independent.
+#include "tools/diagnose/wholebody/answers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/stats/random.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr int kDraws = 999;
+constexpr int kLeastGroups = 4;  // fewer leave nothing to fit beside a held-out third
+
+/// Sums of a group: weight, weight x value.
+struct Sum {
+  double w = 0.0, wx = 0.0;
+};
+
+std::vector<Sum> sums_of(const Samples& s) {
+  std::vector<Sum> out(static_cast<std::size_t>(s.groups()));
+  for (std::size_t i = 0; i < s.value.size(); ++i) {
+    Sum& sum = out[static_cast<std::size_t>(s.group[i])];
+    sum.w += s.weight[i], sum.wx += s.weight[i] * s.value[i];
+  }
+  return out;
+}
+
+double mean_of(const std::vector<Sum>& sums, const auto& take) {
+  Sum all;
+  for (std::size_t g = 0; g < sums.size(); ++g) {
+    if (take(g)) all.w += sums[g].w, all.wx += sums[g].wx;
+  }
+  return all.w > 0.0 ? all.wx / all.w : 0.0;
+}
+
+/// Means of resampled groups, in order of size.
+std::vector<double> resampled(const std::vector<Sum>& sums, unsigned long seed) {
+  Random random(seed, 17);
+  std::vector<double> out;
+  const int n = static_cast<int>(sums.size());
+  for (int d = 0; d < kDraws; ++d) {
+    Sum all;
+    for (int k = 0; k < n; ++k) {
+      const Sum& s = sums[static_cast<std::size_t>(random.below(n))];
+      all.w += s.w, all.wx += s.wx;
+    }
+    if (all.w > 0.0) out.push_back(all.wx / all.w);
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool held_out(std::size_t group) { return group % 3 == 2; }
+
+/// Mean of the nominal's squared error less the fitted value's, by held-out group, and the RMS.
+void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, unsigned long seed,
+           Measured& m) {
+  const double fitted = mean_of(sums, [](std::size_t g) { return !held_out(g); });
+  std::vector<double> before(sums.size(), 0.0), after(sums.size(), 0.0);
+  double weight = 0.0, b = 0.0, a = 0.0;
+  for (std::size_t i = 0; i < s.value.size(); ++i) {
+    const auto g = static_cast<std::size_t>(s.group[i]);
+    if (!held_out(g)) continue;
+    const double x = s.value[i], w = s.weight[i];
+    before[g] += w * (x - nominal) * (x - nominal), after[g] += w * (x - fitted) * (x - fitted);
+    weight += w;
+  }
+  std::vector<double> removed;
+  for (std::size_t g = 0; g < sums.size(); ++g) {
+    if (!held_out(g)) continue;
+    b += before[g], a += after[g];
+    removed.push_back(before[g] - after[g]);
+  }
+  if (weight <= 0.0 || b <= 0.0) return;
+  m.before = std::sqrt(b / weight), m.after = std::sqrt(a / weight);
+  m.gain = 1.0 - a / b;
+  m.gain_low = moving_block_lower_bound(removed, 0.023, kDraws, Random(seed, 18)) / b;
+}
+
+}  // namespace
+
+int Samples::groups() const {
+  return group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
+}
+
+std::optional<Measured> measured(const Samples& samples, double nominal, unsigned long seed) {
+  std::vector<Sum> sums;
+  Samples packed;  // groups numbered without holes
+  std::vector<int> number(static_cast<std::size_t>(samples.groups()), -1);
+  int next = 0;
+  for (std::size_t i = 0; i < samples.value.size(); ++i) {
+    int& n = number[static_cast<std::size_t>(samples.group[i])];
+    if (n < 0) n = next++;
+    packed.add(samples.value[i], samples.weight[i], n);
+  }
+  if (next < kLeastGroups) return std::nullopt;
+  sums = sums_of(packed);
+  Measured m;
+  m.groups = next;
+  m.value = mean_of(sums, [](std::size_t) { return true; });
+  const std::vector<double> draws = resampled(sums, seed);
+  // few groups spread too little by sqrt((n - 1) / n)
+  const double widen = std::sqrt(static_cast<double>(next) / (next - 1));
+  m.low = m.value - widen * (m.value - quantile(draws, 0.025));
+  m.high = m.value + widen * (quantile(draws, 0.975) - m.value);
+  m.sigma = widen * standard_deviation(draws);
+  std::vector<double> around;
+  for (double x : packed.value) around.push_back(x);
+  m.noise = robust_sigma(around);
+  prove(packed, sums, nominal, seed, m);
+  return m;
+}
+
+void WholeAnswers::cannot(const std::string& effect, const std::string& because) {
+  untestable.push_back({effect, because});
+}
+
+Said WholeAnswers::judge(const Asked& a, const Measured& m, const DecisionSettings& decisions) {
+  ++asked;
+  // two-sided, and of a dozen numbers that are asked
+  const double surely = normal_score(decisions.family_wise / 24.0) * m.sigma;
+  const double off = std::abs(m.value - a.nominal);
+  const std::string where = a.where.empty() ? std::string() : " at " + a.where.front();
+  const std::string text =
+      fmt::format("{}.{}{} = {:.4g} {} [{:.4g}, {:.4g}] from {} groups", a.effect, a.parameter,
+                  where, m.value, a.unit, m.low, m.high, m.groups);
+  log.push_back(text);
+  if (!a.channel.empty())
+    scores[a.channel] = {m.before, m.after, m.noise, std::numeric_limits<double>::quiet_NaN(),
+                         std::numeric_limits<double>::quiet_NaN()};
+  detectable.push_back({a.effect, a.where.empty() ? "" : a.where.front(), a.parameter, a.unit,
+                        a.tolerance + surely});
+  if (off <= surely) return Said::nothing;
+  if (off <= a.tolerance + surely || m.gain_low <= 0.0) {
+    notes.push_back(
+        text +
+        (off <= a.tolerance + surely
+             ? fmt::format(": within what a nominal model may be wrong by ({:.3g})", a.tolerance)
+             : ": described, not named: its gain on held-out data is not beyond "
+               "chance"));
+    return Said::within;
+  }
+  Finding f;
+  f.effect = a.effect, f.family = a.family, f.where = a.where, f.regime = a.regime;
+  f.parameters[a.parameter] = {m.value, m.low, m.high, a.unit, false};
+  f.heldout_gain = m.gain, f.heldout_gain_low = m.gain_low;
+  f.p_family = std::min(1.0, 24.0 * normal_tail(off / std::max(m.sigma, 1e-300)));
+  f.one_of = {a.effect};
+  f.one_of.insert(f.one_of.end(), a.equally_good.begin(), a.equally_good.end());
+  f.status = status_of(f);
+  findings.push_back(std::move(f));
+  return Said::missing;
+}
+
+}  // namespace sanso::diagnose

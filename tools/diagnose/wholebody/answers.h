@@ -1,0 +1,64 @@
+// What the questions to a floating base come to: each asks one number, with its own interval, its
+// own held-out proof, and the names that it may have.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/verdict/verdict.h"
+#include "tools/diagnose/wholebody/kinematics.h"
+
+namespace sanso::diagnose {
+
+/// Values that should all be one number. Those of one group hang together: a recording, or a piece
+/// of one.
+struct Samples {
+  std::vector<double> value, weight;
+  std::vector<int> group;
+  void add(double v, double w, int g) {
+    value.push_back(v), weight.push_back(w), group.push_back(g);
+  }
+  int groups() const;
+};
+
+/// Weighted mean of samples with its 95 % interval (groups resampled), and what it does on every
+/// third group when it is fitted to the others. RMS.
+struct Measured {
+  double value = 0.0, low = 0.0, high = 0.0, sigma = 0.0;
+  double before = 0.0, after = 0.0, noise = 0.0;
+  double gain = 0.0, gain_low = 0.0;  // share of the squared error that it removes there
+  int groups = 0;
+};
+/// Nothing where there are fewer groups than a hold-out needs.
+std::optional<Measured> measured(const Samples& samples, double nominal, unsigned long seed);
+
+/// A number that is asked for.
+struct Asked {
+  std::string effect, family;
+  std::vector<std::string> where;
+  std::string parameter, unit, regime;
+  double nominal = 0.0;
+  double tolerance = 0.0;                 // within it nothing is missing
+  std::vector<std::string> equally_good;  // other names that the same data allow
+  std::string channel;                    // of the held-out score
+};
+
+enum class Said { missing, within, nothing };
+
+struct WholeAnswers {
+  std::vector<Finding> findings;
+  std::vector<Untestable> untestable;
+  std::vector<Detectable> detectable;
+  std::vector<std::string> notes, log;
+  std::map<std::string, FitScore> scores;  // by channel, on data that were not fitted
+  int asked = 0;                           // numbers that these data could answer
+
+  /// Adds a finding where the number is further from nominal than its tolerance and chance allow,
+  /// else a note or the smallest size that would have been seen.
+  Said judge(const Asked& asked, const Measured& m, const DecisionSettings& decisions);
+  void cannot(const std::string& effect, const std::string& because);
+};
+
+}  // namespace sanso::diagnose

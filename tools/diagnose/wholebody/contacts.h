@@ -1,0 +1,43 @@
+// Which points of the robot touch the ground when, from poses and shapes alone.
+#pragma once
+
+#include <vector>
+
+#include "tools/diagnose/wholebody/whole_data.h"
+
+namespace sanso::diagnose {
+
+/// A point that can touch, in the frame of its joint.
+struct TouchPoint {
+  std::string link;
+  int joint = -1;
+  V3 at = V3::Zero();
+  double radius = 0.0;
+};
+std::vector<TouchPoint> touch_points(const WholeBody& body);
+
+/// Unit vector against gravity, world axes; zero gravity: z.
+V3 upwards(const WholeBody& body);
+
+/// By row: height of the lowest point above the ground and which it is, and of the second lowest.
+struct Clearance {
+  std::vector<double> lowest, second;
+  std::vector<int> point;
+  double ground = 0.0;  // height that was used
+  bool stated = false;  // by the model, else taken from the lowest rows
+};
+Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale);
+
+/// Rows [first, last) during which something holds.
+struct Span {
+  std::size_t first = 0, last = 0;
+  std::size_t rows() const { return last - first; }
+};
+/// Longest runs of rows of one piece with `holds`.
+std::vector<Span> spans(const WholeRecording& r, const std::vector<char>& holds);
+
+/// Nothing touches, with the ends cut off by which a tracker spreads impacts.
+std::vector<Span> flights(const WholeRecording& r, const Clearance& c,
+                          const WholeSettings& settings);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,149 @@
+// Order of the questions: lengths first, since every later one measures in them.
+#include "tools/diagnose/wholebody/diagnose_whole.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "shared/files/input_error.h"
+#include "tools/diagnose/gate/load.h"
+#include "tools/diagnose/verdict/conclude.h"
+#include "tools/diagnose/verdict/plain_words.h"
+
+namespace sanso::diagnose {
+namespace {
+
+WholeDiagnosis refused(std::vector<Defect> defects) {
+  Evidence evidence;
+  evidence.defects = std::move(defects);
+  WholeDiagnosis out;
+  out.verdict = conclude(evidence);
+  return out;
+}
+
+VerdictStatus overall(const std::vector<Finding>& findings) {
+  const auto some = [&](VerdictStatus s) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [s](const Finding& f) { return f.status == s; });
+  };
+  if (findings.empty()) return VerdictStatus::absent;
+  if (some(VerdictStatus::present_unnamed)) return VerdictStatus::present_unnamed;
+  return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
+}
+
+std::string answer_of(const WholeAnswers& answers) {
+  std::string text;
+  if (answers.findings.empty()) {
+    text = fmt::format("No mismatch in the {} numbers that these recordings could be asked for",
+                       answers.asked);
+  } else {
+    text = "Missing: ";
+    for (std::size_t i = 0; i < answers.findings.size(); ++i)
+      text += (i == 0 ? "" : "; ") + sentence(answers.findings[i]);
+  }
+  std::string names;
+  for (const Untestable& u : answers.untestable) names += (names.empty() ? "" : ", ") + u.effect;
+  return text + (names.empty() ? "." : ". Not testable here: " + names + ".");
+}
+
+/// What no recording of positions can show without forces or commands, said once.
+void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answers) {
+  answers.cannot("contact_compliance",
+                 "a touchdown lasts as long as a few samples: stiffness is not asked for");
+  answers.cannot("sole_geometry", "no pressure under the soles was recorded");
+  answers.cannot("rolling_resistance", "wheels only");
+  if (body.model.tree.size() > 0)
+    answers.notes.push_back(
+        "effects of the joints (friction, gains, delays) are not asked for on a floating base: "
+        "record the joints in a stand, base = \"fixed\"");
+  const bool weighed = std::any_of(data.recordings.begin(), data.recordings.end(),
+                                   [](const WholeRecording& r) { return !r.feet.empty(); });
+  if (!weighed)
+    answers.notes.push_back("nothing weighs the robot: its motion alone is the same at any mass");
+}
+
+Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned long seed) {
+  Verdict v;
+  v.findings = answers.findings;
+  v.status = overall(v.findings);
+  v.mismatch = !v.findings.empty();
+  v.answer = answer_of(answers);
+  v.untestable = answers.untestable;
+  v.detectable = answers.detectable;
+  v.heldout["0"] = answers.scores;
+  if (!answers.scores.empty())
+    v.heldout_recordings = {data.recordings.size() >= 8 ? "every third recording"
+                                                        : "every third piece of each recording"};
+  v.notes = data.notes;
+  v.notes.insert(v.notes.end(), answers.notes.begin(), answers.notes.end());
+  v.data_hash = data.hashes;
+  v.seed = seed;
+  v.summary = plain_words(v);
+  return v;
+}
+
+Defect nothing_to_ask(const WholeData& data, const WholeAnswers& answers) {
+  std::string why;
+  for (const Untestable& u : answers.untestable)
+    why += (why.empty() ? "" : "; ") + u.effect + ": " + u.because;
+  return {data.recordings.front().file, "", -1, defect::kTooShort,
+          "these recordings answer none of the questions (" + why + ")"};
+}
+
+}  // namespace
+
+bool floats(const std::string& model_folder) {
+  try {
+    return read_model_folder(model_folder).floating;
+  } catch (const files::InputError&) {
+    return false;
+  }
+}
+
+WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body,
+                              const WholeData& data,
+                              const std::function<void(const std::string&)>& progress) {
+  if (!data.defects.empty()) return refused(data.defects);
+  WholeBody nominal = body;
+  Known known = apply_effects(nominal);
+  WholeAnswers answers;
+  Patch patch;
+  const auto asking = [&] {
+    Asking a{nominal, data.recordings, known, options.whole, options.settings.decisions};
+    a.mass_tolerance = options.settings.tolerances.mass, a.seed = options.seed;
+    return a;
+  };
+  progress("asks: does it fall as gravity says?");
+  ask_free_fall(asking(), answers, patch);
+  if (patch.pose_scale) known.pose_scale = *patch.pose_scale;
+  progress("asks: what do hits and slides say of the ground?");
+  ask_hits(asking(), answers, patch);
+  progress("asks: do the feet carry what it weighs?");
+  ask_weight(asking(), answers, patch);
+  progress("asks: does the IMU read what the base does?");
+  ask_imu(asking(), answers, patch);
+  progress("asks: do standing soles lie flat, and stay?");
+  ask_soles(asking(), answers, patch);
+  if (answers.asked == 0) return refused({nothing_to_ask(data, answers)});
+  say_limits(data, body, answers);
+  WholeDiagnosis out;
+  out.verdict = verdict_of(answers, data, options.seed);
+  out.patched = patched(body, patch);
+  out.log = answers.log;
+  return out;
+}
+
+WholeDiagnosis diagnose_whole(const WholeOptions& options,
+                              const std::function<void(const std::string&)>& progress) {
+  try {
+    const WholeBody body = read_whole_body(options.model);
+    progress("asks: are the recordings sound?");
+    return diagnose_whole(
+        options, body, load_whole(options.recordings, body, options.whole, options.settings.gate),
+        progress);
+  } catch (const files::InputError& error) {
+    return refused({defect_of(error)});
+  }
+}
+
+}  // namespace sanso::diagnose

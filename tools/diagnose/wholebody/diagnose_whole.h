@@ -1,0 +1,41 @@
+// `sanso diagnose` of a robot whose base floats: from a model folder and recordings to a verdict of
+// the same form as that of a fixed base.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/wholebody/questions.h"
+
+namespace sanso::diagnose {
+
+struct WholeOptions {
+  std::string model;                    // model folder
+  std::vector<std::string> recordings;  // files
+  Settings settings;
+  WholeSettings whole;
+  unsigned long seed = 1;
+};
+
+struct WholeDiagnosis {
+  Verdict verdict;
+  std::optional<WholeBody> patched;
+  std::vector<std::string> log;
+};
+
+/// Whether this model's base floats; a folder that cannot be read has none.
+bool floats(const std::string& model_folder);
+
+/// The whole method. Bad input gives a verdict with status REFUSED, and so do recordings that
+/// answer none of the questions.
+WholeDiagnosis diagnose_whole(const WholeOptions& options,
+                              const std::function<void(const std::string&)>& progress);
+
+/// The same of what is in memory, judged already.
+WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body,
+                              const WholeData& data,
+                              const std::function<void(const std::string&)>& progress);
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,251 @@
+// What the IMU should read follows from the base's motion alone: no joint torque, no contact and no
+// mass stands between them. A turned IMU turns both its vectors; a wrong vertical of the base's
+// attitude turns the specific force alone.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/math/so3.h"
+#include "tools/diagnose/compare/measured_motion.h"
+#include "tools/diagnose/stats/random.h"
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
+#include "tools/diagnose/stats/smoother.h"
+#include "tools/diagnose/wholebody/imu_mount.h"
+#include "tools/diagnose/wholebody/questions.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr int kDraws = 199;
+// chosen: turning that is faster tells three axes of a rotation from biases
+constexpr double kEnoughTurning = 0.2;  // rad/s RMS
+// chosen: no attitude estimate is wrong by more, so a larger turn is how the IMU is mounted
+constexpr double kSurelyMounted = 0.3;  // rad
+
+/// Track of the assumed IMU: where it is and how it is turned, row by row.
+struct ImuTrack {
+  std::vector<M3> R;
+  std::vector<V3> acceleration;  // world, m/s^2; zeros without positions
+};
+
+ImuTrack imu_track(const Asking& asking, const WholeRecording& r) {
+  ImuTrack out;
+  BodyKinematics kinematics(asking.body);
+  const ImuPlace& imu = asking.body.imu;
+  std::array<std::vector<double>, 3> x;
+  for (std::size_t k = 0; k < r.rows(); ++k) {
+    kinematics.set(r.R[k], r.p[k] / asking.known.pose_scale, r.q.col(static_cast<Eigen::Index>(k)));
+    out.R.push_back(kinematics.rotation(imu.joint) * eigen(imu.R_joint_imu));
+    const V3 p = kinematics.at(imu.joint, eigen(imu.p_joint_imu));
+    for (std::size_t i = 0; i < 3; ++i) x[i].push_back(p[static_cast<Eigen::Index>(i)]);
+  }
+  out.acceleration.assign(r.rows(), V3::Zero());
+  if (!r.position) return out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SmoothedState s = smooth_position(r.t, x[i], position_noise(x[i]));
+    for (std::size_t k = 0; k < r.rows(); ++k)
+      out.acceleration[k][static_cast<Eigen::Index>(i)] = s.ddq[k];
+  }
+  return out;
+}
+
+V3 mean_of(const std::vector<V3>& x, std::size_t a, std::size_t b) {
+  V3 sum = V3::Zero();
+  for (std::size_t k = a; k <= b; ++k) sum += x[k];
+  return sum / static_cast<double>(b - a + 1);
+}
+
+void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow>& out) {
+  const WholeRecording& r = asking.recordings[number];
+  if (!r.acc || !r.attitude) return;
+  const ImuTrack track = imu_track(asking, r);
+  const V3 gravity = eigen(asking.body.model.gravity);
+  std::vector<V3> predicted;
+  for (std::size_t k = 0; k < r.rows(); ++k)
+    predicted.push_back(track.R[k].transpose() * (track.acceleration[k] - gravity));
+  const auto step =
+      static_cast<std::size_t>(std::max(2.0, std::round(asking.settings.window / r.interval)));
+  for (std::size_t a = 0; a + step < r.rows(); a += step) {
+    const std::size_t b = a + step, m = (a + b) / 2;
+    if (r.piece[a] != r.piece[b]) continue;
+    ImuWindow w;
+    w.acc_predicted = mean_of(predicted, a, b);
+    w.acc = mean_of(r.imu_acc, a, b) - asking.known.acc_bias;
+    w.with_gyro = r.gyro;
+    w.gyro_predicted =
+        track.R[m].transpose() * track.R[a] * turned(track.R[a], track.R[b]) / (r.t[b] - r.t[a]);
+    if (r.gyro) w.gyro = mean_of(r.imu_gyro, a, b) - asking.known.gyro_bias;
+    w.group = asking.group_of(number, r.t[a] - r.t.front());
+    if (w.acc.allFinite() && w.gyro.allFinite()) out.push_back(w);
+  }
+}
+
+V3 rotation_vector(const M3& R) { return turned(M3::Identity(), R); }
+
+/// Standard deviations by resampling groups: of the turn, of the biases.
+struct Spread {
+  double turn = 0.0, acc_bias = 0.0, gyro_bias = 0.0;
+};
+Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
+                 const Asking& asking) {
+  std::vector<std::vector<const ImuWindow*>> groups;
+  for (const ImuWindow& w : windows) {
+    groups.resize(std::max(groups.size(), static_cast<std::size_t>(w.group) + 1));
+    groups[static_cast<std::size_t>(w.group)].push_back(&w);
+  }
+  std::erase_if(groups, [](const auto& g) { return g.empty(); });
+  Random random(asking.seed, 31);
+  Spread out;
+  const int n = static_cast<int>(groups.size());
+  for (int d = 0; d < kDraws; ++d) {
+    std::vector<ImuWindow> drawn;
+    for (int k = 0; k < n; ++k) {
+      for (const ImuWindow* w : groups[static_cast<std::size_t>(random.below(n))])
+        drawn.push_back(*w);
+    }
+    const ImuMount m = fit_mount(drawn, asking.settings.acc_bias, asking.settings.gyro_bias);
+    out.turn += rotation_vector(m.turn * whole.turn.transpose()).squaredNorm();
+    out.acc_bias += (m.acc_bias - whole.acc_bias).squaredNorm();
+    out.gyro_bias += (m.gyro_bias - whole.gyro_bias).squaredNorm();
+  }
+  const double widen = static_cast<double>(n) / std::max(1, n - 1) / (3.0 * kDraws);
+  for (double* s : {&out.turn, &out.acc_bias, &out.gyro_bias}) *s = std::sqrt(*s * widen);
+  return out;
+}
+
+/// Error on held-out groups with nothing changed, and with what the others say.
+FitScore held_out(const std::vector<ImuWindow>& windows, const Asking& asking) {
+  std::vector<ImuWindow> fitted, left;
+  for (const ImuWindow& w : windows) (w.group % 3 == 2 ? left : fitted).push_back(w);
+  const ImuMount m = fit_mount(fitted, asking.settings.acc_bias, asking.settings.gyro_bias);
+  FitScore s;
+  s.nominal = acc_error(left, {}), s.patched = acc_error(left, m), s.noise = m.acc_rms;
+  return s;
+}
+
+/// A link of the URDF that is turned as the IMU is found to be; empty: none.
+std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint) {
+  std::string best;
+  double nearest = 0.1;  // rad; chosen: no two frames of a drawing are so close
+  for (const auto& [name, place] : body.model.tree.links) {
+    if (place.joint != joint) continue;
+    const double off = turned(eigen(place.R_joint_link), R_joint_imu).norm();
+    if (off < nearest) nearest = off, best = name;
+  }
+  return best;
+}
+
+Finding vector_finding(const char* effect, const std::vector<std::string>& where,
+                       const std::vector<std::string>& names, const V3& value, double sigma,
+                       const std::string& unit, const FitScore& score) {
+  Finding f;
+  f.effect = effect, f.family = "sensor", f.where = where, f.regime = "everywhere";
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double x = value[static_cast<Eigen::Index>(i)];
+    f.parameters[names[i]] = {x, x - 1.96 * sigma, x + 1.96 * sigma, unit, false};
+  }
+  f.heldout_gain = score.nominal > 0.0
+                       ? 1.0 - score.patched * score.patched / (score.nominal * score.nominal)
+                       : 0.0;
+  f.p_family = std::min(1.0, 24.0 * normal_tail(value.norm() / std::max(sigma, 1e-300)));
+  f.one_of = {effect};
+  return f;
+}
+
+double rms_turning(const std::vector<ImuWindow>& windows) {
+  double sum = 0.0;
+  for (const ImuWindow& w : windows) sum += w.with_gyro ? w.gyro_predicted.squaredNorm() : 0.0;
+  return std::sqrt(sum / static_cast<double>(windows.size()));
+}
+
+struct Judged {
+  const std::vector<ImuWindow>& windows;
+  ImuMount mount;
+  Spread spread;
+  FitScore score;
+  double z = 3.0;  // standard deviations beyond which a size is no chance
+};
+
+void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
+  const V3 turn = rotation_vector(j.mount.turn);
+  const double surely = j.z * j.spread.turn + asking.settings.mount;
+  answers.detectable.push_back(
+      {"imu_misalignment", asking.body.imu.link, "x, y, z", "rad", surely});
+  answers.log.push_back(fmt::format("imu turned by [{:.4f}, {:.4f}, {:.4f}] rad +- {:.4f}", turn[0],
+                                    turn[1], turn[2], j.spread.turn));
+  if (turn.norm() <= surely || j.score.patched >= j.score.nominal) return;
+  Finding f = vector_finding("imu_misalignment", {asking.body.imu.link}, {"x", "y", "z"}, turn,
+                             j.spread.turn, "rad", j.score);
+  const bool by_gyro = rms_turning(j.windows) > kEnoughTurning;
+  if (!by_gyro && turn.norm() < kSurelyMounted) f.one_of.push_back("ground_slope");
+  f.status = status_of(f);
+  answers.findings.push_back(f);
+  patch.imu_turn = turn;
+  const M3 R_true = eigen(asking.body.imu.R_joint_imu) * j.mount.turn.transpose();
+  const std::string link = link_like(asking.body, R_true, asking.body.imu.joint);
+  if (!link.empty() && link != asking.body.imu.link)
+    answers.notes.push_back("the IMU is turned as the link " + link +
+                            " of the URDF is: [imu] link = \"" + link + "\"");
+}
+
+void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
+  const bool gyro = std::any_of(j.windows.begin(), j.windows.end(),
+                                [](const ImuWindow& w) { return w.with_gyro; });
+  const double of_gyro = j.z * j.spread.gyro_bias + asking.settings.gyro_bias;
+  const double of_acc = j.z * j.spread.acc_bias + asking.settings.acc_bias;
+  const std::vector<std::string> where{asking.body.imu.link};
+  answers.detectable.push_back({"imu_bias", asking.body.imu.link, "acc", "m/s^2", of_acc});
+  answers.log.push_back(fmt::format(
+      "imu biases: gyro [{:.4f}, {:.4f}, {:.4f}] rad/s +- {:.4f}, acc [{:.3f}, {:.3f}, {:.3f}] "
+      "m/s^2 +- {:.3f}",
+      j.mount.gyro_bias[0], j.mount.gyro_bias[1], j.mount.gyro_bias[2], j.spread.gyro_bias,
+      j.mount.acc_bias[0], j.mount.acc_bias[1], j.mount.acc_bias[2], j.spread.acc_bias));
+  if (gyro) {
+    answers.detectable.push_back({"imu_bias", asking.body.imu.link, "gyro", "rad/s", of_gyro});
+    if (j.mount.gyro_bias.norm() > of_gyro) {
+      Finding f = vector_finding("imu_bias", where, {"gyro_x", "gyro_y", "gyro_z"},
+                                 j.mount.gyro_bias, j.spread.gyro_bias, "rad/s", {});
+      f.status = status_of(f);
+      answers.findings.push_back(f);
+      patch.gyro_bias = j.mount.gyro_bias;
+    }
+  }
+  if (j.mount.acc_bias.norm() <= of_acc) return;
+  Finding f = vector_finding("imu_bias", where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
+                             j.spread.acc_bias, "m/s^2", j.score);
+  f.one_of.push_back("imu_misalignment");
+  f.status = status_of(f);
+  answers.findings.push_back(f);
+  patch.acc_bias = j.mount.acc_bias;
+}
+
+}  // namespace
+
+void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+  std::vector<ImuWindow> windows;
+  for (std::size_t r = 0; r < asking.recordings.size(); ++r) add_windows(asking, r, windows);
+  std::vector<char> seen;
+  for (const ImuWindow& w : windows) {
+    seen.resize(std::max(seen.size(), static_cast<std::size_t>(w.group) + 1), 0);
+    seen[static_cast<std::size_t>(w.group)] = 1;
+  }
+  // chosen: as many groups as a spread needs
+  if (std::count(seen.begin(), seen.end(), 1) < 6) {
+    const char* why = "no IMU beside a base attitude (imu_acc:, base_q:) over some seconds";
+    answers.cannot("imu_bias", why), answers.cannot("imu_misalignment", why);
+    return;
+  }
+  ++answers.asked;
+  const double z = normal_score(asking.decisions.family_wise / 24.0);
+  Judged j{
+      windows, fit_mount(windows, asking.settings.acc_bias, asking.settings.gyro_bias), {}, {}, z};
+  j.spread = spread_of(windows, j.mount, asking);
+  j.score = held_out(windows, asking);
+  answers.scores["imu_acc"] = j.score;
+  judge_turn(asking, j, answers, patch);
+  judge_biases(asking, j, answers, patch);
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,32 @@
+// The IMU's readings as a rotation of what the base's motion predicts, plus biases.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "tools/diagnose/wholebody/kinematics.h"
+
+namespace sanso::diagnose {
+
+/// Means over one window, in the axes in which the IMU is assumed.
+struct ImuWindow {
+  V3 acc_predicted = V3::Zero(), acc = V3::Zero();    // specific force, m/s^2
+  V3 gyro_predicted = V3::Zero(), gyro = V3::Zero();  // rad/s
+  bool with_gyro = false;
+  int group = 0;
+};
+
+struct ImuMount {
+  M3 turn = M3::Identity();  // reading = turn * predicted + bias
+  V3 acc_bias = V3::Zero(), gyro_bias = V3::Zero();
+  double acc_rms = 0.0, gyro_rms = 0.0;  // of what is left
+};
+
+/// Least squares with outliers weighed down. A bias is drawn to zero as far as it is usually found
+/// (`acc_bias`, `gyro_bias`): at one attitude nothing else tells it from a tilt.
+ImuMount fit_mount(const std::vector<ImuWindow>& windows, double acc_bias, double gyro_bias);
+
+/// What is left by a mount, RMS over windows: specific force, m/s^2.
+double acc_error(const std::vector<ImuWindow>& windows, const ImuMount& mount);
+
+}  // namespace sanso::diagnose

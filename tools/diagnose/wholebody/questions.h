@@ -1,0 +1,60 @@
+// The questions to a floating base, each from residuals that need no integration through a
+// contact.
+#pragma once
+
+#include <optional>
+
+#include "tools/diagnose/wholebody/answers.h"
+#include "tools/diagnose/wholebody/contacts.h"
+
+namespace sanso::diagnose {
+
+/// What a model folder of a floating base says already, beside its shapes and masses: its
+/// [[effect]] entries, and what a diagnosis adds.
+struct Known {
+  double pose_scale = 1.0;                           // recorded base positions over true ones
+  double force_scale = 1.0;                          // recorded foot forces over true ones
+  V3 acc_bias = V3::Zero(), gyro_bias = V3::Zero();  // IMU axes, m/s^2, rad/s
+};
+
+/// All that a question may need.
+struct Asking {
+  const WholeBody& body;
+  const std::vector<WholeRecording>& recordings;
+  Known known;
+  WholeSettings settings;
+  DecisionSettings decisions;
+  double mass_tolerance = 0.03;  // share
+  unsigned long seed = 1;
+  // group of a moment: the recording where there are several, else a piece of it
+  int group_of(std::size_t recording, double seconds_since_start) const;
+};
+
+/// What goes into the patched model.
+struct Patch {
+  std::optional<double> friction, restitution, pose_scale, mass_share;
+  std::optional<V3> imu_turn, acc_bias, gyro_bias;  // turn: recorded axes from assumed ones, rad
+};
+
+/// Whether a flight is one: a robot in somebody's hands, or on a stand, touches nothing either.
+bool falls(const Asking& asking, const WholeRecording& r, const Span& flight);
+
+/// Free fall: the pace at which base positions fall says their scale; where the base rests says it
+/// again.
+void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch);
+/// Hits and slides of a robot that is one body: restitution and friction.
+void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch);
+/// The feet's vertical forces against weight and inertia of the whole.
+void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch);
+/// The IMU against the base's motion: how it is mounted, what it adds.
+void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch);
+/// Standing soles against the vertical and against slip.
+void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch);
+
+/// Reads the model's [[effect]] entries into `body` (masses) and what is returned. Throws
+/// files::InputError for an effect that a floating base cannot have here.
+Known apply_effects(WholeBody& body);
+/// The model with what was found.
+WholeBody patched(const WholeBody& body, const Patch& patch);
+
+}  // namespace sanso::diagnose
