@@ -9,6 +9,7 @@ struct Bundle {
   std::span<const unsigned char> page;    // the live page, whole
   std::span<const unsigned char> script;  // of a report: window.sansoPage.replay
   std::span<const unsigned char> style;   // of a report
+  std::span<const unsigned char> film;    // window.sansoPage.film, for a page that nobody sees
   bool empty() const { return page.empty(); }
 };
 

@@ -67,7 +67,8 @@ void RobotWatch::run() {
   }
 }
 
-/// Until the end, or until the controller has been silent for long.
+/// Until the end, until the controller has been silent for long, or until an order has made this
+/// session the owner: the next one looks again, and the lease of this one runs out.
 void RobotWatch::watch(link::RobotLink& robot) {
   Nanoseconds heard = robot.clock().now(), spoke = heard;
   while (!stop_ && robot.clock().now() - heard < kSilence) {
@@ -75,7 +76,7 @@ void RobotWatch::watch(link::RobotLink& robot) {
     const std::uint64_t before = robot.latest().tick;
     while (robot.clock().now() < next) robot.wait_observation(next);
     (void)robot.take_observations();
-    carry_out(robot);
+    if (carry_out(robot)) return;
     const Nanoseconds now = robot.clock().now();
     if (robot.latest().tick != before) {
       heard = now;
@@ -87,17 +88,20 @@ void RobotWatch::watch(link::RobotLink& robot) {
   }
 }
 
-void RobotWatch::carry_out(link::RobotLink& robot) {
+/// True when the controller took an order.
+bool RobotWatch::carry_out(link::RobotLink& robot) {
   std::shared_ptr<Request> request;
   {
     const std::lock_guard lock(mutex_);
     request = std::exchange(request_, nullptr);
   }
-  if (!request) return;
+  if (!request) return false;
   try {
     request->answer.set_value(words(robot.command({.kind = request->kind}), robot));
+    return request->kind != wire::CommandKind::emergency_stop;
   } catch (const std::runtime_error&) {
     request->answer.set_exception(std::current_exception());
+    return false;
   }
 }
 

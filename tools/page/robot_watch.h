@@ -34,7 +34,7 @@ class RobotWatch {
   struct Request;
   void run();
   void watch(link::RobotLink& robot);
-  void carry_out(link::RobotLink& robot);
+  bool carry_out(link::RobotLink& robot);
   std::string address_;
   wire::Key key_;
   Seen seen_;

@@ -18,7 +18,7 @@ namespace sanso::page {
 namespace {
 
 constexpr std::size_t kThreads = 12, kMostViewers = 6;
-constexpr std::size_t kMostAsked_bytes = 1024;
+constexpr std::size_t kMostAsked_bytes = 1024, kMostTaken_bytes = std::size_t{512} << 20;
 constexpr Nanoseconds kKeepAlive = kSecond;
 constexpr int kForbidden = 403, kBusy = 503, kRefused = 409;
 // the page brings everything along; it may talk to nobody but its own server
@@ -55,7 +55,7 @@ struct Server::Impl {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    http.set_payload_max_length(kMostAsked_bytes);
+    http.set_payload_max_length(contents.take ? kMostTaken_bytes : kMostAsked_bytes);
     http.set_keep_alive_max_count(4);
     http.set_keep_alive_timeout(1);
     http.set_default_headers({{"Cache-Control", "no-store"},
@@ -72,6 +72,11 @@ struct Server::Impl {
     add_pages();
     add_events();
     add_control();
+    if (contents.take)
+      http.Post("/take/([a-z]+)", [this](const auto& request, auto& response) {
+        contents.take(request.matches[1], request.body);
+        response.set_content("taken", "text/plain");
+      });
     const bool bound = wanted == 0 ? (port = http.bind_to_any_port("127.0.0.1")) > 0
                                    : http.bind_to_port("127.0.0.1", wanted);
     if (!bound)
@@ -112,7 +117,9 @@ struct Server::Impl {
   }
 
   void add_pages() {
-    http.Get("/", [](const auto&, auto& response) {
+    http.Get("/", [this](const auto&, auto& response) {
+      if (!contents.page.empty())
+        return response.set_content(contents.page, "text/html; charset=utf-8");
       const Bundle& built = bundle();
       if (built.empty()) return response.set_content(kNoBundle, "text/plain");
       response.set_header("Content-Encoding", "gzip");

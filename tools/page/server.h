@@ -18,6 +18,10 @@ struct ServerContents {
   /// What a person asks, as JSON, to the words of the answer; throws std::runtime_error to refuse.
   /// Absent: the page is for looking only.
   std::function<std::string(const std::string&)> control;
+  /// In place of the live page, for a browser of ours that draws it: what the page makes comes back
+  /// by name.
+  std::string page = {};
+  std::function<void(const std::string& name, std::string body)> take = {};
 };
 
 class Server {

@@ -56,15 +56,14 @@ void add_mpc(CLI::App& bench, int& result) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command->add_flag("!--no-residual", o->residual, "without the residual network");
-  o->mpc.visit([&](const char* name, auto& value, auto low, auto high) {
+  o->mpc.visit([&](const char* name, auto& value, const char*, auto low, auto high,
+                   const char* reason) {
     std::string flag = std::string("--") + name;
     std::replace(flag.begin(), flag.end(), '_', '-');
     if constexpr (std::is_same_v<std::decay_t<decltype(value)>, bool>)
-      command->add_flag(flag, value, "a setting of the upper layer");
+      command->add_flag(flag, value, reason);
     else
-      command->add_option(flag, value, "a setting of the upper layer")
-          ->check(CLI::Range(low, high))
-          ->capture_default_str();
+      command->add_option(flag, value, reason)->check(CLI::Range(low, high))->capture_default_str();
   });
   command->footer("Example:\n  sanso bench mpc --threads 2 --peer");
   command->callback([o, &result] { result = bench::bench_mpc(*o); });

@@ -90,7 +90,7 @@ void add_bench_diagnose(CLI::App& app, int& result) {
   command->add_option("--cases", options->bench.cases, "how many")->capture_default_str();
   command->add_option("--seed", options->bench.seed, "of the first case; the others follow")
       ->capture_default_str();
-  command->add_option("--robot", options->bench.robot, "pendulum, arm or op3-stand")
+  command->add_option("--robot", options->bench.robot, "pendulum, arm, op3-stand or op3-floor")
       ->capture_default_str();
   command->add_option("--family", options->family,
                       "only clean, single, pair, decoy, outside or ambiguous cases");

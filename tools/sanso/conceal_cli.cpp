@@ -21,7 +21,8 @@ void add_conceal(CLI::App& app, int& result) {
       "conceal", "hide physics in a world: recordings, nominal model, sealed answer");
   command->add_option("--seed", options->conceal.seed, "draws world, effect and severity")
       ->required();
-  command->add_option("--robot", options->conceal.robot, "pendulum, arm or op3-stand")->required();
+  command->add_option("--robot", options->conceal.robot, "pendulum, arm, op3-stand or op3-floor")
+      ->required();
   command->add_option("--out", options->conceal.out, "directory of the case")->required();
   command->add_option("--family", options->family,
                       "clean, single, pair, decoy, outside or ambiguous (drawn when not given)");

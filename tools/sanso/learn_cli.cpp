@@ -40,18 +40,43 @@ void add_learn(CLI::App& app, int& result) {
                    "switch off: lower, middle, upper, residual, stochastic")
       ->delimiter(',');
   command
-      ->add_option("--world", options->world,
-                   "of the emulated robot: nominal, lab, hard, seed:N or a TOML file")
+      ->add_option(
+          "--world", options->world,
+          "of the emulated robot: nominal, lab, hard, back, worst, seed:N, honest:N or a TOML "
+          "file")
+      ->capture_default_str();
+  command
+      ->add_option("--ground", options->ground,
+                   "where the robot stands: plane, slope3, ramp, ramp_high, jump_ramp, plates, "
+                   "stairs or a profile file (shared/grounds/README.md)")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "of the planner")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
+  command
+      ->add_option("--profile", options->profile,
+                   "settings to begin with: ours, or paper (what the paper prints)")
+      ->capture_default_str();
+  command->add_option("--set", options->set,
+                      "a setting of planner or session, NAME=VALUE, may be given more than once; "
+                      "docs/settings-learn.md has them all");
+  command->add_flag_callback(
+      "--settings",
+      [] {
+        fmt::print("{}", app::learn_settings_page());
+        throw CLI::Success();
+      },
+      "print all settings with default, range and reason");
   command->footer(
       "Examples:\n"
       "  sanso learn --motion squat --iterations 100 --out results/squat\n"
       "  sanso learn --motion squat --iterations 200 --out results/squat --resume\n"
       "  sanso learn --motion squat --iterations 20 --out results/no_upper --without upper "
-      "--world hard");
+      "--world hard\n"
+      "  sanso learn --motion stand --iterations 5 --out results/bars --ground plates\n"
+      "  sanso learn --motion squat --iterations 20 --out results/paper --profile paper\n"
+      "  sanso learn --motion stand --iterations 9 --out results/short --set mpc.horizon=8 "
+      "--set session.learn_after_failures=2");
   auto page_options = std::make_shared<PageOptions>();
   add_page_options(*command, *page_options);
   command->callback([options, page_options, &result] {

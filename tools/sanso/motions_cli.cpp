@@ -1,15 +1,19 @@
-// `sanso motions`: lists the library, or imports a clip and writes the motion's page beside it.
+// `sanso motions`: lists the library, or makes a motion from a clip or a recipe and writes its page
+// beside it.
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/motion/make/compose.h"
 #include "host/motion/make/import.h"
 #include "host/motion/motion.h"
 #include "shared/files/atomic_file.h"
 #include "tools/report/motion_page.h"
 #include "tools/sanso/commands.h"
+#include "tools/session_report/replay.h"
 
 namespace sanso::cli {
 namespace {
@@ -54,23 +58,75 @@ struct ImportOptions {
   fs::path out;
 };
 
-void import_clip(const ImportOptions& options) {
-  const motion::ImportedMotion made = motion::import_motion(options.request);
-  const fs::path folder = options.out.empty() ? motion::MotionLibrary().folder() : options.out;
+/// With the robot doing it, before the figures.
+std::string page_of(const motion::Motion& motion) {
+  std::string page = report::motion_page(motion);
+  const std::string preview = report::preview_markup(motion.reference().x);
+  const std::size_t at = page.find("<h2");
+  if (!preview.empty() && at != std::string::npos) page.insert(at, "<h2>Preview</h2>\n" + preview);
+  return page;
+}
+
+void write_and_tell(const motion::ImportedMotion& made, const char* wanted, const fs::path& out) {
+  const fs::path folder = out.empty() ? motion::MotionLibrary().folder() : out;
   fs::create_directories(folder);
   const fs::path file = folder / (made.motion.name + ".toml");
   motion::write_motion(file, made.motion);
   const fs::path page = fs::path(file).replace_extension(".html");
-  files::write_atomically(page, report::motion_page(made.motion));
+  files::write_atomically(page, page_of(made.motion));
   const auto& check = made.check;
   fmt::print(
       "{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), "
       "joint limits {:.0f} deg away,\n"
-      "  primitives within {:.2f} deg and {:.2f} mm of the retargeted clip\n",
+      "  primitives within {:.2f} deg and {:.2f} mm of {}\n",
       made.motion.name, made.motion.duration_s(), check.fastest_joint, check.peak_joint_speed,
       1e3 * check.zmp_margin_worst_m, 1e3 * check.zmp_margin_p5_m,
-      check.joint_margin_rad * 57.29578, made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m);
+      check.joint_margin_rad * 57.29578, made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m,
+      wanted);
   fmt::print("motion: {}\nreport: {}\n", file.string(), page.string());
+}
+
+void import_clip(const ImportOptions& options) {
+  write_and_tell(motion::import_motion(options.request), "the retargeted clip", options.out);
+}
+
+struct NewOptions {
+  fs::path recipe, out = ".";
+  std::string name;
+  bool example = false;
+};
+
+void compose(const NewOptions& options) {
+  if (options.example) {
+    fmt::print("{}", motion::kExampleRecipe);
+    return;
+  }
+  if (options.recipe.empty() || options.name.empty())
+    throw std::runtime_error(
+        "sanso motions new: expected a recipe and --as NAME; --example prints a recipe");
+  std::ifstream in(options.recipe);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  write_and_tell(motion::compose_motion(text, options.recipe.string(), options.name),
+                 "the recipe's way", options.out);
+  fmt::print(
+      "next: look at the page; then SANSO_MOTIONS={} sanso learn --motion {} --iterations "
+      "10 --out runs/{}\n",
+      options.out.string(), options.name, options.name);
+}
+
+void add_new(CLI::App& motions) {
+  auto options = std::make_shared<NewOptions>();
+  CLI::App* command =
+      motions.add_subcommand("new", "make a motion from a recipe of key poses and steps");
+  command->add_option("RECIPE", options->recipe, "TOML (docs/motions.md)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--as", options->name, "name of the motion");
+  command->add_option("--out", options->out, "folder")->capture_default_str();
+  command->add_flag("--example", options->example, "print a recipe to begin with");
+  command->footer(
+      "Examples:\n  sanso motions new --example > bow.toml\n"
+      "  sanso motions new bow.toml --as bow --out my_motions");
+  command->callback([options] { compose(*options); });
 }
 
 }  // namespace
@@ -98,8 +154,9 @@ void add_motions(CLI::App& app, int& result) {
   import->add_option("--out", options->out, "folder (default: the library)");
   import->callback([options] { import_clip(*options);
 });
-command->callback([json, import, &result] {
-  if (!import->parsed()) list_motions(*json);
+add_new(*command);
+command->callback([json, command, &result] {
+  if (command->get_subcommands().empty()) list_motions(*json);
   result = kDone;
 });
 }  // namespace sanso::cli

@@ -19,7 +19,7 @@ class WatchedRobot : public learn::RobotAccess {
                const std::string& address, const wire::Key& key);
   /// Three processes: the emulator knows the load of the feet and can be pushed.
   WatchedRobot(std::unique_ptr<EmulatedAccess> robot, page::LivePage& page);
-  /// In process, in virtual time: for looking, and between two trials.
+  /// In process, in virtual time: it can be stopped and pushed too.
   WatchedRobot(std::unique_ptr<inprocess::InProcessAccess> robot, page::LivePage& page);
   ~WatchedRobot() override;
 

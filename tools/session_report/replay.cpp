@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 
 #include "tools/page/bundle.h"
 #include "tools/page/scene.h"
@@ -115,17 +116,28 @@ std::string_view text_of(std::span<const unsigned char> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-constexpr char kLoader[] = R"(<script>(async()=>{
+constexpr char kUnpacker[] = R"(<script>
 const get=async id=>{const text=atob(document.getElementById(id).textContent);
 const zipped=Uint8Array.from(text,c=>c.charCodeAt(0));
 const plain=new Blob([zipped]).stream().pipeThrough(new DecompressionStream('gzip'));
 return new Uint8Array(await new Response(plain).arrayBuffer())};
 const add=async(tag,id)=>{const e=document.createElement(tag);
 e.textContent=new TextDecoder().decode(await get(id));document.head.append(e)};
+</script>
+)";
+
+constexpr char kLoader[] = R"(<script>(async()=>{
 await add('style','replay-style');await add('script','replay-script');
 sansoPage.replay(document.getElementById('replay'),await get('replay-data'));
 })().catch(e=>{document.getElementById('replay').textContent='no replay here: '+e.message})</script>
 )";
+
+std::string viewer(std::string_view zipped) {
+  const page::Bundle& bundle = page::bundle();
+  return "<div id='replay'></div>\n" + hidden("replay-style", text_of(bundle.style)) +
+         hidden("replay-script", text_of(bundle.script)) + hidden("replay-data", zipped) +
+         kUnpacker + kLoader;
+}
 
 }  // namespace
 
@@ -191,8 +203,7 @@ std::string ReplayData::pack(int first, int second) const {
 
 std::string replay_markup(const fs::path& folder, const learn::SessionState& state,
                           std::size_t most_bytes) {
-  const page::Bundle& bundle = page::bundle();
-  if (bundle.empty() || state.history.empty()) return {};
+  if (page::bundle().empty() || state.history.empty()) return {};
   const auto count = static_cast<int>(state.history.size());
   const int best = best_of(state.history);
   std::string data;
@@ -202,9 +213,49 @@ std::string replay_markup(const fs::path& folder, const learn::SessionState& sta
     data = data_of(folder, state, wanted, best);
     if (4 * data.size() / 3 <= most_bytes) break;
   }
-  if (data.empty()) return {};
-  return "<div id='replay'></div>\n" + hidden("replay-style", text_of(bundle.style)) +
-         hidden("replay-script", text_of(bundle.script)) + hidden("replay-data", data) + kLoader;
+  return data.empty() ? std::string() : viewer(data);
+}
+
+std::string preview_markup(const std::vector<model::State>& reference) {
+  if (page::bundle().empty() || reference.empty()) return {};
+  Episode episode;
+  for (const model::State& x : reference) {
+    wire::Observation& o = episode.ticks.emplace_back();
+    o.trial_tick = static_cast<std::int32_t>(episode.ticks.size()) - 1;
+    o.x = x;
+    std::array<float, model::kNx>& shown = episode.reference.emplace_back();
+    for (std::size_t i = 0; i < shown.size(); ++i)
+      shown[i] = static_cast<float>(x[static_cast<int>(i)]);
+  }
+  ReplayData data(page::scene_of(plant::load_world("nominal")).dump(), kStride);
+  data.add({}, episode);
+  return viewer(gzip(data.pack(0, -1)));
+}
+
+std::string film_page(const fs::path& folder, const learn::SessionState& state,
+                      const FilmOptions& options) {
+  const auto count = static_cast<int>(state.history.size());
+  const int first = options.first > 0 ? options.first : 1;
+  const int second = options.second > 0 ? options.second : count;
+  for (const int trial : {first, second})
+    if (trial > count)
+      throw std::runtime_error(
+          fmt::format("trial {}: {} has trials 1 to {}", trial, folder.string(), count));
+  const std::string data = data_of(folder, state, {first - 1, second - 1}, -1);
+  if (data.empty())
+    throw std::runtime_error(fmt::format("{}: trials {} and {} are not stored or did not move",
+                                         folder.string(), first, second));
+  const json asked = {
+      {"kind", options.kind}, {"width", options.width_px}, {"row_height", options.row_height_px},
+      {"fps", options.fps},   {"from", options.from_s},    {"to", options.to_s}};
+  return "<!DOCTYPE html><html><head><meta charset='utf-8'><link rel='icon' href='data:,'>"
+         "<style>body{margin:0}</style></head><body>\n" +
+         hidden("film-script", text_of(page::bundle().film)) + hidden("film-data", data) +
+         kUnpacker +
+         fmt::format(
+             "<script>(async()=>{{await add('script','film-script');"
+             "await sansoPage.film(await get('film-data'),{})}})()</script></body></html>",
+             asked.dump());
 }
 
 }  // namespace sanso::report

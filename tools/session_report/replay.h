@@ -1,5 +1,5 @@
 // The replay of a report: the page of tools/page with stored trials in it, as markup that needs
-// nothing else.
+// nothing else; and the page that makes a film of two of them.
 #pragma once
 
 #include <array>
@@ -43,5 +43,22 @@ class ReplayData {
 /// many, evenly spaced, as fit into `most_bytes` of markup. Empty when the page was not built.
 std::string replay_markup(const std::filesystem::path& folder, const learn::SessionState& state,
                           std::size_t most_bytes = 3'500'000);
+
+/// The same view of a motion that nobody has tried yet: its reference at every tick. Empty when the
+/// page was not built.
+std::string preview_markup(const std::vector<model::State>& reference);
+
+struct FilmOptions {
+  std::string kind;           // "png", "gif" or "webm"
+  int first = 0, second = 0;  // numbers of trials, from 1; 0: the first, the last
+  int width_px = 640, row_height_px = 300;
+  double fps = 25;
+  double from_s = 0, to_s = 0;  // of the trial; to 0: the end
+};
+
+/// A page that draws two trials, the first above the second, and sends what it has drawn to the
+/// server that it came from. Throws std::runtime_error when there are no such trials.
+std::string film_page(const std::filesystem::path& folder, const learn::SessionState& state,
+                      const FilmOptions& options);
 
 }  // namespace sanso::report

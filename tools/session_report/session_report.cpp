@@ -131,6 +131,10 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   return file;
 }
 
+std::string film_page_of(const fs::path& folder, const FilmOptions& options) {
+  return film_page(folder, *state_of(folder), options);
+}
+
 std::string compare_costs(const std::vector<fs::path>& folders) {
   LineChart chart{
       .title = "Cost over trials", .x_label = "trial", .y_label = "J", .series = {}, .log_y = true};

@@ -6,11 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "tools/session_report/replay.h"
+
 namespace sanso::report {
 
 /// Writes `folder`/report.html and returns its path. Throws std::runtime_error when the folder
 /// holds no finished trial.
 std::filesystem::path write_session_report(const std::filesystem::path& folder);
+
+/// film_page() of a session's folder.
+std::string film_page_of(const std::filesystem::path& folder, const FilmOptions& options);
 
 /// The table a terminal shows: one line a trial (cost, failed, policy updates, late updates, bus
 /// errors).

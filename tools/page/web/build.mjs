@@ -1,15 +1,18 @@
-// Bundles the page and writes it as C++: three gzip streams (page, script, style) that
+// Bundles the page and writes it as C++: gzip streams (page, script, style, film) that
 // tools/page/bundle.h hands out.
 // Usage: node build.mjs OUT.cpp
 import { build } from "esbuild";
 import { readFileSync, writeFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 
-const bundled = await build({
-  entryPoints: ["src/main.js"], bundle: true, minify: true, format: "iife", target: "es2022",
-  legalComments: "inline", write: false,
-});
-const script = bundled.outputFiles[0].text.replaceAll("</script", "<\\/script");
+async function bundled(entry) {
+  const made = await build({
+    entryPoints: [entry], bundle: true, minify: true, format: "iife", target: "es2022",
+    legalComments: "inline", write: false,
+  });
+  return made.outputFiles[0].text.replaceAll("</script", "<\\/script");
+}
+const script = await bundled("src/main.js"), film = await bundled("src/film.js");
 const style = readFileSync("src/style.css", "utf8").replace(/\n/g, "");
 const page = readFileSync("index.html", "utf8")
   .replace("/*STYLE*/", () => style).replace("/*SCRIPT*/", () => script);
@@ -22,6 +25,6 @@ const bytes = (name, text) => {
 };
 writeFileSync(process.argv[2],
   `// Made by tools/page/web/build.mjs.\n#include "tools/page/bundle.h"\n\nnamespace sanso::page {\nnamespace {\n` +
-  bytes("Page", page) + bytes("Script", script) + bytes("Style", style) +
+  bytes("Page", page) + bytes("Script", script) + bytes("Style", style) + bytes("Film", film) +
   `}  // namespace\n\nconst Bundle& bundle() {\n` +
-  `  static const Bundle kBundle{kPage, kScript, kStyle};\n  return kBundle;\n}\n\n}  // namespace sanso::page\n`);
+  `  static const Bundle kBundle{kPage, kScript, kStyle, kFilm};\n  return kBundle;\n}\n\n}  // namespace sanso::page\n`);

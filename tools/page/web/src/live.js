@@ -5,6 +5,7 @@ import { Bars, Strip, makeStrips } from "./strips.js";
 import { View } from "./view.js";
 
 const kWindow_s = 20, kSilence_ms = 2000;
+const kIdle = 2;
 const kStates = ["boot", "self-test", "idle", "standing up", "hold", "running", "stopping", "FAULT"];
 const token = new URLSearchParams(location.search).get("token") ?? "";
 const withToken = (path) => `${path}?token=${encodeURIComponent(token)}`;
@@ -63,7 +64,7 @@ class Live {
     window.sansoFrame = f;  // for tests, and for the curious
     this.view?.show(f.x, f.r, f.F);
     const { height, layers, update, bus } = this.strips;
-    height.push(f.t, [f.x[2], f.r?.[2] ?? null]);
+    height.push(f.t, [f.s >= kIdle ? f.x[2] : null, f.r?.[2] ?? null]);  // before: no estimate
     layers.push(f.t, f.s === 5 ? f.u : [0, 0, 0]);
     update.push(f.t, [f.up ?? null]);
     bus.push(f.t, f.bus);
@@ -72,7 +73,7 @@ class Live {
     $("state").className = `pill s${f.s}`;
     $("trial").textContent = f.n > 0 && f.tt >= 0
       ? `trial ${f.n}${this.total ? " of " + this.total : ""} · ${(f.tt / 100).toFixed(1)} s` : "";
-    $("small").textContent = `supply ${f.V.toFixed(1)} V · ${f.T.toFixed(0)} °C · tick ${f.cpu} µs · late ticks ${f.late}`;
+    $("small").textContent = `supply ${f.V.toFixed(1)} V · ${f.T.toFixed(0)} °C${f.cpu > 0 ? ` · tick ${f.cpu} µs` : ""} · late ticks ${f.late}`;
     if (f.f !== this.lastFault) {
       this.lastFault = f.f;
       if (f.f !== 0) this.note(`F${f.f} ${this.scene.faults[f.f] ?? ""}`);
@@ -135,5 +136,5 @@ class Live {
 export async function live() {
   const answer = await fetch(withToken("/scene.json"));
   if (!answer.ok) throw new Error(`the program refuses: ${await answer.text()}`);
-  new Live(await answer.json());
+  window.sansoLive = new Live(await answer.json());  // for tests, and for the curious
 }

@@ -36,15 +36,19 @@ class Panel {
 }
 
 export class Strip extends Panel {
-  /** options: lines [{name, color}], min, max (of the axis; they widen), limit, stacked, unit, digits */
+  /** options: lines [{name, color}], min, max (of the axis; they widen), limit, most (of the axis),
+      stacked, unit, digits */
   constructor(holder, title, options) {
     super(holder, title);
     this.options = options;
     this.rows = [];
   }
   clear() { this.rows = []; }
-  /** Values may be null: a gap. */
-  push(t, values) { this.rows.push([t, ...values]); }
+  /** Values may be null: a gap. A clock that goes back is another robot's: what was before goes. */
+  push(t, values) {
+    if (this.rows.length > 0 && t < this.rows.at(-1)[0]) this.clear();
+    this.rows.push([t, ...values]);
+  }
   forgetBefore(t) {
     let n = 0;
     while (n < this.rows.length && this.rows[n][0] < t) ++n;
@@ -57,6 +61,7 @@ export class Strip extends Panel {
     for (const row of this.rows)
       for (const v of row.slice(1)) if (v != null) { min = Math.min(min, v); max = Math.max(max, v); }
     if (limit != null) max = Math.max(max, 1.1 * limit);
+    if (this.options.most != null) max = Math.min(max, this.options.most);
     return [min, max + 1e-9];
   }
 
@@ -64,7 +69,7 @@ export class Strip extends Panel {
     const { c, w, h } = this.begin();
     const [min, max] = this.range();
     const left = 34, x = (t) => left + (w - left) * (t - from) / Math.max(1e-9, to - from);
-    const y = (v) => h - 4 - (h - 10) * (v - min) / (max - min);
+    const y = (v) => h - 4 - (h - 10) * Math.min(1, (v - min) / (max - min));
     c.strokeStyle = kGridLine;
     c.fillStyle = kInk;
     c.textAlign = "right";
@@ -172,9 +177,8 @@ export function makeStrips(holder) {
     height: new Strip(holder, "base height", {
       lines: [{ name: "", color: kBlue }, { name: "ref", color: "#e69f00", text: "#8a5f00" }], min: 0.2, max: 0.3,
       unit: "m", digits: 3 }),
-    layers: new Strip(holder, "layers", { lines: layers, stacked: true, min: 0, max: 1,
-      unit: "rad" }),
+    layers: new Strip(holder, "layers", { lines: layers, stacked: true, min: 0, max: 1 }),
     update: new Strip(holder, "policy update, of 60 ms", { lines: [{ name: "", color: kBlue }], min: 0, max: 10,
-      limit: 60, unit: "ms", digits: 1 }),
+      limit: 60, most: 120, unit: "ms", digits: 1 }),
   };
 }

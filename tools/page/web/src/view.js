@@ -135,10 +135,29 @@ export class View {
     this.dirty = true;
   }
 
+  /** The camera stands still where it sees all these points of the way, and the robot at each. */
+  standAside(points) {
+    this.stands = true;
+    const way = new THREE.Box3().setFromPoints(points.map((p) => new THREE.Vector3(p[0], p[1], 0)));
+    const middle = way.getCenter(new THREE.Vector3()).setZ(0.21), size = way.getSize(new THREE.Vector3());
+    const up = Math.tan(THREE.MathUtils.degToRad(0.5 * this.camera.fov));
+    const away = Math.max((0.5 * size.x + 0.3) / (up * this.camera.aspect), 0.3 / up) + 0.5 * size.y;
+    this.controls.target.copy(middle);
+    this.camera.position.set(0.42, -0.86, 0.26).normalize().multiplyScalar(away).add(middle);
+    this.scene.fog.near = away + 0.6;
+    this.scene.fog.far = away + 3.5;
+  }
+  /** The camera is where it would be, had it gone along all the time. */
+  jump(x) {
+    const move = new THREE.Vector3(x[0] - this.controls.target.x, x[1] - this.controls.target.y, 0);
+    this.controls.target.add(move);
+    this.camera.position.add(move);
+  }
+
   /** The camera goes along, so that a walking robot does not leave the picture. */
   follow(x) {
     const move = new THREE.Vector3(x[0] - this.controls.target.x, x[1] - this.controls.target.y, 0);
-    move.multiplyScalar(0.15);
+    move.multiplyScalar(this.stands ? 0 : 0.15);
     this.controls.target.add(move);
     this.camera.position.add(move);
     this.sun.target.position.set(x[0], x[1], 0.1);

@@ -1,0 +1,141 @@
+// The browser gets the page from a server of this program on loopback and brings the film back
+// there; it lives in a folder of its own and ends with the film.
+#include "tools/sanso/film.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+
+#include "shared/files/atomic_file.h"
+#include "tools/page/bundle.h"
+#include "tools/page/server.h"
+#include "tools/sanso/child_process.h"
+
+namespace sanso::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr auto kSilence = std::chrono::minutes(5);  // drawing by software on a crowded machine
+constexpr auto kLook = std::chrono::milliseconds(200);
+
+/// What the page has sent so far.
+class Delivery {
+ public:
+  void take(const std::string& name, std::string body) {
+    const std::lock_guard lock(mutex_);
+    heard_ = std::chrono::steady_clock::now();
+    if (name == "progress") progress_ = body;
+    if (name == "failed") failure_ = std::move(body);
+    if (name == "done") film_ = std::move(body), done_ = true;
+    news_.notify_all();
+  }
+  /// The film. Throws when it fails, `alive` says no, or nothing has come for long.
+  template <class Alive>
+  std::string wait(Alive alive) {
+    std::unique_lock lock(mutex_);
+    std::string shown;
+    while (!done_ && failure_.empty()) {
+      news_.wait_for(lock, kLook);
+      if (progress_ != shown) fmt::print(stderr, "\rdrawing: {} %", shown = progress_);
+      if (!done_ && !alive()) throw std::runtime_error("the browser ended");
+      if (std::chrono::steady_clock::now() - heard_ > kSilence)
+        throw std::runtime_error("the browser has drawn nothing for five minutes");
+    }
+    if (!shown.empty()) fmt::print(stderr, "\n");
+    if (!failure_.empty()) throw std::runtime_error("the page could not draw: " + failure_);
+    return std::move(film_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable news_;
+  std::chrono::steady_clock::time_point heard_ = std::chrono::steady_clock::now();
+  std::string progress_, failure_, film_;
+  bool done_ = false;
+};
+
+/// A folder that goes with its owner.
+struct Folder {
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "sanso_film_XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error(name + ": cannot create");
+    path = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  fs::path path;
+};
+
+std::string last_lines(const fs::path& log) {
+  constexpr std::size_t kShown = 400;
+  std::ifstream in(log);
+  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  return all.size() > kShown ? all.substr(all.size() - kShown) : all;
+}
+
+fs::path find_browser(const fs::path& asked) {
+  if (!asked.empty()) {
+    if (!fs::exists(asked)) throw std::runtime_error("--browser " + asked.string() + ": not there");
+    return asked;
+  }
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"})
+    try {
+      return find_program(name);
+    } catch (const std::runtime_error&) {  // the next one
+    }
+  throw std::runtime_error(
+      "--film needs chromium, which draws it without a display: install the package chromium, or "
+      "name another with --browser");
+}
+
+}  // namespace
+
+std::string film_kind(const fs::path& out) {
+  for (const char* kind : {"png", "gif", "webm"})
+    if (out.extension() == std::string(".") + kind) return kind;
+  throw std::runtime_error("--film " + out.string() +
+                           ": expected a name that ends in .webm, .gif or .png");
+}
+
+void make_film(const fs::path& folder, const report::FilmOptions& options, const fs::path& browser,
+               const fs::path& out) {
+  if (page::bundle().empty()) throw std::runtime_error(page::kNoBundle);
+  const fs::path program = find_browser(browser);
+  Delivery delivery;
+  page::ServerContents contents;
+  contents.greeting = [] { return std::vector<std::string>(); };
+  contents.page = report::film_page_of(folder, options);
+  contents.take = [&](const std::string& name, std::string body) {
+    delivery.take(name, std::move(body));
+  };
+  const page::Server server(0, std::move(contents));
+  const Folder own;
+  std::vector<std::string> arguments{
+      "--headless=new",         "--user-data-dir=" + own.path.string(),
+      "--no-first-run",         "--disable-extensions",
+      "--use-gl=angle",         "--use-angle=swiftshader",
+      "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
+      "--mute-audio",           "--disable-dev-shm-usage",
+      "--disable-gpu-vsync",    "--force-device-scale-factor=1"};
+  // its sandbox refuses to be root's; it shows nothing but the page above
+  if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");
+  arguments.push_back(server.address());
+  const fs::path log = own.path / "browser.log";
+  try {
+    ChildProcess child(program, arguments, log);
+    files::write_atomically(out, delivery.wait([&] { return child.running(); }));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(
+        fmt::format("{}: {}\n{}", program.string(), error.what(), last_lines(log)));
+  }
+}
+
+}  // namespace sanso::cli
