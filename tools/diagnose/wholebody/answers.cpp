@@ -82,6 +82,19 @@ void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, unsig
   m.gain_low = moving_block_lower_bound(removed, 0.023, kDraws, Random(seed, 18)) / b;
 }
 
+/// What keeps a number that is no chance from being a finding.
+std::string why_unnamed(const Asked& a, const Measured& m, double off, double surely) {
+  if (off <= a.tolerance)
+    return fmt::format(": within what a nominal model may be wrong by ({:.3g})", a.tolerance);
+  if (off <= a.tolerance + surely)
+    return fmt::format(
+        ": further off than a nominal model may be ({:.3g}), and not surely: {:.3g} would be",
+        a.tolerance, a.tolerance + surely);
+  return fmt::format(
+      ": described, not named: its gain on held-out data is not beyond chance ({:.3g})",
+      m.gain_low);
+}
+
 }  // namespace
 
 int Samples::groups() const {
@@ -137,12 +150,7 @@ Said WholeAnswers::judge(const Asked& a, const Measured& m, const DecisionSettin
                         a.tolerance + surely});
   if (off <= surely) return Said::nothing;
   if (off <= a.tolerance + surely || m.gain_low <= 0.0) {
-    notes.push_back(
-        text +
-        (off <= a.tolerance + surely
-             ? fmt::format(": within what a nominal model may be wrong by ({:.3g})", a.tolerance)
-             : ": described, not named: its gain on held-out data is not beyond "
-               "chance"));
+    notes.push_back(text + why_unnamed(a, m, off, surely));
     return Said::within;
   }
   Finding f;
