@@ -71,7 +71,7 @@ function(sanso_library name)
   endif()
 endfunction()
 
-set(SANSO_NUMBERS compare effects explain fit stats torque verdict)
+set(SANSO_NUMBERS compare effects explain fit stats torque verdict wholebody)
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s]): one GoogleTest program, one ctest entry.
 # Labels: slow (left out under sanitizers), threads (run under the thread sanitizer), tree (reads the sources, runs none
 # of them, so that one run is enough).
@@ -94,6 +94,9 @@ function(sanso_test name)
   endif()
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
   set_tests_properties(${name} PROPERTIES TIMEOUT ${A_TIMEOUT} LABELS "${A_LABELS}")
+  if("slow" IN_LIST A_LABELS)
+    set_tests_properties(${name} PROPERTIES COST 100)  # the longest begin first, so that none is left over alone
+  endif()
   if("threads" IN_LIST A_LABELS)  # what the build preset tsan builds
     add_dependencies(threaded_tests ${name})
   endif()
