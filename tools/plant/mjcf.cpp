@@ -21,11 +21,9 @@ constexpr double kSoleCorners_m[8][2] = {{0.0875, 0.0391},  {0.0815, 0.0515},   
                                          {0.0815, -0.0265}, {0.0875, -0.0141}};
 constexpr double kCornerRadius_m = 0.003;  // fillet of the sole's edge (2 to 4 mm on the mesh)
 
-// Skate: four passive wheels under the sole's corners, axes along y. Chosen; no public figures.
-constexpr double kWheelRadius_m = 0.012;
-constexpr double kWheelMass_kg = 0.006;
-constexpr double kWheels_m[4][2] = {
-    {0.0700, 0.0400}, {-0.0220, 0.0400}, {-0.0220, -0.0150}, {0.0700, -0.0150}};
+// Skate: axles under the sole, along y; the rest of its mass is a frame under the sole's centre.
+constexpr double kSkateCentre_m[2] = {0.024, 0.0125};
+constexpr double kAxleSigns[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
 
 // Limbs as primitives, so that a fallen robot lies on something. Sizes from the maker's drawings,
 // rounded.
@@ -99,22 +97,39 @@ std::string foot_plate(bool left) {
       left ? "left" : "right", left ? 0.0125 : -0.0125);
 }
 
+/// Wheels are balls that turn about their axle alone: as the crown of a real one they touch in a
+/// point, and MuJoCo rolls a ball over the seams of boxes exactly.
+std::string skate(bool left, const WheelParameters& w) {
+  const double y_centre = (left ? 1.0 : -1.0) * kSkateCentre_m[1];
+  const char* side = left ? "l" : "r";
+  const double frame = w.skate_mass_kg - 4 * w.wheel_mass_kg;
+  const double inertia = 0.5 * w.wheel_mass_kg * w.radius_m * w.radius_m;
+  // a plate as long and as wide as the axles are apart
+  const double xx = w.wheelbase_m * w.wheelbase_m, yy = w.track_m * w.track_m,
+               zz = w.radius_m * w.radius_m;
+  std::string out =
+      fmt::format(R"(<body name="{}_skate" pos="{} {} {}"><inertial pos="0 0 0" mass="{}" )"
+                  R"(diaginertia="{} {} {}"/></body>)",
+                  side, kSkateCentre_m[0], y_centre, kSoleZ_m - 0.5 * w.radius_m, frame,
+                  frame * (yy + zz) / 12, frame * (xx + zz) / 12, frame * (xx + yy) / 12);
+  for (int i = 0; i < 4; ++i) {
+    out += fmt::format(
+        R"(<body name="{0}_wheel{1}" pos="{2} {3} {4}"><joint name="{0}_wheel{1}" axis="0 1 0" )"
+        R"(limited="false" armature="0" frictionloss="{5}"/>)"
+        R"(<inertial pos="0 0 0" mass="{6}" diaginertia="{7} {8} {7}"/>)"
+        R"(<geom name="{0}_sole{1}" class="sole" type="sphere" size="{9}"/></body>)",
+        side, i, kSkateCentre_m[0] + 0.5 * kAxleSigns[i][0] * w.wheelbase_m,
+        y_centre + (left ? 0.5 : -0.5) * kAxleSigns[i][1] * w.track_m, kSoleZ_m - w.radius_m,
+        w.bearing_Nm, w.wheel_mass_kg, 0.5 * inertia, inertia, w.radius_m);
+  }
+  return out;
+}
+
 std::string soles(bool left, const World& world) {
+  if (world.feet == FeetKind::wheels) return skate(left, world.wheels);
   const double mirror = left ? 1.0 : -1.0;
   const char* side = left ? "l" : "r";
   std::string out;
-  if (world.feet == FeetKind::wheels) {
-    for (int i = 0; i < 4; ++i) {
-      out += fmt::format(
-          R"(<body name="{0}_wheel{1}" pos="{2} {3} {4}"><joint name="{0}_wheel{1}" axis="0 1 0" )"
-          R"(limited="false" armature="1e-6" damping="2e-6"/>)"
-          R"(<geom name="{0}_sole{1}" class="sole" type="ellipsoid" size="{5} 0.004 {5}" )"
-          R"(mass="{6}"/></body>)",
-          side, i, kWheels_m[i][0], mirror * kWheels_m[i][1], kSoleZ_m - kWheelRadius_m,
-          kWheelRadius_m, kWheelMass_kg);
-    }
-    return out;
-  }
   for (int i = 0; i < 8; ++i) {
     out += fmt::format(
         R"(<geom name="{}_sole{}" class="sole" type="sphere" size="{}" pos="{} {} {}"/>)", side, i,

@@ -139,6 +139,15 @@ void visit_ground(const auto& t, auto& g) {
   t.number("contact_time_s", g.contact_time_s, 0.002, 0.05);
 }
 
+void visit_wheels(const auto& t, auto& w) {
+  t.number("radius_m", w.radius_m, 0.005, 0.02);
+  t.number("wheelbase_m", w.wheelbase_m, 0.04, 0.12);
+  t.number("track_m", w.track_m, 0.02, 0.08);
+  t.number("skate_mass_kg", w.skate_mass_kg, 0.03, 0.2);
+  t.number("wheel_mass_kg", w.wheel_mass_kg, 0.002, 0.007);
+  t.number("bearing_Nm", w.bearing_Nm, 0, 0.005);
+}
+
 void visit_world(const auto& t, auto& world) {
   t.text("name", world.name);
   t.choice("feet", world.feet, {"soles", "wheels"});
@@ -155,6 +164,7 @@ void visit_world(const auto& t, auto& world) {
     s.number("internal_ohm", world.supply.internal_ohm, 0, 2);
   });
   t.table("ground", [&](const auto& g) { visit_ground(g, world.ground); });
+  t.table("wheels", [&](const auto& w) { visit_wheels(w, world.wheels); });
   t.table("imu", [&](const auto& i) {
     i.number("accel_noise_m_s2", world.imu.accel_noise_m_s2, 0, 5);
     i.number("gyro_noise_rad_s", world.imu.gyro_noise_rad_s, 0, 1);

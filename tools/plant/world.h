@@ -73,6 +73,18 @@ struct GroundParameters {
 /// Feet: soles, or wheels for the skating motions.
 enum class FeetKind : std::uint8_t { soles, wheels };
 
+/// A skate: four passive wheels on two axles under a foot. Chosen; no public figures.
+struct WheelParameters {
+  double radius_m = 0.012;
+  double wheelbase_m = 0.085;
+  double track_m = 0.055;
+  double skate_mass_kg = 0.050;  // with its wheels
+  double wheel_mass_kg = 0.006;
+  // Coulomb friction of one bearing: eight of them hold a robot of 3.25 kg back like a rolling
+  // friction of 0.0105
+  double bearing_Nm = 5e-4;
+};
+
 struct ImuParameters {
   double accel_noise_m_s2 = 0.05;    // standard deviation of one sample
   double gyro_noise_rad_s = 0.0035;  // 0.2 deg/s
@@ -103,6 +115,7 @@ struct World {
   SupplyParameters supply;
   GroundParameters ground;
   FeetKind feet = FeetKind::soles;
+  WheelParameters wheels;
   ImuParameters imu;
   PoseParameters pose;
 };

@@ -118,32 +118,5 @@ TEST(Plant, PutsTheFeetFlatWhateverTheTrunkDoes) {
   EXPECT_EQ(plant.feet()[1].contacts, 8);
 }
 
-TEST(Plant, WheelsRollAndSolesDoNot) {
-  World world = load_world("nominal");
-  world.feet = FeetKind::wheels;
-  Plant plant(world);
-  plant.place(crouched(), 0, 0, 0);
-  run(plant, crouched(), 1.0);
-  const double start = plant.base().p_world_base[0];
-  plant.set_push({3, 0, 0}, {0, 0, 0});
-  run(plant, crouched(), 0.3);
-  plant.set_push({0, 0, 0}, {0, 0, 0});
-  run(plant, crouched(), 0.5);
-  EXPECT_GT(plant.base().p_world_base[0] - start, 0.05);
-  EXPECT_LT(plant.base().p_world_base[1], 0.02);
-}
-
-TEST(Plant, RampLeadsDownhill) {
-  Plant plant(load_world("nominal+ramp+wheels"));
-  plant.place(crouched(), 0, 0, 0);
-  run(plant, crouched(), 0.5);
-  EXPECT_NEAR(plant.base().v_base_in_world[0], 0, 0.05);
-  const double height = plant.base().p_world_base[2];
-  plant.place(crouched(), 0.4, 0, 0);
-  run(plant, crouched(), 0.4);
-  EXPECT_LT(plant.base().p_world_base[2], height - 0.02);
-  EXPECT_GT(plant.base().p_world_base[0], 0.4);
-}
-
 }  // namespace
 }  // namespace sanso::plant
