@@ -47,29 +47,41 @@ BusMaster::BusMaster(const BusSettings& settings, board::SerialPort& port, board
 
 // --- requests and replies ------------------------------------------------------------------------
 
+/// Late replies and noise belong to no request: they must not be taken for an answer to the next
+/// one.
 void BusMaster::drain() {
-  // Late replies and noise belong to no request: they must not be taken for an answer to the next
-  // one.
+  (void)take_what_came();
+  parser_.reset();
+}
+
+BusMaster::Heard BusMaster::take_what_came() {
   std::array<std::uint8_t, 256> waste;
+  Heard heard;
   for (int i = 0; i < 16; ++i) {
     const Result<std::size_t> n = port_.read(waste, 0);
     if (!n.ok() || *n == 0) break;
     counters_.noise_bytes += static_cast<std::uint32_t>(*n);
-    look_for_foreigners(std::span(waste).first(*n));
+    heard.bytes += static_cast<int>(*n);
+    heard.packets += look_for_foreigners(std::span(waste).first(*n));
   }
-  parser_.reset();
+  return heard;
 }
 
 /// Only masters give instructions: one that is whole and not the echo of our own is another's.
-void BusMaster::look_for_foreigners(std::span<const std::uint8_t> bytes) {
+/// How many whole packets of any kind there were.
+int BusMaster::look_for_foreigners(std::span<const std::uint8_t> bytes) {
+  int packets = 0;
   while (!bytes.empty()) {
     const std::size_t taken = parser_.feed(bytes);
     bytes = bytes.subspan(taken);
     for (bus::ParseEvent event = parser_.next(packet_); event != bus::ParseEvent::none;
-         event = parser_.next(packet_))
+         event = parser_.next(packet_)) {
       count_foreigner(event);
+      if (event == bus::ParseEvent::packet) ++packets;
+    }
     if (taken == 0) parser_.reset();
   }
+  return packets;
 }
 
 void BusMaster::count_foreigner(bus::ParseEvent event) {
@@ -77,11 +89,8 @@ void BusMaster::count_foreigner(bus::ParseEvent event) {
   if (!std::ranges::equal(parser_.frame(), request_.view())) ++counters_.foreign;
 }
 
-int BusMaster::listen() {
-  const std::uint32_t before = counters_.noise_bytes;
-  drain();
-  return static_cast<int>(counters_.noise_bytes - before);
-}
+/// Nothing is thrown away: a packet may come in two pieces.
+BusMaster::Heard BusMaster::listen() { return take_what_came(); }
 
 /// A request into a late reply destroys both: waits for the line to fall silent, not for long.
 void BusMaster::let_line_fall_silent() {

@@ -42,8 +42,12 @@ class BusMaster {
   /// Switches the torque of all servos by one sync write (no reply).
   Status write_torque(bool on, ServoReadings& readings);
 
-  /// Bytes that have come since the last call, for as long as nothing has been asked.
-  int listen();
+  struct Heard {
+    int bytes = 0;
+    int packets = 0;  // whole ones, of a master or of a servo that somebody has asked
+  };
+  /// What has come since the last call, for as long as nothing has been asked.
+  Heard listen();
   /// Whole instructions of somebody else that were on the bus.
   std::uint32_t foreign() const { return counters_.foreign; }
   /// Writes `size` bytes of each servo's value from `address` on, all in one request (no reply).
@@ -95,7 +99,8 @@ class BusMaster {
   Status collect(OnPacket&& on_packet);
   Status transact(std::uint8_t id);  // sends request_, leaves the status of `id` in packet_
   void drain();
-  void look_for_foreigners(std::span<const std::uint8_t> bytes);
+  Heard take_what_came();
+  int look_for_foreigners(std::span<const std::uint8_t> bytes);
   void count_foreigner(servo_bus::ParseEvent event);
   template <class OnBlock>
   Status read_many(int slots, std::uint16_t address, std::uint16_t bytes, OnBlock&& on_block);

@@ -20,6 +20,7 @@ constexpr int kWrongAnswers = 5;
 constexpr int kSilences = 200;
 // torque on in some legs and off in others: so it is, or one reading was wrong
 constexpr int kLooks = 3;
+constexpr int kAsLongAsAPacket = servo_bus::kMinPacketBytes;
 // a goal farther outside the joint's range was misread
 constexpr double kFarOutside_rad = 0.6;
 
@@ -115,13 +116,19 @@ BusSetup::Progress BusSetup::step(BusMaster& bus, Nanoseconds now) {
   return Progress::done;
 }
 
-/// Two masters destroy each other's packets: the bus has to be silent before the first request.
+/// Two masters destroy each other's packets: the bus has to be silent before the first request. A
+/// master sends whole packets, or, at another rate than ours, bytes again and again; a line that
+/// only crackles once is listened to anew.
 BusSetup::Progress BusSetup::listen(BusMaster& bus, Nanoseconds now) {
+  const BusMaster::Heard heard = bus.listen();
   if (listen_begin_ == 0) {
+    listen_begin_ = now;  // what came before is nobody's
+  } else if (heard.bytes > 0) {
+    const bool again = noise_bytes_ > 0;
+    noise_bytes_ += heard.bytes;
+    if (heard.packets > 0 || again || noise_bytes_ >= kAsLongAsAPacket)
+      return failed(Fault::bus_foreign, static_cast<std::uint16_t>(std::min(noise_bytes_, 0xffff)));
     listen_begin_ = now;
-    bus.listen();  // what came before is nobody's
-  } else if (const int heard = bus.listen(); heard > 0) {
-    return failed(Fault::bus_foreign, static_cast<std::uint16_t>(std::min(heard, 0xffff)));
   }
   if (now - listen_begin_ < from_seconds(settings_.listen_s)) return Progress::running;
   stage_ = Stage::power;

@@ -50,6 +50,7 @@ class BusSetup {
   BusSettings settings_;
   Stage stage_ = Stage::listen;
   Nanoseconds listen_begin_ = 0;
+  int noise_bytes_ = 0;            // heard while listening
   int silences_ = 0, wrongs_ = 0;  // of this step so far
   int looks_ = 0;                  // times that the torque of all servos was looked at
   int slot_ = 0;

@@ -245,18 +245,6 @@ TEST_F(BusSetupTest, ALegWithoutTorqueAmongOthersIsNamedAndNothingIsSwitchedOff)
   for (int s = 0; s < kNumServos; ++s) EXPECT_EQ(port.bus.torque_on(s), s != 7);
 }
 
-TEST_F(BusSetupTest, AnotherMasterOnTheBusIsFoundBeforeAnythingIsSent) {
-  servo_bus::PacketBuffer ping;
-  (void)servo_bus::encode_ping(ping, 3);
-  clock.time += kTickPeriod;
-  ASSERT_EQ(setup.step(master, clock.time), BusSetup::Progress::running);
-  (void)port.bus.write(ping.view());  // its reply is what we hear
-  clock.time += kTickPeriod;
-  EXPECT_EQ(setup.step(master, clock.time), BusSetup::Progress::failed);
-  EXPECT_EQ(setup.fault(), Fault::bus_foreign);
-  EXPECT_TRUE(port.written.empty());
-}
-
 TEST_F(BusSetupTest, OldFirmwareMeansOrdinaryReads) {
   port.bus.poke(13, 6, 1, 41);
   ASSERT_EQ(run(), BusSetup::Progress::done);
