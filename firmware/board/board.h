@@ -90,6 +90,8 @@ class Datagram {
   virtual Status send(Bytes data, const Peer& to) = 0;
   /// Bytes received and their sender; 0: none came.
   virtual Result<std::size_t> receive(Buffer buffer, Peer& from, Nanoseconds deadline) = 0;
+  /// Datagrams without a single byte since the start: receive() does not return for them.
+  virtual std::uint32_t empty_ones() const { return 0; }
 };
 
 }  // namespace sanso::board

@@ -68,6 +68,7 @@ Result<std::size_t> UdpSocket::receive(Buffer buffer, Peer& from, Nanoseconds de
       from.size = static_cast<std::uint8_t>(size);
       if (n > 0) return static_cast<std::size_t>(n);
       ++empty;
+      ++empty_ones_;
       continue;
     }
     if (errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) return Status::io_error;

@@ -26,9 +26,11 @@ class UdpSocket : public Datagram {
   int port() const;
   Status send(Bytes data, const Peer& to) override;
   Result<std::size_t> receive(Buffer buffer, Peer& from, Nanoseconds deadline) override;
+  std::uint32_t empty_ones() const override { return empty_ones_; }
 
  private:
   int socket_ = -1;
+  std::uint32_t empty_ones_ = 0;
 };
 
 /// A packet connection to a path.

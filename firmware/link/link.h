@@ -26,7 +26,7 @@ class Link {
   void poll(Nanoseconds deadline);
 
   bool connected() const { return channel_.established(); }
-  std::uint32_t dropped() const { return channel_.dropped() + dropped_; }
+  std::uint32_t dropped() const { return channel_.dropped() + dropped_ + socket_.empty_ones(); }
   /// Why datagrams were dropped before they were messages.
   const wire::DropCounts& drops() const { return channel_.drops(); }
 

@@ -55,6 +55,7 @@ TEST(UdpSocket, EmptyDatagramsAreNothingAndHoldNobodyUp) {
   EXPECT_EQ(got, 4u);
   EXPECT_GT(returned_without, 0) << "it comes back in between";
   EXPECT_LT(returned_without, kEmpty / 10) << "but not for each of them";
+  EXPECT_EQ(socket.empty_ones(), kEmpty) << "each is counted";
 }
 
 }  // namespace
