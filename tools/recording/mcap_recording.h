@@ -24,7 +24,8 @@ Recording read_mcap(const std::string& path, std::size_t max_values = 100'000'00
 /// Writes what the topics above can hold; base_p and base_v are not among them and are left out.
 void write_mcap(const Recording& recording, const std::string& path);
 
-/// A recording of either kind, by the file's name: .mcap, else CSV (with its sidecar).
+/// A recording of any kind, by the file's name: .mcap, .db3 (rosbag_db3.h), else CSV; with its
+/// sidecar.
 Recording read_recording(const std::string& path);
 
 }  // namespace sanso::recording

@@ -23,6 +23,7 @@ void add_reveal(CLI::App& app, int& result);
 void add_identify(CLI::App& app, int& result);
 void add_watch(CLI::App& app, int& result);
 void add_export(CLI::App& app, int& result);
+void add_import(CLI::App& app, int& result);
 void add_score(CLI::App& app, int& result);
 void add_diagnose(CLI::App& app, int& result);
 void add_bench_diagnose(CLI::App& app, int& result);

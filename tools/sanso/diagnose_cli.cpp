@@ -17,7 +17,7 @@ void add_diagnose(CLI::App& app, int& result) {
       ->required();
   command
       ->add_option("--recordings", options->recordings,
-                   "recordings (CSV, plain or gzip), one or more")
+                   "recordings (CSV, plain or gzip; .mcap and .db3 of ros2 bag), one or more")
       ->required();
   command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")
       ->required();

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
   sanso::cli::add_report(app, result);
   sanso::cli::add_reveal(app, result);
   sanso::cli::add_export(app, result);
+  sanso::cli::add_import(app, result);
   sanso::cli::add_watch(app, result);
   sanso::cli::add_identify(app, result);
   sanso::cli::add_score(app, result);

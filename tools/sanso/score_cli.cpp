@@ -22,7 +22,9 @@ void add_score(CLI::App& app, int& result) {
       app.add_subcommand("score", "how far a model's prediction is from recordings");
   command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")
       ->required();
-  command->add_option("--recordings", options->recordings, "CSV files (.csv, .csv.gz)")->required();
+  command
+      ->add_option("--recordings", options->recordings, "recordings (.csv, .csv.gz, .mcap, .db3)")
+      ->required();
   command->add_flag("--json", options->json, "RMSE by recording, horizon and channel as JSON");
   command->footer(
       "Example:\n  sanso score --model tools/diagnose/examples/emps --recordings DATA_EMPS.csv");
