@@ -76,7 +76,7 @@ MORE = {
     "firmware": ["shared/files"],
     "firmware/config": ["shared/files"],
     "firmware/log": ["shared/files", "shared/mcap"],
-    "tools/diagnose/run": ["host", "tools/report"],
+    "tools/diagnose/run": ["host", "tools/report", "tools/page/embedded"],
 }
 
 

@@ -1,5 +1,5 @@
-// Columns are scaled to 16 bits each over their own range: a trial of 8 s takes about 12 kB packed,
-// and an angle is right to a tenth of a milliradian.
+// Packed in 16 bits a number, a trial of 8 s takes about 12 kB and an angle is right to a tenth of
+// a milliradian.
 #include "tools/session_report/replay.h"
 
 #include <fmt/format.h>
@@ -10,10 +10,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/markup.h"
 #include "tools/page/scene.h"
 #include "tools/plant/world_error.h"
-#include "tools/session_report/packing.h"
 
 namespace sanso::report {
 namespace {
@@ -24,7 +23,6 @@ using nlohmann::json;
 
 constexpr std::size_t kShown = 19;
 constexpr int kStride = 3;  // 30 ms: as smooth as a film
-constexpr double kSteps = 65535.0, kMiddle = 32768.0;
 
 double rms(const model::Input& u) { return u.norm() / std::sqrt(double{model::kNumJoints}); }
 
@@ -47,18 +45,6 @@ ReplayRow row_of(const Episode& episode, std::size_t i) {
   for (const double part : {rms(o.u_upper), rms(o.u_middle), rms(o.u_lower - rest)})
     row[c++] = part;
   return row;
-}
-
-std::vector<std::int16_t> quantised(const std::vector<ReplayRow>& rows, std::size_t column,
-                                    double low, double step) {
-  std::vector<std::int16_t> out;
-  std::int32_t before = 0;
-  for (const ReplayRow& row : rows) {
-    const auto value = static_cast<std::int32_t>(std::lround((row[column] - low) / step - kMiddle));
-    out.push_back(static_cast<std::int16_t>(static_cast<std::uint32_t>(value - before)));
-    before = value;
-  }
-  return out;
 }
 
 /// Both ends, and between them every so manieth, so that `keep` are left of `count`.
@@ -105,38 +91,7 @@ std::string data_of(const fs::path& folder, const learn::SessionState& state,
     if (i == best && data.trials() > 0) second = data.trials();
     data.add(summary, episode);
   }
-  return data.trials() > 0 ? gzip(data.pack(0, second)) : std::string();
-}
-
-std::string hidden(const char* id, std::string_view bytes) {
-  return fmt::format("<script type='text/plain' id='{}'>{}</script>\n", id, base64(bytes));
-}
-
-std::string_view text_of(std::span<const unsigned char> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-constexpr char kUnpacker[] = R"(<script>
-const get=async id=>{const text=atob(document.getElementById(id).textContent);
-const zipped=Uint8Array.from(text,c=>c.charCodeAt(0));
-const plain=new Blob([zipped]).stream().pipeThrough(new DecompressionStream('gzip'));
-return new Uint8Array(await new Response(plain).arrayBuffer())};
-const add=async(tag,id)=>{const e=document.createElement(tag);
-e.textContent=new TextDecoder().decode(await get(id));document.head.append(e)};
-</script>
-)";
-
-constexpr char kLoader[] = R"(<script>(async()=>{
-await add('style','replay-style');await add('script','replay-script');
-sansoPage.replay(document.getElementById('replay'),await get('replay-data'));
-})().catch(e=>{document.getElementById('replay').textContent='no replay here: '+e.message})</script>
-)";
-
-std::string viewer(std::string_view zipped) {
-  const page::Bundle& bundle = page::bundle();
-  return "<div id='replay'></div>\n" + hidden("replay-style", text_of(bundle.style)) +
-         hidden("replay-script", text_of(bundle.script)) + hidden("replay-data", zipped) +
-         kUnpacker + kLoader;
+  return data.trials() > 0 ? page::gzip(data.pack(0, second)) : std::string();
 }
 
 }  // namespace
@@ -165,45 +120,26 @@ ReplayData::ReplayData(std::string scene, int stride) : scene_(std::move(scene))
 
 void ReplayData::add(const learn::TrialSummary& summary, const Episode& episode) {
   const std::vector<ReplayRow> rows = replay_rows(episode, stride_);
-  json lows = json::array(), steps = json::array();
-  for (std::size_t c = 0; c < kReplayColumns; ++c) {
-    double low = INFINITY, high = -INFINITY;
-    for (const ReplayRow& row : rows) low = std::min(low, row[c]), high = std::max(high, row[c]);
-    const double step = high > low ? (high - low) / kSteps : 1.0;
-    lows.push_back(low);
-    steps.push_back(step);
-    const std::vector<std::int16_t> column = quantised(rows, c, low, step);
-    words_.insert(words_.end(), column.begin(), column.end());
-  }
-  trials_.push_back(json{
-      {"n", summary.trial + 1},
-      {"cost", summary.cost},
-      {"failed", summary.failed()},
-      {"end", learn::to_string(summary.end)},
-      {"count", rows.size()},
-      {"low", lows},
-      {"step", steps}}.dump());
+  const json about = {{"n", summary.trial + 1},
+                      {"cost", summary.cost},
+                      {"failed", summary.failed()},
+                      {"end", learn::to_string(summary.end)}};
+  std::vector<double> numbers;
+  for (const ReplayRow& row : rows) numbers.insert(numbers.end(), row.begin(), row.end());
+  runs_.add(about.dump(), numbers);
 }
 
 std::string ReplayData::pack(int first, int second) const {
   json head = json::parse(scene_);
   head["dt"] = to_seconds(kTickPeriod) * stride_;
-  head["columns"] = std::vector<int>(kReplayColumns);
   head["first"] = first;
   head["second"] = second;
-  head["trials"] = json::array();
-  for (const std::string& trial : trials_) head["trials"].push_back(json::parse(trial));
-  const std::string text = head.dump();
-  const auto size = static_cast<std::uint32_t>(text.size());
-  std::string out(reinterpret_cast<const char*>(&size), sizeof size);
-  out += text;
-  out.append(reinterpret_cast<const char*>(words_.data()), 2 * words_.size());
-  return out;
+  return runs_.pack(head.dump());
 }
 
 std::string replay_markup(const fs::path& folder, const learn::SessionState& state,
                           std::size_t most_bytes) {
-  if (page::bundle().empty() || state.history.empty()) return {};
+  if (!page::available() || state.history.empty()) return {};
   const auto count = static_cast<int>(state.history.size());
   const int best = best_of(state.history);
   std::string data;
@@ -213,11 +149,11 @@ std::string replay_markup(const fs::path& folder, const learn::SessionState& sta
     data = data_of(folder, state, wanted, best);
     if (4 * data.size() / 3 <= most_bytes) break;
   }
-  return data.empty() ? std::string() : viewer(data);
+  return data.empty() ? std::string() : page::embedded("replay", data);
 }
 
 std::string preview_markup(const std::vector<model::State>& reference) {
-  if (page::bundle().empty() || reference.empty()) return {};
+  if (!page::available() || reference.empty()) return {};
   Episode episode;
   for (const model::State& x : reference) {
     wire::Observation& o = episode.ticks.emplace_back();
@@ -229,7 +165,7 @@ std::string preview_markup(const std::vector<model::State>& reference) {
   }
   ReplayData data(page::scene_of(plant::load_world("nominal")).dump(), kStride);
   data.add({}, episode);
-  return viewer(gzip(data.pack(0, -1)));
+  return page::embedded("replay", page::gzip(data.pack(0, -1)));
 }
 
 std::string film_page(const fs::path& folder, const learn::SessionState& state,
@@ -248,14 +184,7 @@ std::string film_page(const fs::path& folder, const learn::SessionState& state,
   const json asked = {
       {"kind", options.kind}, {"width", options.width_px}, {"row_height", options.row_height_px},
       {"fps", options.fps},   {"from", options.from_s},    {"to", options.to_s}};
-  return "<!DOCTYPE html><html><head><meta charset='utf-8'><link rel='icon' href='data:,'>"
-         "<style>body{margin:0}</style></head><body>\n" +
-         hidden("film-script", text_of(page::bundle().film)) + hidden("film-data", data) +
-         kUnpacker +
-         fmt::format(
-             "<script>(async()=>{{await add('script','film-script');"
-             "await sansoPage.film(await get('film-data'),{})}})()</script></body></html>",
-             asked.dump());
+  return page::film_page(data, asked.dump());
 }
 
 }  // namespace sanso::report

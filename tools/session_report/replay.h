@@ -3,13 +3,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "host/learn/episodes/episode.h"
 #include "host/learn/session/session_state.h"
+#include "tools/page/embedded/packing.h"
 
 namespace sanso::report {
 
@@ -21,8 +21,7 @@ using ReplayRow = std::array<double, kReplayColumns>;
 /// One row every `stride` ticks; a tick that was lost shows the one before it.
 std::vector<ReplayRow> replay_rows(const learn::Episode& episode, int stride);
 
-/// Trials, packed: a JSON head that says how to read them, then numbers of 16 bits, each the change
-/// to the one before.
+/// Trials, packed: a JSON head that says how to read them, then their rows.
 class ReplayData {
  public:
   /// `scene`: JSON object of tools/page/scene.h, as text.
@@ -30,13 +29,12 @@ class ReplayData {
   void add(const learn::TrialSummary& summary, const learn::Episode& episode);
   /// `first` and `second` (-1: none) are shown at the beginning: places in the order of add().
   std::string pack(int first, int second) const;
-  int trials() const { return static_cast<int>(trials_.size()); }
+  int trials() const { return static_cast<int>(runs_.runs()); }
 
  private:
   std::string scene_;
   int stride_;
-  std::vector<std::string> trials_;  // JSON objects
-  std::vector<std::int16_t> words_;
+  page::PackedRuns runs_{kReplayColumns};
 };
 
 /// The replay of a session's folder: first and best trial side by side, all others to choose, or as

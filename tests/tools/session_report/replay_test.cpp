@@ -8,7 +8,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "tools/session_report/packing.h"
+#include "tools/page/embedded/packing.h"
 
 namespace sanso::report {
 namespace {
@@ -131,14 +131,14 @@ TEST(Packing, Base64IsThatOfTheStandard) {  // RFC 4648, section 10
                                                           {"foob", "Zm9vYg=="},
                                                           {"fooba", "Zm9vYmE="},
                                                           {"foobar", "Zm9vYmFy"}};
-  for (const auto& [plain, coded] : kVectors) EXPECT_EQ(base64(plain), coded);
-  EXPECT_EQ(base64(std::string("\xff\xef\xbe", 3)), "/+++");
+  for (const auto& [plain, coded] : kVectors) EXPECT_EQ(page::base64(plain), coded);
+  EXPECT_EQ(page::base64(std::string("\xff\xef\xbe", 3)), "/+++");
 }
 
 TEST(Packing, GzipIsWhatZlibUnpacks) {
   std::string text;
   for (int i = 0; i < 20000; ++i) text += std::to_string(i % 97);
-  const std::string zipped = gzip(text);
+  const std::string zipped = page::gzip(text);
   EXPECT_LT(zipped.size(), text.size() / 4);
   z_stream z{};
   ASSERT_EQ(inflateInit2(&z, 16 + 15), Z_OK);  // gzip, nothing else
