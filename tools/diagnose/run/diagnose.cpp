@@ -242,7 +242,9 @@ void add_shown(Diagnosis& out, const DiagnoseOptions& options, const ModelFolder
   out.curves_before = curves_of(
       missing_torque(sources, noise, library, selection.nominal.model, settings), out.shown_joints);
   out.curves_after = curves_of(evidence.left.missing, out.shown_joints);
-  out.roll_outs = roll_outs(sources, noise, library, evidence.proof, out.shown_joints, settings);
+  const Simulated simulated = simulate_heldout(sources, noise, library, evidence.proof, settings);
+  out.roll_outs = roll_outs(simulated, out.shown_joints);
+  out.motions = shown_motions(simulated);
   out.log = selection.log;
   out.first_look = first_look(library, selection.first, settings.tolerances);
 }

@@ -41,6 +41,7 @@ struct Diagnosis {
   std::vector<std::vector<ShapeCurve>> curves_before, curves_after;  // by joint of `shown_joints`
   std::vector<std::size_t> shown_joints;
   std::vector<RollOut> roll_outs;
+  std::vector<ShownMotion> motions;
   std::vector<std::string> log;
   FirstLook first_look;
 };

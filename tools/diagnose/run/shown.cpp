@@ -60,23 +60,14 @@ std::vector<std::size_t> joints_to_show(const Verdict& verdict, const RobotTree&
   return out;
 }
 
-std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
-                               const std::vector<NoiseLevel>& noise, const Library& library,
-                               const HeldoutProof& proof, const std::vector<std::size_t>& joints,
-                               const Settings& settings) {
+std::vector<RollOut> roll_outs(const Simulated& simulated, const std::vector<std::size_t>& joints) {
+  const Problem& problem = simulated.problem;
   std::vector<RollOut> out;
-  ProblemOptions options;
-  options.shot_seconds = 2.0;
-  options.maximum_rows = 4 * settings.data.maximum_rows;
-  options.secondary = false;
-  const Problem problem = restricted(make_problem(sources, noise, options, settings), proof.part);
   if (problem->shots.empty()) return out;
-  const Eigen::VectorXd before = prediction_error(problem, library, Model{}),
-                        after = prediction_error(problem, library, proof.model);
   for (const std::size_t joint : joints) {
     for (std::size_t c = 0; c < problem->channels.size(); ++c) {
       if (problem->channels[c].joint == joint && problem->channels[c].signal == Signal::q)
-        out.push_back(roll_out(problem, c, before, after));
+        out.push_back(roll_out(problem, c, simulated.nominal, simulated.patched));
     }
   }
   return out;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/run/shown_motion.h"
 #include "tools/diagnose/verdict/evidence.h"
 #include "tools/diagnose/verdict/verdict.h"
 
@@ -24,10 +25,7 @@ std::vector<std::size_t> joints_to_show(const Verdict& verdict, const RobotTree&
 
 /// Roll-outs of 2 s from the measured state, the first four of the first recording held out, by
 /// joint of `joints`; empty when the held-out part is too short.
-std::vector<RollOut> roll_outs(const std::vector<Source>& sources,
-                               const std::vector<NoiseLevel>& noise, const Library& library,
-                               const HeldoutProof& proof, const std::vector<std::size_t>& joints,
-                               const Settings& settings);
+std::vector<RollOut> roll_outs(const Simulated& simulated, const std::vector<std::size_t>& joints);
 
 /// Shape curves of a model's missing torque, by joint of `joints`.
 std::vector<std::vector<ShapeCurve>> curves_of(const std::vector<TorqueSample>& missing,

@@ -138,9 +138,10 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options,
   try {
     const WholeBody body = read_whole_body(options.model);
     progress("asks: are the recordings sound?");
-    return diagnose_whole(
-        options, body, load_whole(options.recordings, body, options.whole, options.settings.gate),
-        progress);
+    WholeData data = load_whole(options.recordings, body, options.whole, options.settings.gate);
+    WholeDiagnosis out = diagnose_whole(options, body, data, progress);
+    if (out.verdict.status != VerdictStatus::refused) out.recordings = std::move(data.recordings);
+    return out;
   } catch (const files::InputError& error) {
     return refused({defect_of(error)});
   }

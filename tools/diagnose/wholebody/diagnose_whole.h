@@ -23,6 +23,7 @@ struct WholeDiagnosis {
   Verdict verdict;
   std::optional<WholeBody> patched;
   std::vector<std::string> log;
+  std::vector<WholeRecording> recordings;  // what was asked; of the method that reads files
 };
 
 /// Whether this model's base floats; a folder that cannot be read has none.

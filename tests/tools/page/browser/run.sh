@@ -1,13 +1,16 @@
 #!/usr/bin/env bash
-# The live page and the replay of a report in headless chromium; screenshots stay in the work folder. Exit code 77
-# (skipped) where node, the registry or chromium cannot be had.
-# Usage: run.sh SANSO WORK-FOLDER
+# The live page, the replay of a report, films and the robot of a diagnosis in headless chromium;
+# screenshots stay in the work folder. Exit code 77 (skipped) where node, the registry or chromium
+# cannot be had.
+# Usage: run.sh SANSO WORK-FOLDER MECHANISM-SAMPLES
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-sanso=$1
+sanso=$1 samples=$3
 source "$here/../../../support/with_npm.sh" "$here" "$2" "the page was NOT looked at in a browser"
 command -v chromium >/dev/null || skip "no chromium"
-rm -rf live replay && mkdir -p screenshots
+rm -rf live replay && mkdir -p screenshots mechanism
+"$samples" mechanism
+node check_diagnosis.mjs mechanism screenshots
 node check_live.mjs "$sanso" live screenshots
 node check_replay.mjs "$sanso" replay screenshots
 node check_film.mjs "$sanso" replay screenshots

@@ -3,7 +3,7 @@
 import { GIFEncoder, applyPalette, quantize } from "gifenc";
 import { ArrayBufferTarget, Muxer } from "webm-muxer";
 import { parseMjcf } from "./mjcf.js";
-import { unpack } from "./replay.js";
+import { unpack } from "./unpack.js";
 import { View } from "./view.js";
 
 const kInk = "#1f262d", kSoft = "#4a545e", kBad = "#b33f00", kFont = "system-ui, 'DejaVu Sans', sans-serif";

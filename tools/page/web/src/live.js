@@ -17,7 +17,7 @@ class Live {
     this.trials = [];
     this.lastFault = 0;
     try {
-      this.view = new View($("view"), parseMjcf(scene.mjcf), scene.fixed, scene.joints);
+      this.view = new View($("view"), parseMjcf(scene.mjcf), scene.fixed, scene.joints, scene.urdf);
     } catch (error) {
       $("view").dataset.note = `No picture of the robot here (${error.message}); the curves go on.`;
     }
@@ -26,6 +26,7 @@ class Live {
     this.strips.bus = new Strip($("strips"), "bus errors", {
       lines: [{ name: "lost", color: "#0072b2" }, { name: "damaged", color: "#d55e00" }], min: 0, max: 5, digits: 0 });
     $("what").textContent = `${scene.motion ? scene.motion + " on " : ""}${scene.robot}`;
+    for (const note of scene.urdf?.notes ?? []) this.note(`not drawn: ${note}`);
     this.addButtons();
     this.listen();
     const loop = () => { this.view?.drawIfNew(); requestAnimationFrame(loop); };

@@ -1,28 +1,9 @@
-// The replay of a report: stored trials, one or two side by side, on one clock. The data are packed
-// by tools/page/replay_data.cpp: JSON in front, then 16-bit numbers, each row the change to the one
-// before.
+// The replay of a report: stored trials, one or two side by side, on one clock.
 import { parseMjcf } from "./mjcf.js";
-import { Strip, makeStrips } from "./strips.js";
+import { makeStrips } from "./strips.js";
+import { Transport } from "./transport.js";
+import { unpack } from "./unpack.js";
 import { View } from "./view.js";
-
-export function unpack(bytes) {
-  const head = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
-  const text = new TextDecoder().decode(bytes.subarray(4, 4 + head));
-  const scene = JSON.parse(text);
-  const words = new Int16Array(bytes.slice(4 + head).buffer);
-  let at = 0;
-  for (const trial of scene.trials) {
-    trial.rows = Array.from({ length: trial.count }, () => new Float32Array(scene.columns.length));
-    for (let c = 0; c < scene.columns.length; ++c)
-      for (let k = 0, sum = 0; k < trial.count; ++k) {
-        sum = (sum + words[at++]) << 16 >> 16;  // wraps as the writer's does
-        trial.rows[k][c] = trial.low[c] + (sum + 32768) * trial.step[c];
-      }
-  }
-  return scene;
-}
-
-const kUpdates = [0.25, 0.5, 1, 2];
 
 class Side {
   constructor(replay, index, holder) {
@@ -57,13 +38,13 @@ class Replay {
     this.scene = scene;
     this.place = parseMjcf(scene.mjcf);
     this.chosen = [0, -1];
-    this.time = 0;
-    this.speed = 1;
     const sides = document.createElement("div");
     sides.className = "sides";
     holder.append(sides);
     this.sides = [0, 1].map((i) => new Side(this, i, sides));
-    this.addTransport(holder);
+    this.transport = new Transport(holder, {
+      step: scene.dt, label: "time in the trial", show: (time) => this.show(time),
+      idle: () => this.sides.forEach((s) => s.view.drawIfNew()) });
     const strips = document.createElement("div");
     strips.className = "replay-strips";
     holder.append(strips);
@@ -72,35 +53,13 @@ class Replay {
       { name: "ref", color: "#e69f00", text: "#8a5f00" }, { name: "2nd", color: "#d55e00" }];
     this.choose(0, scene.first);
     this.choose(1, scene.second);
-    const loop = (now) => { this.advance(now); requestAnimationFrame(loop); };
-    requestAnimationFrame(loop);
+    this.transport.start();
   }
 
-  addTransport(holder) {
-    const bar = document.createElement("div");
-    bar.className = "transport";
-    this.button = document.createElement("button");
-    this.button.textContent = "pause";
-    this.playing = true;
-    this.button.addEventListener("click", () => this.play(!this.playing));
-    this.slider = document.createElement("input");
-    Object.assign(this.slider, { type: "range", min: 0, step: this.scene.dt });
-    this.slider.setAttribute("aria-label", "time in the trial");
-    this.slider.addEventListener("input", () => { this.play(false); this.seek(Number(this.slider.value)); });
-    const speed = document.createElement("select");
-    speed.setAttribute("aria-label", "speed");
-    for (const v of kUpdates) speed.add(new Option(`${v}×`, v));
-    speed.value = 1;
-    speed.addEventListener("change", () => (this.speed = Number(speed.value)));
-    this.clock = document.createElement("output");
-    bar.append(this.button, this.slider, this.clock, speed);
-    holder.append(bar);
-  }
-
-  play(on) {
-    this.playing = on;
-    this.button.textContent = on ? "pause" : "play";
-  }
+  get time() { return this.transport.time; }
+  get length() { return this.transport.length; }
+  play(on) { this.transport.play(on); }
+  seek(time) { this.transport.seek(time); }
   trial(i) { return this.scene.trials[this.chosen[i]]; }
   choose(i, index) {
     this.chosen[i] = index;
@@ -108,10 +67,8 @@ class Replay {
     this.sides[i].holder.hidden = index < 0;
     if (index >= 0) this.sides[i].view.resize();
     const longest = Math.max(...[0, 1].filter((k) => this.chosen[k] >= 0).map((k) => this.trial(k).count));
-    this.length = (longest - 1) * this.scene.dt;
-    this.slider.max = this.length;
     this.fillStrips();
-    this.seek(Math.min(this.time, this.length));
+    this.transport.setLength((longest - 1) * this.scene.dt);
   }
   fillStrips() {
     const first = this.trial(0), second = this.chosen[1] >= 0 ? this.trial(1) : undefined;
@@ -125,19 +82,9 @@ class Replay {
       this.strips.update.push(t, [a[43] > 0 ? a[43] : null]);
     }
   }
-  seek(time) {
-    this.time = time;
-    this.slider.value = time;
-    this.clock.textContent = `${time.toFixed(2)} s`;
+  show(time) {
     [0, 1].forEach((i) => this.chosen[i] >= 0 && this.sides[i].show(this.trial(i), time));
     for (const strip of Object.values(this.strips)) strip.draw(0, this.length, time);
-  }
-  advance(now) {
-    const passed = Math.min(0.1, (now - (this.last ?? now)) / 1000);
-    this.last = now;
-    if (!this.playing) { this.sides.forEach((s) => s.view.drawIfNew()); return; }
-    const next = this.time + passed * this.speed;
-    this.seek(next > this.length + 0.5 ? 0 : Math.min(next, this.length + 0.5));
   }
 }
 

@@ -1,43 +1,11 @@
-// The room that the robot stands in: light, floor, camera, one robot, the ghost of its reference, and
-// arrows of the forces on its feet.
+// The room that the robot stands in: its ground, one robot, the ghost of its reference, and arrows of
+// the forces on its feet.
 import * as THREE from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { LinkRobot } from "./links.js";
 import { Robot } from "./robot.js";
+import { Room, tiles } from "./room.js";
 
-const kGhost = 0xe69f00, kForce = 0x009e73, kMetrePerNewton = 0.3 / 30;
-const kBackground = 0xe9edf1;
-const kMeasureEvery = 8, kRest = 3, kLongestRest_ms = 400;  // draws; times what a draw took
-
-function light(scene) {
-  scene.add(new THREE.HemisphereLight(0xffffff, 0xb9c2cc, 1.9));
-  const sun = new THREE.DirectionalLight(0xffffff, 2.4);
-  sun.position.set(0.7, -0.9, 1.6);
-  sun.castShadow = true;
-  sun.shadow.mapSize.set(1024, 1024);
-  Object.assign(sun.shadow.camera, { left: -0.6, right: 0.6, top: 0.6, bottom: -0.6, near: 0.2, far: 4 });
-  sun.shadow.radius = 4;
-  sun.shadow.bias = -0.0006;
-  scene.add(sun, sun.target);
-  return sun;
-}
-
-/** Tiles as a texture: lines of their own shimmer when one looks along the floor. */
-function tiles(count) {
-  const size = 128, canvas = document.createElement("canvas");
-  canvas.width = canvas.height = size;
-  const c = canvas.getContext("2d");
-  c.fillStyle = "#ffffff";
-  c.fillRect(0, 0, size, size);
-  c.strokeStyle = "#b4bec8";
-  c.lineWidth = 3;
-  c.strokeRect(0, 0, size, size);
-  const texture = new THREE.CanvasTexture(canvas);
-  texture.wrapS = texture.wrapT = THREE.RepeatWrapping;
-  texture.repeat.set(count, count);
-  texture.anisotropy = 8;
-  texture.colorSpace = THREE.SRGBColorSpace;
-  return texture;
-}
+const kGhost = 0xe69f00, kForce = 0x009e73, kMetrePerNewton = 0.3 / 30, kRobot_m = 0.5;
 
 /** One mesh for each piece of the ground that the physics has. */
 function groundMesh(geom) {
@@ -75,50 +43,51 @@ class Arrow {
   }
 }
 
-export class View {
-  /** Draws into `holder`. `place` is {ground, robot} of mjcf.js. */
-  constructor(holder, place, fixed, names) {
-    this.holder = holder;
+/** Our robot as its own URDF shows it, with what Robot can do. */
+class UrdfRobot extends LinkRobot {
+  constructor(urdf, fixed, ghost) {
+    super(urdf.links);
+    for (const [name, angle] of Object.entries(fixed ?? {})) this.setJoint(name, angle);
+    this.dress(kRobot_m, ghost);
+  }
+  setState(x, names) { super.setState(Array.from(x).slice(7), names, x); }
+  /** The middle of the sole, below the last joint of a leg. */
+  footCentre(side) {
+    const foot = this.joints.get(`${side}_ank_roll`);
+    if (!foot) return undefined;
+    if (!foot.sole) {
+      const box = new THREE.Box3();
+      foot.group.traverse((o) => {
+        if (o.parent !== foot.group || !o.geometry) return;
+        o.geometry.computeBoundingBox();
+        o.updateMatrix();
+        box.union(o.geometry.boundingBox.clone().applyMatrix4(o.matrix));
+      });
+      foot.sole = box.isEmpty() ? new THREE.Vector3() : box.getCenter(new THREE.Vector3()).setZ(box.min.z);
+    }
+    return foot.group.localToWorld(foot.sole.clone());
+  }
+}
+
+export class View extends Room {
+  /** Draws into `holder`. `place` is {ground, robot} of mjcf.js; `urdf`, if there is one, says how the
+      robot looks. */
+  constructor(holder, place, fixed, names, urdf) {
+    super(holder, 1);
     this.names = names;
-    this.drawn = this.cost_ms = this.rest_until = 0;
-    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
-    this.renderer.shadowMap.enabled = true;
-    this.renderer.toneMapping = THREE.NeutralToneMapping;
-    holder.append(this.renderer.domElement);
-    this.scene = new THREE.Scene();
-    this.scene.background = new THREE.Color(kBackground);
-    this.scene.fog = new THREE.Fog(kBackground, 1.6, 4.5);
-    this.camera = new THREE.PerspectiveCamera(32, 1, 0.02, 30);
-    this.camera.up.set(0, 0, 1);
-    this.sun = light(this.scene);
-    this.sunFrom = this.sun.position.clone();
     for (const geom of place.ground) this.scene.add(groundMesh(geom));
-    this.robot = new Robot(place.robot, fixed);
-    this.ghost = new Robot(place.robot, fixed, kGhost);
+    const robot = (ghost) => (urdf ? new UrdfRobot(urdf, fixed, ghost) : new Robot(place.robot, fixed, ghost));
+    this.robot = robot();
+    this.ghost = robot(kGhost);
     this.ghost.root.visible = false;
     this.scene.add(this.robot.root, this.ghost.root);
     this.arrows = [new Arrow(this.scene), new Arrow(this.scene)];
-    this.controls = new OrbitControls(this.camera, this.renderer.domElement);
-    this.controls.enableDamping = false;
     this.controls.minDistance = 0.25;
     this.controls.maxDistance = 3;
     this.controls.maxPolarAngle = 0.49 * Math.PI;
     this.controls.target.set(0, 0, 0.21);
     this.camera.position.set(0.95, -0.78, 0.5);
-    this.controls.addEventListener("change", () => (this.dirty = true));
-    new ResizeObserver(() => this.resize()).observe(holder);
-    this.resize();
-  }
-
-  resize() {
-    const { clientWidth: w, clientHeight: h } = this.holder;
-    if (w === 0 || h === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
-    this.renderer.setSize(w, h);
-    this.camera.aspect = w / h;
-    this.camera.fov = w < h ? 42 : 32;
-    this.camera.updateProjectionMatrix();
-    this.draw();
+    this.open();
   }
 
   /** `x`, `reference`: 19 numbers (reference may be missing); `forces`: [right, left] in N. */
@@ -163,19 +132,4 @@ export class View {
     this.sun.target.position.set(x[0], x[1], 0.1);
     this.sun.position.copy(this.sunFrom).add(this.sun.target.position);
   }
-
-  draw() {
-    const begin = performance.now();
-    this.dirty = false;
-    this.controls.update();
-    this.renderer.render(this.scene, this.camera);
-    if (++this.drawn % kMeasureEvery === 0) {  // asking for a pixel waits until it is there
-      const gl = this.renderer.getContext();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-      this.cost_ms = performance.now() - begin;
-    }
-    this.rest_until = performance.now() + Math.min(kLongestRest_ms, kRest * this.cost_ms);
-  }
-  /** A machine that draws by software shares its cores with the robot: it draws less often. */
-  drawIfNew() { if (this.dirty && performance.now() >= this.rest_until) this.draw(); }
 }
