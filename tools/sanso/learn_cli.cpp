@@ -80,7 +80,7 @@ void add_learn(CLI::App& app, int& result) {
   auto page_options = std::make_shared<PageOptions>();
   add_page_options(*command, *page_options);
   command->callback([options, page_options, &result] {
-    const auto page = serve_page(*page_options, options->robot, options->world);
+    const auto page = serve_page(*page_options, options->robot, options->world, options->ground);
     result = learn_with_page(*options, page.get(), *page_options, [](const auto& done) {
       fmt::print("report: {}\n", report::write_session_report(done.out).string());
     });

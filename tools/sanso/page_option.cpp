@@ -11,7 +11,9 @@
 #include "host/app/interrupt.h"
 #include "host/app/network_robot.h"
 #include "host/motion/motion.h"
+#include "shared/files/atomic_file.h"
 #include "tools/page/bundle.h"
+#include "tools/page/embedded/urdf_scene.h"
 #include "tools/page/scene.h"
 #include "tools/sanso/watched_robot.h"
 
@@ -82,11 +84,15 @@ void add_page_options(CLI::App& command, PageOptions& options) {
       ->check(CLI::Range(0, 65535));
   command.add_flag("--control", options.control,
                    "the page's buttons work: emergency stop, pause, start, next motion, push");
+  command
+      .add_option("--urdf", options.urdf,
+                  "draw the robot by this URDF and its meshes (STL), not by its primitives")
+      ->check(CLI::ExistingFile);
   command.add_flag("--open", options.open, "open the page in the browser");
 }
 
 std::unique_ptr<page::LivePage> serve_page(const PageOptions& options, const std::string& robot,
-                                           const std::string& world) {
+                                           const std::string& world, const std::string& ground) {
   if (options.port < 0 && !options.control && !options.open) return nullptr;
   if (page::bundle().empty()) {
     fmt::print(stderr, "no page: {}\n", page::kNoBundle);
@@ -97,7 +103,12 @@ std::unique_ptr<page::LivePage> serve_page(const PageOptions& options, const std
   settings.port = std::max(0, options.port);
   settings.control = options.control;
   settings.interrupted = app::Interrupt::requested;
-  settings.scene = page::scene_of(plant::load_world(emulated ? world : "nominal"));
+  const std::string there =
+      (emulated ? world : "nominal") + (ground == "plane" ? "" : "+" + ground);
+  settings.scene = page::scene_of(plant::load_world(there));
+  if (!options.urdf.empty())
+    settings.scene["urdf"] = page::scene_of_urdf(files::read_text(options.urdf), options.urdf,
+                                                 std::filesystem::path(options.urdf).parent_path());
   settings.scene["robot"] = emulated ? fmt::format("{} robot, world {}", robot, world) : robot;
   settings.scene["faults"] = fault_texts();
   settings.scene["motions"] = motion::MotionLibrary().names();

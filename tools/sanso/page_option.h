@@ -15,13 +15,16 @@ struct PageOptions {
   int port = -1;  // negative: no page; 0: any port
   bool control = false;
   bool open = false;
+  std::string urdf;  // file that says what the robot looks like; empty: as the emulated robot
 };
 
 void add_page_options(CLI::App& command, PageOptions& options);
 
-/// Serves the page and prints its address; null when it is not wanted or was not built.
+/// Serves the page and prints its address; null when it is not wanted or was not built. `ground`:
+/// of the robot's world instead of the world's own, as for `sanso learn`.
 std::unique_ptr<page::LivePage> serve_page(const PageOptions& options, const std::string& robot,
-                                           const std::string& world);
+                                           const std::string& world,
+                                           const std::string& ground = "plane");
 
 /// The robot with the page beside it: watched over a session of its own, or in process as it is
 /// made. `page` may be null.

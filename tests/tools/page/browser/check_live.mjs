@@ -16,7 +16,7 @@ const kRunning = 5, kFault = 7, kEmergencyStop = 42, kForbidden = 403;
 /** Starts the session; its page's address and the process. */
 function start() {
   const child = spawn(sanso, ["learn", "--motion", "squat", "--iterations", "500", "--page", "0",
-    "--control", "--out", session], { stdio: ["ignore", "pipe", "inherit"] });
+    "--control", "--ground", "ramp", "--out", session], { stdio: ["ignore", "pipe", "inherit"] });
   let said = "";
   const address = new Promise((found, lost) => {
     child.stdout.on("data", (text) => {
@@ -104,6 +104,9 @@ try {
   assert.ok(Math.max(...knees) - Math.min(...knees) > 0.02, `the robot stands still: ${knees}`);
   await until(page, () => sansoFrame.r && sansoLive.view.ghost.root.visible);
   await until(page, () => sansoFrame.F && sansoLive.view.arrows.some((a) => a.group.visible));
+  const slopes = await page.evaluate(() => sansoLive.view.scene.children.filter(
+    (o) => o.geometry?.type === "BoxGeometry" && Math.abs(o.rotation.y) > 0.1).length);
+  assert.ok(slopes > 0, "the ground that it stands on is not shown");
   assert.ok(await fits(page), "wider than the window");
 
   await withoutTheToken(browser, address);
