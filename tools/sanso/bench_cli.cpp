@@ -13,6 +13,7 @@
 #include "tools/campaign/soak.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/loop_study.h"
+#include "tools/sanso/page_cost.h"
 
 namespace sanso::cli {
 namespace {
@@ -121,6 +122,24 @@ void add_soak(CLI::App& bench, int& result) {
   command->callback([o, &result] { result = campaign::bench_soak(*o); });
 }
 
+void add_page(CLI::App& bench, int& result) {
+  auto o = std::make_shared<PageCostOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "page", "times of tick and policy with the live page open in a browser, and without it");
+  command->add_flag("--json", o->json, "figures as JSON");
+  command->add_option("--motion", o->motion, "name of a motion file")->capture_default_str();
+  command->add_option("--rounds", o->rounds, "of a session without and one with the page")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--trials", o->trials, "of each session")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command->add_option("--browser", o->browser, "chromium, if it is not found by itself");
+  command->add_option("--out", o->out, "folder of the sessions")->capture_default_str();
+  command->footer("Example:\n  sanso bench page --rounds 5");
+  command->callback([o, &result] { result = bench_page(*o); });
+}
+
 void add_simple(CLI::App& bench, const Bench& b, int& result) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = bench.add_subcommand(b.name, b.about);
@@ -138,6 +157,7 @@ void add_bench(CLI::App& app, int& result) {
   add_loop(*bench, result);
   add_faults(*bench, result);
   add_soak(*bench, result);
+  add_page(*bench, result);
   for (const Bench& b : kBenches) add_simple(*bench, b, result);
 }
 

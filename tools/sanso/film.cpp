@@ -1,19 +1,17 @@
 // The browser gets the page from a server of this program on loopback and brings the film back
-// there; it lives in a folder of its own and ends with the film.
+// there; it ends with the film.
 #include "tools/sanso/film.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
-#include <fstream>
 #include <mutex>
 
 #include "shared/files/atomic_file.h"
 #include "tools/page/bundle.h"
 #include "tools/page/server.h"
-#include "tools/sanso/child_process.h"
+#include "tools/sanso/browser.h"
 
 namespace sanso::cli {
 namespace {
@@ -58,44 +56,6 @@ class Delivery {
   bool done_ = false;
 };
 
-/// A folder that goes with its owner.
-struct Folder {
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "sanso_film_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error(name + ": cannot create");
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  fs::path path;
-};
-
-std::string last_lines(const fs::path& log) {
-  constexpr std::size_t kShown = 400;
-  std::ifstream in(log);
-  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return all.size() > kShown ? all.substr(all.size() - kShown) : all;
-}
-
-fs::path find_browser(const fs::path& asked) {
-  if (!asked.empty()) {
-    if (!fs::exists(asked)) throw std::runtime_error("--browser " + asked.string() + ": not there");
-    return asked;
-  }
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"})
-    try {
-      return find_program(name);
-    } catch (const std::runtime_error&) {  // the next one
-    }
-  throw std::runtime_error(
-      "--film needs chromium, which draws it without a display: install the package chromium, or "
-      "name another with --browser");
-}
-
 }  // namespace
 
 std::string film_kind(const fs::path& out) {
@@ -108,7 +68,7 @@ std::string film_kind(const fs::path& out) {
 void make_film(const fs::path& folder, const report::FilmOptions& options, const fs::path& browser,
                const fs::path& out) {
   if (page::bundle().empty()) throw std::runtime_error(page::kNoBundle);
-  const fs::path program = find_browser(browser);
+  const fs::path program = find_browser(browser, "--film");
   Delivery delivery;
   page::ServerContents contents;
   contents.greeting = [] { return std::vector<std::string>(); };
@@ -117,24 +77,12 @@ void make_film(const fs::path& folder, const report::FilmOptions& options, const
     delivery.take(name, std::move(body));
   };
   const page::Server server(0, std::move(contents));
-  const Folder own;
-  std::vector<std::string> arguments{
-      "--headless=new",         "--user-data-dir=" + own.path.string(),
-      "--no-first-run",         "--disable-extensions",
-      "--use-gl=angle",         "--use-angle=swiftshader",
-      "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader",
-      "--mute-audio",           "--disable-dev-shm-usage",
-      "--disable-gpu-vsync",    "--force-device-scale-factor=1"};
-  // its sandbox refuses to be root's; it shows nothing but the page above
-  if (::geteuid() == 0) arguments.emplace_back("--no-sandbox");
-  arguments.push_back(server.address());
-  const fs::path log = own.path / "browser.log";
+  HeadlessBrowser drawing(program, server.address());
   try {
-    ChildProcess child(program, arguments, log);
-    files::write_atomically(out, delivery.wait([&] { return child.running(); }));
+    files::write_atomically(out, delivery.wait([&] { return drawing.running(); }));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(
-        fmt::format("{}: {}\n{}", program.string(), error.what(), last_lines(log)));
+        fmt::format("{}: {}\n{}", program.string(), error.what(), drawing.last_words()));
   }
 }
 
