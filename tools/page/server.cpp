@@ -12,7 +12,7 @@
 #undef _res  // resolv.h makes a macro of what Eigen calls a parameter
 
 #include "shared/wire/secure_channel.h"
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 
 namespace sanso::page {
 namespace {

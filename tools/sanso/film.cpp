@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "shared/files/atomic_file.h"
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 #include "tools/page/server.h"
 #include "tools/sanso/browser.h"
 

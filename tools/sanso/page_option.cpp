@@ -12,7 +12,7 @@
 #include "host/app/network_robot.h"
 #include "host/motion/motion.h"
 #include "shared/files/atomic_file.h"
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 #include "tools/page/embedded/urdf_scene.h"
 #include "tools/page/scene.h"
 #include "tools/sanso/watched_robot.h"

@@ -7,7 +7,7 @@
 
 #include "host/app/interrupt.h"
 #include "host/app/network_robot.h"
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 #include "tools/page/robot_watch.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/page_option.h"

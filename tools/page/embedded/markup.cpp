@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 #include "tools/page/embedded/packing.h"
 
 namespace sanso::page {

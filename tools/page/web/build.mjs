@@ -1,5 +1,5 @@
 // Bundles the page and writes it as C++: gzip streams (page, script, style, film) that
-// tools/page/bundle.h hands out.
+// tools/page/embedded/bundle.h hands out.
 // Usage: node build.mjs OUT.cpp
 import { build } from "esbuild";
 import { readFileSync, writeFileSync } from "node:fs";
@@ -24,7 +24,7 @@ const bytes = (name, text) => {
   return `const unsigned char k${name}[] = {\n${rows.join(",\n")}};\n`;
 };
 writeFileSync(process.argv[2],
-  `// Made by tools/page/web/build.mjs.\n#include "tools/page/bundle.h"\n\nnamespace sanso::page {\nnamespace {\n` +
+  `// Made by tools/page/web/build.mjs.\n#include "tools/page/embedded/bundle.h"\n\nnamespace sanso::page {\nnamespace {\n` +
   bytes("Page", page) + bytes("Script", script) + bytes("Style", style) + bytes("Film", film) +
   `}  // namespace\n\nconst Bundle& bundle() {\n` +
   `  static const Bundle kBundle{kPage, kScript, kStyle, kFilm};\n  return kBundle;\n}\n\n}  // namespace sanso::page\n`);

@@ -9,7 +9,7 @@ without() {
   echo "the page that shows the robot is NOT built: $*. To try again: rm $out and build." >&2
   cat > "$out" <<'EMPTY'
 // Written by tools/page/web/build.sh: npm could not be had.
-#include "tools/page/bundle.h"
+#include "tools/page/embedded/bundle.h"
 
 const sanso::page::Bundle& sanso::page::bundle() {
   static const Bundle kNone;
