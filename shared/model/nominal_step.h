@@ -37,6 +37,7 @@ struct NominalStep {
   // impulses of both soles per change of their free twists
   double contact[2 * 6][2 * 6];
   double contact_by_height[2 * 6];  // and per metre of height
+  double contact_by_speed[2 * 6];   // and per m/s along world x, of wheels in a bend
 };
 
 }  // namespace sanso::model

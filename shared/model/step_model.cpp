@@ -35,6 +35,35 @@ ModelParameters nominal_parameters() {
   return theta;
 }
 
+ModelParameters skating_parameters() {
+  ModelParameters theta = nominal_parameters();
+  theta.foot = kSkates;
+  theta.friction_forward = 0.02;
+  theta.friction_sideways = 0.6;
+  for (int foot = 6; foot <= 12; foot += 6) {
+    BodyInertia& b = theta.body[foot];
+    const double whole = b.mass + kSkateMass;
+    const double place[3] = {kSoleCentreX, foot == 12 ? kSoleCentreY : -kSoleCentreY,
+                             kSoleHeight - 0.75 * kWheelRadius};
+    double off[3];
+    for (int i = 0; i < 3; ++i) off[i] = place[i] - b.com[i];
+    const double m = b.mass * kSkateMass / whole;  // of two masses about their centre
+    const double xx = off[0] * off[0], yy = off[1] * off[1], zz = off[2] * off[2];
+    const double more[6] = {yy + zz, -off[0] * off[1], -off[0] * off[2],
+                            xx + zz, -off[1] * off[2], xx + yy};
+    for (int i = 0; i < 6; ++i) b.inertia[i] += m * more[i];
+    // the skate's own, its mass at wheels and frame: about half its base and track
+    const double x2 = kSkates.half_length * kSkates.half_length,
+                 y2 = kSkates.half_width * kSkates.half_width;
+    b.inertia[0] += kSkateMass * y2;
+    b.inertia[3] += kSkateMass * x2;
+    b.inertia[5] += kSkateMass * (x2 + y2);
+    for (int i = 0; i < 3; ++i) b.com[i] += off[i] * kSkateMass / whole;
+    b.mass = whole;
+  }
+  return theta;
+}
+
 StepModel make_step_model(const ModelParameters& theta) {
   StepModel model{};
   for (int i = 0; i < kNumBodies; ++i) model.body[i] = about_origin(theta.body[i]);
@@ -50,6 +79,7 @@ StepModel make_step_model(const ModelParameters& theta) {
   model.friction_sideways = theta.friction_sideways;
   model.gravity_world[2] = -9.81;
   model.contact = ContactSettings{};
+  model.foot = theta.foot;
   return model;
 }
 

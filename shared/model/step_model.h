@@ -5,6 +5,7 @@
 #pragma once
 
 #include "shared/model/dimensions.h"
+#include "shared/model/foot_shape.h"
 #include "shared/model/op3_table.h"
 
 namespace sanso::model {
@@ -25,11 +26,15 @@ struct ModelParameters {
   ServoParameters servo[kNumJoints];
   double friction_forward;   // along the foot's x axis (rolling direction of a skate), -
   double friction_sideways;  // across it, -
+  FootShape foot = kSoles;
 };
 
 /// OP3 figures; XM430-W350 at 12 V with the position gain register at 560.
 /// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
 ModelParameters nominal_parameters();
+/// The same on skates: their mass, rolling friction 0.02 (small plastic wheels) and urethane's 0.6
+/// across.
+ModelParameters skating_parameters();
 
 /// Contact solver: rounds of sweeps and a Newton step until every lane is solved; near a solution
 /// Newton first. Bounded.
@@ -58,6 +63,7 @@ struct StepModel {
   double friction_sideways;
   double gravity_world[3];  // m/s^2
   ContactSettings contact;
+  FootShape foot;
 };
 
 StepModel make_step_model(const ModelParameters& theta);

@@ -41,6 +41,7 @@ ParameterMap::ParameterMap(const model::ModelParameters& initial, const Paramete
                            "torso:com_y", "torso:com_z", "leg:mass", "ground:friction"}) {
     names_.emplace_back(name);
   }
+  if (initial.foot.wheels) names_.emplace_back("wheels:rolling");
 }
 
 model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const {
@@ -70,7 +71,7 @@ model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const 
   const double leg_mass = read.factor(prior_.log_leg_mass);
   for (int b = 1; b < model::kNumBodies; ++b) scale_body(theta.body[b], leg_mass);
   const double friction = read.factor(prior_.log_friction);
-  theta.friction_forward *= friction;
+  theta.friction_forward *= initial_.foot.wheels ? read.factor(prior_.log_rolling) : friction;
   theta.friction_sideways *= friction;
   return theta;
 }

@@ -26,6 +26,7 @@ struct ParameterPrior {
   double torso_shear = 0.01;     // s12, s23, s13
   double log_leg_mass = 0.03;    // all leg bodies alike, shape kept
   double log_friction = 0.3;     // of the ground
+  double log_rolling = 0.7;      // of wheels along their way: 0.005 .. 0.03 is what there is
 };
 
 /// z (size()) to parameters and back; holds the initial parameters.

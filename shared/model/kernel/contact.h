@@ -10,15 +10,12 @@
 // finite.
 #pragma once
 
+#include "shared/model/foot_shape.h"
 #include "shared/model/kernel/block_solve.h"
 #include "shared/model/kernel/ground_lanes.h"
 
 namespace sanso::model::SANSO_ISA {
 
-inline constexpr double kSoleCentreX = 0.5 * (kSoleFront + kSoleBack),
-                        kSoleHalfLength = 0.5 * (kSoleFront - kSoleBack);
-inline constexpr double kSoleCentreY = 0.5 * (kSoleOuter + kSoleInner),
-                        kSoleHalfWidth = 0.5 * (kSoleOuter - kSoleInner);
 /// Corner order: front outer, back outer, back inner, front inner; signs of the half length and
 /// half width (left foot).
 inline constexpr double kCornerX[kCornersPerFoot] = {1, -1, -1, 1};
@@ -31,12 +28,14 @@ inline constexpr int kFootRows = 3 * kCornersPerFoot;
 /// across, 2 normal.
 template <class T>
 struct FootContact {
-  T axis[3][3];                  // [axis][component]: contact axes in base axes
-  T p_base_sole[3];              // m
-  T corner[kCornersPerFoot][3];  // m, corners from the sole's centre, contact axes
-  T gap[kCornersPerFoot];        // m, distance of the corner along the normal, negative inside
-  T cos_slope;                   // of the ground below
-  T X[6][6];                     // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
+  T axis[3][3];                   // [axis][component]: contact axes in base axes
+  T p_base_sole[3];               // m
+  T corner[kCornersPerFoot][3];   // m, corners from the sole's centre, contact axes
+  T gap[kCornersPerFoot];         // m, distance of the corner along the normal, negative inside
+  T bend[kCornersPerFoot];        // m, of wheels: how far the ground falls off until the step's end
+  T bend_ahead[kCornersPerFoot];  // and its change per metre that they roll further
+  T cos_slope;                    // of the ground below
+  T X[6][6];                      // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
   // [base][twist]: transposed Jacobian of the base, then reduced by the leg
   T G[6][6];
   T twist[6];    // m/s, rad/s: velocity of the sole's centre, contact axes
@@ -49,23 +48,25 @@ struct FootContact {
   T residual[kFootRows];
 };
 
-/// Contact frame, corners and gaps. R_world_base[row][column].
+/// Contact frame, corners and gaps. R_world_base[row][column]. Wheels roll on by `ahead` [m along
+/// world x] within the step: their normal is that of the middle of this way, and where the ground
+/// is at its end counts too. On a plane that changes nothing.
 template <class T>
-inline void foot_geometry(const Ground& ground, const T* p_world_base,
+inline void foot_geometry(const FootShape& shape, const Ground& ground, const T* p_world_base,
                           const T (&R_world_base)[3][3], const LegFrames<T>& frames, double side,
-                          FootContact<T>& foot) {
+                          T ahead, FootContact<T>& foot) {
   const auto& R = frames.R_base_foot;
   T half_x[3], half_y[3];
   for (int i = 0; i < 3; ++i) {
     foot.p_base_sole[i] = frames.origin[5][i] + kSoleCentreX * R[0][i] +
-                          (side * kSoleCentreY) * R[1][i] + kSoleHeight * R[2][i];
-    half_x[i] = kSoleHalfLength * R[0][i];
-    half_y[i] = (side * kSoleHalfWidth) * R[1][i];
+                          (side * kSoleCentreY) * R[1][i] + shape.height * R[2][i];
+    half_x[i] = shape.half_length * R[0][i];
+    half_y[i] = (side * shape.half_width) * R[1][i];
   }
   const auto& W = R_world_base;
   const T x_sole = p_world_base[0] + dot(W[0], foot.p_base_sole),
           z_sole = p_world_base[2] + dot(W[2], foot.p_base_sole);
-  const GroundPoint<T> below = ground_at(ground, x_sole);
+  const GroundPoint<T> below = ground_at(ground, shape.wheels ? x_sole + 0.5 * ahead : x_sole);
   foot.cos_slope = below.cos_slope;
   // normal in world axes is (-sin, 0, cos); into base axes
   T* n = foot.axis[2];
@@ -94,6 +95,11 @@ inline void foot_geometry(const Ground& ground, const T* p_world_base,
     const T x = x_sole + kCornerX[k] * x_along + kCornerY[k] * x_across;
     const T z = z_sole + kCornerX[k] * z_along + kCornerY[k] * z_across;
     foot.gap[k] = (z - ground_at(ground, x).z) * below.cos_slope;
+    if (!shape.wheels) continue;
+    const T here = ground_at(ground, x).z;
+    const GroundPoint<T> there = ground_at(ground, x + ahead);
+    foot.bend[k] = (here - there.z) * below.cos_slope + ahead * below.sin_slope;
+    foot.bend_ahead[k] = below.sin_slope - below.cos_slope * there.sin_slope / there.cos_slope;
   }
 }
 

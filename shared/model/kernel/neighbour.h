@@ -28,8 +28,20 @@ inline void copy_lane(const From (&from)[N], int lane, To (&to)[N]) {
 template <class T>
 struct ContactSlope {
   T weight[kNumFeet][kCornersPerFoot][3], slide[kNumFeet][kCornersPerFoot][2];
-  T factor[kTwists][kTwists], contact[kTwists][kTwists], contact_by_height[kTwists];
+  T factor[kTwists][kTwists], contact[kTwists][kTwists], contact_by_height[kTwists],
+      contact_by_speed[kTwists];
 };
+
+/// Impulses of both soles for a change of their rows' targets.
+template <class T>
+inline void target_slope(const T (&factor)[kTwists][kTwists], const T (&inertia)[kTwists][kTwists],
+                         T (&pushed)[kTwists], T (&impulse)[kTwists]) {
+  solve12(factor, pushed);
+  for (int i = 0; i < kTwists; ++i) {
+    impulse[i] = T(0.0);
+    for (int k = 0; k < kTwists; ++k) impulse[i] += inertia[i][k] * pushed[k];
+  }
+}
 
 /// With N as in contact_newton.h:  t = N^-1 A^-1 dt_free,  impulse = A^-1 (t - dt_free). Height
 /// moves the targets of the normal rows instead of the free twists.
@@ -37,12 +49,13 @@ template <class T>
 inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w,
                           const StepScratch<T>& scratch, ContactSlope<T>& out) {
   const double softness = model.contact.regularization / (1.0 + model.contact.regularization);
-  T inertia[kTwists][kTwists], unused[kTwists] = {}, pushed[kTwists];
+  T inertia[kTwists][kTwists], unused[kTwists] = {}, pushed[kTwists], turned[kTwists];
   sole_inertia(w.A, w.A_cross, inertia);
   for (int i = 0; i < kTwists; ++i)
     for (int j = 0; j <= i; ++j)
       inertia[i][j] = inertia[j][i] = out.factor[i][j] = out.factor[j][i] = -inertia[i][j];
   for (T& p : pushed) p = T(0.0);
+  for (T& p : turned) p = T(0.0);
   for (int l = 0; l < kNumFeet; ++l)
     for (int k = 0; k < kCornersPerFoot; ++k) {
       const FootContact<T>& foot = w.foot[l];
@@ -58,13 +71,14 @@ inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w
       const T normal = -set.weight[2] * target;
       const T force[3] = {set.slide[0] * normal, set.slide[1] * normal, normal};
       add_wrench(foot.corner[k], force, pushed + 6 * l);
+      if (!model.foot.wheels) continue;
+      const T further = -set.weight[2] * foot.bend_ahead[k];
+      const T by_speed[3] = {set.slide[0] * further, set.slide[1] * further, further};
+      add_wrench(foot.corner[k], by_speed, turned + 6 * l);
     }
   factorize12(out.factor);
-  solve12(out.factor, pushed);
-  for (int i = 0; i < kTwists; ++i) {
-    out.contact_by_height[i] = T(0.0);
-    for (int k = 0; k < kTwists; ++k) out.contact_by_height[i] += inertia[i][k] * pushed[k];
-  }
+  target_slope(out.factor, inertia, pushed, out.contact_by_height);
+  if (model.foot.wheels) target_slope(out.factor, inertia, turned, out.contact_by_speed);
 #pragma GCC unroll 1
   for (int column = 0; column < kTwists; ++column) {
     T t[kTwists];
@@ -103,6 +117,7 @@ inline void keep_nominal(const StepModel& model, const StepWork<T>& w,
   copy_lane(contact.factor, lane, n.factor);
   copy_lane(contact.contact, lane, n.contact);
   copy_lane(contact.contact_by_height, lane, n.contact_by_height);
+  if (model.foot.wheels) copy_lane(contact.contact_by_speed, lane, n.contact_by_speed);
   for (int l = 0; l < kNumFeet; ++l) {
     const Leg<T>& leg = w.leg[l];
     copy_lane(leg.c, lane, n.cosine[l]);
@@ -219,6 +234,10 @@ inline void neighbour_step(const StepModel& model, const NominalStep& n, const T
     impulse[i] = n.contact_by_height[i] * raised;
     for (int k = 0; k < kTwists; ++k) impulse[i] += n.contact[i][k] * free_twist[k];
   }
+  if (model.foot.wheels) {  // they will be elsewhere in the bend at the end of the step
+    const T faster = x[kXVel] - n.v_world[0];
+    for (int i = 0; i < kTwists; ++i) impulse[i] += n.contact_by_speed[i] * faster;
+  }
   for (int l = 0; l < kNumFeet; ++l)
     for (int k = 0; k < 6; ++k)
       for (int i = 0; i < 6; ++i) {
@@ -256,6 +275,7 @@ inline void held_residuals(const StepModel& model, double h, const T (&A)[6][6],
     s[1] += (softness * lambda[k][1]) * row_diagonal<1>(A, foot.corner[k]);
     s[2] += (softness * lambda[k][2]) * row_diagonal<2>(A, foot.corner[k]) +
             max_of(foot.gap[k], model.contact.recovery * foot.gap[k]) * (1.0 / h);
+    if (model.foot.wheels) s[2] += foot.bend[k] * (1.0 / h);
   }
 }
 

@@ -173,6 +173,7 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w,
       scratch.gap[l][k] = gap;
       foot.residual[3 * k] = foot.residual[3 * k + 1] = T(0.0);
       foot.residual[3 * k + 2] = max_of(gap, settings.recovery * gap) * (1.0 / h);
+      if (model.foot.wheels) foot.residual[3 * k + 2] += foot.bend[k] * (1.0 / h);
       if (scratch.warm_start) {
         add_wrench(foot.corner[k], scratch.lambda[l][k], foot.impulse);
       } else {
@@ -253,6 +254,8 @@ inline void report_contact(const StepModel& model, double h, const StepWork<T>& 
       const T target = i % 3 == 2 ? max_of(gap, model.contact.recovery * gap) * (1.0 / h) : T(0.0);
       scratch.corner_velocity[l][i / 3][i % 3] =
           foot.residual[i] - target - softness * foot.diagonal[i] * scratch.lambda[l][i / 3][i % 3];
+      if (model.foot.wheels && i % 3 == 2)
+        scratch.corner_velocity[l][i / 3][2] -= foot.bend[i / 3] * (1.0 / h);
     }
 }
 
@@ -314,7 +317,8 @@ inline void free_step(const StepModel& model, const Ground& ground, const T* x, 
   for (int l = 0; l < kNumFeet; ++l) {
     T R[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     leg_frames<0>(w.leg[l], side_of(l), R, w.frames);
-    foot_geometry(ground, x + kXPos, w.R_world_base, w.frames, side_of(l), w.foot[l]);
+    foot_geometry<T>(model.foot, ground, x + kXPos, w.R_world_base, w.frames, side_of(l),
+                     h * x[kXVel], w.foot[l]);
     foot_jacobian(w.frames, w.leg[l].rate, w.v_base, w.w_base, w.foot[l]);
   }
   servo(model, x, u, h, w);

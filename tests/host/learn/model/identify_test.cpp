@@ -188,5 +188,23 @@ TEST(Identify, NoDataIsAnError) {
                std::invalid_argument);
 }
 
+TEST(ParameterMap, OnSkatesRollingFrictionIsAFigureOfItsOwn) {
+  const ParameterMap soles(model::nominal_parameters()), skates(model::skating_parameters());
+  ASSERT_EQ(skates.size(), soles.size() + 1);
+  EXPECT_EQ(skates.names().back(), "wheels:rolling");
+  const model::ModelParameters first = skates.parameters(Eigen::VectorXd::Zero(skates.size()));
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(skates.size());
+  z[z.size() - 1] = -1.0;  // rolls better
+  const model::ModelParameters rolling = skates.parameters(z);
+  EXPECT_NEAR(rolling.friction_forward / first.friction_forward, std::exp(-0.7), 1e-12);
+  EXPECT_EQ(rolling.friction_sideways, first.friction_sideways);
+  z.setZero();
+  z[z.size() - 2] = 1.0;  // a rough ground
+  const model::ModelParameters rough = skates.parameters(z);
+  EXPECT_EQ(rough.friction_forward, first.friction_forward);
+  EXPECT_GT(rough.friction_sideways, first.friction_sideways);
+  EXPECT_TRUE(rough.foot.wheels) << "the shape of the feet stays";
+}
+
 }  // namespace
 }  // namespace sanso::learn
