@@ -56,11 +56,15 @@ CaseOutcome run_case(const CaseFiles& c, const fs::path& folder,
   for (const TrueEffect& e : c.answer.effects) out.truth.push_back(e.id);
   const auto start = std::chrono::steady_clock::now();
   const std::clock_t processor = std::clock();
+  const auto used = [processor] {
+    return static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
+  };
   fs::create_directories(folder);
-  std::ofstream log(folder / "progress.txt");
-  const diagnose::Diagnosis found =
-      diagnose::diagnose(task, [&](const std::string& line) { log << line << std::endl; });
-  out.cpu_seconds = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
+  std::ofstream log(folder / "progress.txt");  // with s of the processor, so that it tells where
+  const diagnose::Diagnosis found = diagnose::diagnose(task, [&](const std::string& line) {
+    log << fmt::format("{:7.1f} s  {}", used(), line) << std::endl;
+  });
+  out.cpu_seconds = used();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string verdict = diagnose::verdict_json(found.verdict);
   out.said = judge(c.answer, verdict);
