@@ -19,7 +19,7 @@ namespace {
 struct WatchOptions {
   std::string address;
   std::filesystem::path key;
-  PageOptions page{.port = 0, .control = false, .open = false};
+  PageOptions page{.port = 0, .control = false, .open = false, .urdf = {}};
 };
 
 int run_watch(const WatchOptions& options) {
