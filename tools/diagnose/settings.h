@@ -6,6 +6,7 @@
 #pragma once
 
 #include "tools/diagnose/settings_of_data.h"
+#include "tools/diagnose/settings_of_whole.h"
 
 namespace sanso::diagnose {
 
@@ -317,6 +318,8 @@ struct Settings {
   RegimeSettings regimes;
   RemainsSettings remains;
   EffortSettings effort;
+  BaseSettings base;
+  WholeSettings whole;
   /// Calls section(name, struct) for every group, in the order of the settings page.
   template <class Section>
   void visit(Section&& section) {
@@ -329,6 +332,8 @@ struct Settings {
     section("regimes", regimes);
     section("remains", remains);
     section("effort", effort);
+    section("base", base);
+    section("whole", whole);
   }
 };
 

@@ -19,7 +19,7 @@ Effect ground_slope() {
       .parameters = {{"x", "rad", 0, -0.09, 0.09, 0.02}, {"y", "rad", 0, -0.09, 0.09, 0.02}},
       .needs = kGround,
       .cluster = "E",
-      .confounders = {"imu_misalignment", "link_com", "encoder_offset"},
+      .confounders = {"imu_misalignment", "pose_tilt", "link_com", "encoder_offset"},
       .regimes = {"stance"},
       .signature = "constant in the world",
   });

@@ -128,6 +128,22 @@ Effect pose_scale() {
   });
 }
 
+Effect pose_tilt() {
+  return imu({
+      .id = "pose_tilt",
+      .code = "S8",
+      .name = "vertical of the recorded base poses",
+      .form = "true vertical turned in their axes",
+      .parameters = {{"x", "rad", 0, -0.09, 0.09, 0.01}, {"y", "rad", 0, -0.09, 0.09, 0.01}},
+      .residuals = kR6,
+      .needs = kGround,
+      .cluster = "E",
+      .confounders = {"ground_slope", "imu_misalignment"},
+      .regimes = {"standstill"},
+      .signature = "accelerometer against attitude, constant in the world",
+  });
+}
+
 Effect foot_force_scale() {
   return imu({
       .id = "foot_force_scale",
@@ -147,7 +163,7 @@ Effect foot_force_scale() {
 
 std::vector<Effect> sensor_effects() {
   return {encoder_offset(),   encoder_nonlinearity(), velocity_filter(), imu_bias(),
-          imu_misalignment(), pose_scale(),           foot_force_scale()};
+          imu_misalignment(), pose_scale(),           pose_tilt(),       foot_force_scale()};
 }
 
 }  // namespace sanso::diagnose

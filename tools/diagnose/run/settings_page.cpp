@@ -5,8 +5,6 @@
 
 #include <stdexcept>
 
-#include "tools/diagnose/wholebody/whole_settings.h"
-
 namespace sanso::diagnose {
 namespace {
 
@@ -28,16 +26,13 @@ std::string group_table(const char* name, Group& group) {
 std::string settings_page() {
   std::string page =
       "# Settings of the diagnosis\n\n"
-      "Made from `tools/diagnose/settings.h` and `wholebody/whole_settings.h` by\n"
-      "`sanso-diagnose-settings-page`; a test compares.\n"
+      "Made from `tools/diagnose/settings.h` by `sanso-diagnose-settings-page`; a test compares.\n"
       "No command takes them from a person, but `remains.horizon` and `remains.matters`, which\n"
       "say what the person needs: an answer that depends on them is no answer. What half and\n"
       "double of one does is measured by `sanso bench diagnose --setting NAME=FACTOR`\n"
       "([results](results/diagnose.md)).\n";
   Settings settings;
   settings.visit([&](const char* group, auto& section) { page += group_table(group, section); });
-  WholeSettings whole;
-  page += group_table("whole", whole);
   return page;
 }
 

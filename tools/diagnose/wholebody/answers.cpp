@@ -13,9 +13,6 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr int kDraws = 999;
-constexpr int kLeastGroups = 4;  // fewer leave nothing to fit beside a held-out third
-
 /// Sums of a group: weight, weight x value.
 struct Sum {
   double w = 0.0, wx = 0.0;
@@ -39,11 +36,11 @@ double mean_of(const std::vector<Sum>& sums, const auto& take) {
 }
 
 /// Means of resampled groups, in order of size.
-std::vector<double> resampled(const std::vector<Sum>& sums, unsigned long seed) {
-  Random random(seed, 17);
+std::vector<double> resampled(const std::vector<Sum>& sums, const Chance& chance) {
+  Random random(chance.seed, 17);
   std::vector<double> out;
   const int n = static_cast<int>(sums.size());
-  for (int d = 0; d < kDraws; ++d) {
+  for (int d = 0; d < chance.whole.draws; ++d) {
     Sum all;
     for (int k = 0; k < n; ++k) {
       const Sum& s = sums[static_cast<std::size_t>(random.below(n))];
@@ -58,7 +55,7 @@ std::vector<double> resampled(const std::vector<Sum>& sums, unsigned long seed) 
 bool held_out(std::size_t group) { return group % 3 == 2; }
 
 /// Mean of the nominal's squared error less the fitted value's, by held-out group, and the RMS.
-void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, unsigned long seed,
+void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const Chance& chance,
            Measured& m) {
   const double fitted = mean_of(sums, [](std::size_t g) { return !held_out(g); });
   std::vector<double> before(sums.size(), 0.0), after(sums.size(), 0.0);
@@ -79,7 +76,9 @@ void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, unsig
   if (weight <= 0.0 || b <= 0.0) return;
   m.before = std::sqrt(b / weight), m.after = std::sqrt(a / weight);
   m.gain = 1.0 - a / b;
-  m.gain_low = moving_block_lower_bound(removed, 0.023, kDraws, Random(seed, 18)) / b;
+  m.gain_low = moving_block_lower_bound(removed, chance.decisions.gain_level,
+                                        chance.decisions.gain_draws, Random(chance.seed, 18)) /
+               b;
 }
 
 /// What keeps a number that is no chance from being a finding.
@@ -101,7 +100,13 @@ int Samples::groups() const {
   return group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
 }
 
-std::optional<Measured> measured(const Samples& samples, double nominal, unsigned long seed) {
+double Chance::deviations() const { return normal_score(decisions.family_wise / whole.questions); }
+
+double Chance::family_wise(double deviations) const {
+  return std::min(1.0, whole.questions * normal_tail(deviations));
+}
+
+std::optional<Measured> measured(const Samples& samples, double nominal, const Chance& chance) {
   std::vector<Sum> sums;
   Samples packed;  // groups numbered without holes
   std::vector<int> number(static_cast<std::size_t>(samples.groups()), -1);
@@ -111,12 +116,12 @@ std::optional<Measured> measured(const Samples& samples, double nominal, unsigne
     if (n < 0) n = next++;
     packed.add(samples.value[i], samples.weight[i], n);
   }
-  if (next < kLeastGroups) return std::nullopt;
+  if (next < chance.whole.least_groups) return std::nullopt;
   sums = sums_of(packed);
   Measured m;
   m.groups = next;
   m.value = mean_of(sums, [](std::size_t) { return true; });
-  const std::vector<double> draws = resampled(sums, seed);
+  const std::vector<double> draws = resampled(sums, chance);
   // few groups spread too little by sqrt((n - 1) / n)
   const double widen = std::sqrt(static_cast<double>(next) / (next - 1));
   m.low = m.value - widen * (m.value - quantile(draws, 0.025));
@@ -125,7 +130,7 @@ std::optional<Measured> measured(const Samples& samples, double nominal, unsigne
   std::vector<double> around;
   for (double x : packed.value) around.push_back(x);
   m.noise = robust_sigma(around);
-  prove(packed, sums, nominal, seed, m);
+  prove(packed, sums, nominal, chance, m);
   return m;
 }
 
@@ -133,10 +138,9 @@ void WholeAnswers::cannot(const std::string& effect, const std::string& because)
   untestable.push_back({effect, because});
 }
 
-Said WholeAnswers::judge(const Asked& a, const Measured& m, const DecisionSettings& decisions) {
+Said WholeAnswers::judge(const Asked& a, const Measured& m, const Chance& chance) {
   ++asked;
-  // two-sided, and of a dozen numbers that are asked
-  const double surely = normal_score(decisions.family_wise / 24.0) * m.sigma;
+  const double surely = chance.deviations() * m.sigma;
   const double off = std::abs(m.value - a.nominal);
   const std::string where = a.where.empty() ? std::string() : " at " + a.where.front();
   const std::string text =
@@ -157,7 +161,7 @@ Said WholeAnswers::judge(const Asked& a, const Measured& m, const DecisionSettin
   f.effect = a.effect, f.family = a.family, f.where = a.where, f.regime = a.regime;
   f.parameters[a.parameter] = {m.value, m.low, m.high, a.unit, false};
   f.heldout_gain = m.gain, f.heldout_gain_low = m.gain_low;
-  f.p_family = std::min(1.0, 24.0 * normal_tail(off / std::max(m.sigma, 1e-300)));
+  f.p_family = chance.family_wise(off / std::max(m.sigma, 1e-300));
   f.one_of = {a.effect};
   f.one_of.insert(f.one_of.end(), a.equally_good.begin(), a.equally_good.end());
   f.status = status_of(f);

@@ -31,8 +31,19 @@ struct Measured {
   double gain = 0.0, gain_low = 0.0;  // share of the squared error that it removes there
   int groups = 0;
 };
+/// By what chance is judged.
+struct Chance {
+  WholeSettings whole;
+  DecisionSettings decisions;
+  unsigned long seed = 1;
+  /// Standard deviations beyond which one of all the numbers that are asked is no chance.
+  double deviations() const;
+  /// P of a number so many deviations off, among all that are asked.
+  double family_wise(double deviations) const;
+};
+
 /// Nothing where there are fewer groups than a hold-out needs.
-std::optional<Measured> measured(const Samples& samples, double nominal, unsigned long seed);
+std::optional<Measured> measured(const Samples& samples, double nominal, const Chance& chance);
 
 /// A number that is asked for.
 struct Asked {
@@ -52,12 +63,12 @@ struct WholeAnswers {
   std::vector<Untestable> untestable;
   std::vector<Detectable> detectable;
   std::vector<std::string> notes, log;
-  std::map<std::string, FitScore> scores;  // by channel, on data that were not fitted
-  int asked = 0;                           // numbers that these data could answer
+  std::map<std::string, FitScore> scores;   // by channel, on data that were not fitted
+  int asked = 0;                            // numbers that these data could answer
 
   /// Adds a finding where the number is further from nominal than its tolerance and chance allow,
   /// else a note or the smallest size that would have been seen.
-  Said judge(const Asked& asked, const Measured& m, const DecisionSettings& decisions);
+  Said judge(const Asked& asked, const Measured& m, const Chance& chance);
   void cannot(const std::string& effect, const std::string& because);
 };
 

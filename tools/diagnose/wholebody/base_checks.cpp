@@ -41,7 +41,7 @@ std::vector<Defect> incomplete_sets(const recording::Recording& r) {
   return out;
 }
 
-std::vector<Defect> bad_values(const recording::Recording& r) {
+std::vector<Defect> bad_values(const recording::Recording& r, const BaseSettings& base) {
   std::vector<Defect> out;
   for (const recording::Channel& c : r.channels) {
     const auto bad =
@@ -57,7 +57,7 @@ std::vector<Defect> bad_values(const recording::Recording& r) {
              z = r.find("base_q:z");
   for (std::size_t k = 0; k < r.rows(); ++k) {
     const double norm = std::sqrt(w[k] * w[k] + x[k] * x[k] + y[k] * y[k] + z[k] * z[k]);
-    if (std::isnan(norm) || std::abs(norm - 1.0) < 0.1) continue;
+    if (std::isnan(norm) || std::abs(norm - 1.0) < base.quaternion) continue;
     out.push_back({r.file, "base_q:w", static_cast<long>(k), defect::kWrongUnit,
                    fmt::format("norm {:.3g}; expected a unit quaternion w x y z", norm)});
     break;
@@ -66,10 +66,10 @@ std::vector<Defect> bad_values(const recording::Recording& r) {
 }
 
 std::vector<Defect> bad_joints(const recording::Recording& r, const WholeBody& body,
-                               const WholeSettings& settings) {
+                               const BaseSettings& base) {
   std::vector<Defect> out;
   const Unrecorded none = unrecorded_joints(r, body);
-  if (none.mass_share > settings.unrecorded_mass) {
+  if (none.mass_share > base.unrecorded_mass) {
     out.push_back({r.file, "q:" + none.joints.front(), -1, defect::kMissingChannel,
                    fmt::format("{} joints are not recorded, with {:.0f} % of the mass behind them; "
                                "expected q:{}",
@@ -80,7 +80,7 @@ std::vector<Defect> bad_joints(const recording::Recording& r, const WholeBody& b
     if (q.empty() || joint.prismatic || !(joint.lower < joint.upper)) continue;
     const double reach = std::max(std::abs(joint.lower), std::abs(joint.upper));
     const double seen = std::max(std::abs(quantile(q, 0.05)), std::abs(quantile(q, 0.95)));
-    if (seen > 2.0 * reach + 1.0)
+    if (seen > 2.0 * reach + base.beyond_limits)
       out.push_back({r.file, "q:" + joint.name, -1, defect::kWrongUnit,
                      fmt::format("reaches {:.3g}, the URDF's limits {:.3g} rad; expected rad, "
                                  "these may be degrees or counts",
@@ -109,23 +109,33 @@ std::vector<V3> vectors(const recording::Recording& r, const std::string& kind) 
 /// Pooled over the three axes: how well b = slope * a holds.
 struct Agreement {
   double correlation = 0.0, slope = 0.0, rms = 0.0;  // of a
+  bool holds(const BaseSettings& base) const { return correlation > 1.0 - base.agrees; }
+  bool turned_round(const BaseSettings& base) const { return correlation < base.agrees - 1.0; }
+  bool other_unit(const BaseSettings& base, const GateSettings& gate) const {
+    return holds(base) && (slope > gate.wrong_unit || slope * gate.wrong_unit < 1.0);
+  }
+  /// Holds without doubt, and where the promised reading holds less.
+  bool better_than(const Agreement& promised, const BaseSettings& base) const {
+    return correlation > 1.0 - 0.5 * base.agrees &&
+           correlation > promised.correlation + base.better;
+  }
 };
-Agreement agreement(const std::vector<V3>& a, const std::vector<V3>& b) {
+Agreement agreement(const std::vector<V3>& a, const std::vector<V3>& b, int least) {
   double aa = 0.0, bb = 0.0, ab = 0.0;
   std::size_t rows = 0;
   for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
     if (!a[k].allFinite() || !b[k].allFinite()) continue;
     aa += a[k].squaredNorm(), bb += b[k].squaredNorm(), ab += a[k].dot(b[k]), ++rows;
   }
-  if (rows < 20 || aa <= 0.0 || bb <= 0.0) return {};
+  if (rows < static_cast<std::size_t>(least) || aa <= 0.0 || bb <= 0.0) return {};
   return {ab / std::sqrt(aa * bb), ab / aa, std::sqrt(aa / static_cast<double>(rows))};
 }
 
-/// Turning over windows of about 0.1 s, by the attitude: in base axes, and in world axes.
+/// Turning over short windows, by the attitude: in base axes, and in world axes.
 struct Turning {
   std::vector<V3> base, world, recorded, mistaken;
 };
-Turning turning(const recording::Recording& r, const WholeRecording& made) {
+Turning turning(const recording::Recording& r, const WholeRecording& made, double window) {
   Turning out;
   const std::vector<V3> w = vectors(r, "base_w");
   const auto qw = r.find("base_q:w"), qx = r.find("base_q:x"), qy = r.find("base_q:y"),
@@ -133,7 +143,7 @@ Turning turning(const recording::Recording& r, const WholeRecording& made) {
   const auto other = [&](std::size_t k) {  // the same numbers read as x y z w
     return math::rotation_matrix(math::quat_normalized(math::Quat(qz[k], qw[k], qx[k], qy[k])));
   };
-  const auto step = static_cast<std::size_t>(std::max(2.0, std::round(0.1 / made.interval)));
+  const auto step = static_cast<std::size_t>(std::max(2.0, std::round(window / made.interval)));
   for (std::size_t a = 0; a + step < made.rows(); a += step) {
     const std::size_t b = a + step;
     if (made.piece[a] != made.piece[b]) continue;
@@ -150,29 +160,25 @@ Turning turning(const recording::Recording& r, const WholeRecording& made) {
   return out;
 }
 
-// chosen: below, what agreed has not moved enough to be told from what did not
-constexpr double kEnoughTurning = 0.2, kEnoughSpeed = 0.05;  // rad/s, m/s RMS
-constexpr double kAgrees = 0.9, kDisagrees = 0.6;            // correlations
-constexpr double kSurely = 0.95, kBetter = 0.03;             // of the other reading
-
-std::vector<Defect> bad_turning(const recording::Recording& r, const WholeRecording& made) {
+std::vector<Defect> bad_turning(const recording::Recording& r, const WholeRecording& made,
+                                const Settings& settings) {
+  const BaseSettings& base = settings.base;
   if (!r.has("base_w:x") || !made.attitude) return {};
-  const Turning turn = turning(r, made);
-  const Agreement promised = agreement(turn.base, turn.recorded);
-  if (promised.rms < kEnoughTurning) return {};
+  const Turning turn = turning(r, made, base.turning_window);
+  const Agreement promised = agreement(turn.base, turn.recorded, base.compared);
+  if (promised.rms < base.least_turning) return {};
   const auto defect = [&](const char* what, const std::string& message) {
     return std::vector<Defect>{{r.file, "base_w:x", -1, what, message}};
   };
-  if (promised.correlation > kAgrees && (promised.slope > 20.0 || promised.slope < 0.05))
+  if (promised.other_unit(base, settings.gate))
     return defect(defect::kWrongUnit,
                   fmt::format("{:.3g} times what base_q turns; expected rad/s", promised.slope));
-  if (promised.correlation < -kAgrees)
+  if (promised.turned_round(base))
     return defect(defect::kWrongSign,
                   "turns against base_q; expected base_q from base axes into "
                   "world axes and base_w in base axes");
   const auto better = [&](const std::vector<V3>& other) {
-    const double there = agreement(other, turn.recorded).correlation;
-    return there > kSurely && there > promised.correlation + kBetter;
+    return agreement(other, turn.recorded, base.compared).better_than(promised, base);
   };
   if (better(turn.mistaken))
     return {{r.file, "base_q:w", -1, defect::kSwapped,
@@ -182,11 +188,14 @@ std::vector<Defect> bad_turning(const recording::Recording& r, const WholeRecord
   return {};
 }
 
-std::vector<Defect> bad_velocity(const recording::Recording& r, const WholeRecording& made) {
+std::vector<Defect> bad_velocity(const recording::Recording& r, const WholeRecording& made,
+                                 const Settings& settings) {
+  const BaseSettings& base = settings.base;
   if (!made.position) return {};
   std::vector<V3> slope, body, recorded;
   const std::vector<V3> v = vectors(r, "base_v");
-  const auto step = static_cast<std::size_t>(std::max(1.0, std::round(0.03 / made.interval)));
+  const auto step =
+      static_cast<std::size_t>(std::max(1.0, std::round(base.velocity_window / made.interval)));
   for (std::size_t a = 0; a + step < made.rows(); a += step) {
     const std::size_t b = a + step;
     if (made.piece[a] != made.piece[b]) continue;
@@ -195,37 +204,44 @@ std::vector<Defect> bad_velocity(const recording::Recording& r, const WholeRecor
     body.push_back(made.R[(a + b) / 2].transpose() * s);
     recorded.push_back(v.empty() ? s : V3(0.5 * (v[a] + v[b])));
   }
-  const Agreement promised = agreement(slope, recorded);
-  // chosen: faster than any robot that was ever recorded walking
-  if (promised.rms > 50.0)
+  const Agreement promised = agreement(slope, recorded, base.compared);
+  if (promised.rms > base.fastest)
     return {{r.file, "base_p:x", -1, defect::kWrongUnit,
              fmt::format("moves at {:.3g} m/s; expected m, these may be mm", promised.rms)}};
-  if (v.empty() || promised.rms < kEnoughSpeed) return {};
-  if (promised.correlation > kAgrees && (promised.slope > 5.0 || promised.slope < 0.2))
+  if (v.empty() || promised.rms < base.least_speed) return {};
+  if (promised.other_unit(base, settings.gate))
     return {{r.file, "base_v:x", -1, defect::kWrongUnit,
              fmt::format("{:.3g} times what base_p moves; expected m/s", promised.slope)}};
-  if (promised.correlation < -kAgrees)
+  if (promised.turned_round(base))
     return {{r.file, "base_v:x", -1, defect::kWrongSign, "moves against base_p"}};
-  if (promised.correlation < kDisagrees && agreement(body, recorded).correlation > kAgrees)
+  if (promised.correlation < 1.0 - base.disagrees &&
+      agreement(body, recorded, base.compared).holds(base))
     return {{r.file, "base_v:x", -1, defect::kSwapped,
              "agrees with base_p in base axes; expected world axes"}};
   return {};
 }
 
-std::vector<Defect> bad_acceleration(const recording::Recording& r, const WholeRecording& made) {
+/// Whether two numbers are the same but for what gains and payloads make of them.
+bool about(double a, double b, double slack) {
+  return a > b / (1.0 + slack) && a < b * (1.0 + slack);
+}
+
+std::vector<Defect> bad_acceleration(const recording::Recording& r, const WholeRecording& made,
+                                     const BaseSettings& base) {
   if (!made.acc) return {};
   std::vector<double> norms;
   for (const V3& a : made.imu_acc) norms.push_back(a.norm());
   const double usual = median(norms);
   // a robot that stands or walks is pulled by one g most of the time
-  if (usual > 0.7 * kGravity && usual < 1.3 * kGravity) return {};
-  const char* guess = usual > 0.7 && usual < 1.3 ? ", these may be g" : "";
+  if (about(usual, kGravity, base.unit_slack)) return {};
+  const char* guess = about(usual, 1.0, base.unit_slack) ? ", these may be g" : "";
   return {{r.file, "imu_acc:x", -1, defect::kWrongUnit,
            fmt::format("usually {:.3g} long; expected specific force in m/s^2, 9.81 at rest{}",
                        usual, guess)}};
 }
 
-std::vector<Defect> bad_forces(const WholeRecording& made, const WholeBody& body) {
+std::vector<Defect> bad_forces(const WholeRecording& made, const WholeBody& body,
+                               const Settings& settings) {
   if (made.feet.empty()) return {};
   std::vector<double> sums;
   for (std::size_t k = 0; k < made.rows(); ++k) {
@@ -235,16 +251,16 @@ std::vector<Defect> bad_forces(const WholeRecording& made, const WholeBody& body
   }
   const double share = median(sums) / (body.mass() * kGravity);
   const std::string column = "fz:" + made.feet.front().link;
-  if (share < -0.2)
+  if (share < -settings.base.pulled)
     return {{made.file, column, -1, defect::kWrongSign,
              fmt::format("the feet carry {:.2g} of the weight; expected the force of the ground "
                          "on the foot, upwards positive",
                          share)}};
-  if (share > 0.07 && share < 0.14)
+  if (about(share, 1.0 / kGravity, settings.base.unit_slack))
     return {
         {made.file, column, -1, defect::kWrongUnit,
          fmt::format("the feet carry {:.2g} of the weight; expected N, these may be kg", share)}};
-  if (share > 5.0)
+  if (share > settings.gate.wrong_unit)
     return {{made.file, column, -1, defect::kWrongUnit,
              fmt::format("the feet carry {:.2g} times the weight; expected N", share)}};
   return {};
@@ -267,17 +283,19 @@ Unrecorded unrecorded_joints(const recording::Recording& r, const WholeBody& bod
 }
 
 std::vector<Defect> check_base_columns(const recording::Recording& r, const WholeBody& body,
-                                       const WholeSettings& settings) {
+                                       const Settings& settings) {
   std::vector<Defect> out = incomplete_sets(r);
-  for (auto&& more : {bad_values(r), bad_joints(r, body, settings), bad_feet(r, body)})
+  for (auto&& more :
+       {bad_values(r, settings.base), bad_joints(r, body, settings.base), bad_feet(r, body)})
     out.insert(out.end(), more.begin(), more.end());
   return out;
 }
 
 std::vector<Defect> check_base_agreement(const recording::Recording& r, const WholeRecording& made,
-                                         const WholeBody& body) {
-  std::vector<Defect> out = bad_turning(r, made);
-  for (auto&& more : {bad_velocity(r, made), bad_acceleration(r, made), bad_forces(made, body)})
+                                         const WholeBody& body, const Settings& settings) {
+  std::vector<Defect> out = bad_turning(r, made, settings);
+  for (auto&& more : {bad_velocity(r, made, settings), bad_acceleration(r, made, settings.base),
+                      bad_forces(made, body, settings)})
     out.insert(out.end(), more.begin(), more.end());
   return out;
 }

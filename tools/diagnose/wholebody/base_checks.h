@@ -10,11 +10,11 @@ namespace sanso::diagnose {
 
 /// Base, IMU and foot columns before anything is made of them: whole sets, finite, known links.
 std::vector<Defect> check_base_columns(const recording::Recording& r, const WholeBody& body,
-                                       const WholeSettings& settings);
+                                       const Settings& settings);
 
 /// Quaternion against angular velocity, position against velocity, forces against weight.
 std::vector<Defect> check_base_agreement(const recording::Recording& r, const WholeRecording& made,
-                                         const WholeBody& body);
+                                         const WholeBody& body, const Settings& settings);
 
 /// Joints without a q: column, and the share of the robot's mass behind them.
 struct Unrecorded {

@@ -50,7 +50,8 @@ std::string answer_of(const WholeAnswers& answers) {
 void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answers) {
   answers.cannot("contact_compliance",
                  "a touchdown lasts as long as a few samples: stiffness is not asked for");
-  answers.cannot("sole_geometry", "no pressure under the soles was recorded");
+  if (body.model.tree.size() > 0)
+    answers.cannot("sole_geometry", "no pressure under the soles was recorded");
   answers.cannot("rolling_resistance", "wheels only");
   if (body.model.tree.size() > 0)
     answers.notes.push_back(
@@ -109,9 +110,9 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   WholeAnswers answers;
   Patch patch;
   const auto asking = [&] {
-    Asking a{nominal, data.recordings, known, options.whole, options.settings.decisions};
-    a.mass_tolerance = options.settings.tolerances.mass, a.seed = options.seed;
-    return a;
+    const Settings& s = options.settings;
+    return Asking{nominal,     data.recordings, known,       s.whole,
+                  s.decisions, s.tolerances,    options.seed};
   };
   progress("asks: does it fall as gravity says?");
   ask_free_fall(asking(), answers, patch);
@@ -138,7 +139,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options,
   try {
     const WholeBody body = read_whole_body(options.model);
     progress("asks: are the recordings sound?");
-    WholeData data = load_whole(options.recordings, body, options.whole, options.settings.gate);
+    WholeData data = load_whole(options.recordings, body, options.settings);
     WholeDiagnosis out = diagnose_whole(options, body, data, progress);
     if (out.verdict.status != VerdictStatus::refused) out.recordings = std::move(data.recordings);
     return out;

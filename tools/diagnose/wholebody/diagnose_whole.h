@@ -15,7 +15,6 @@ struct WholeOptions {
   std::string model;                    // model folder
   std::vector<std::string> recordings;  // files
   Settings settings;
-  WholeSettings whole;
   unsigned long seed = 1;
 };
 

@@ -12,9 +12,6 @@
 namespace sanso::diagnose {
 namespace {
 
-// chosen: wider than any scale or clock that is taken for right, far from any other motion
-constexpr double kFalls = 0.25;  // of gravity
-
 /// Acceleration of the centre of mass in recorded lengths by least squares, m/s^2.
 V3 acceleration_of(const Asking& asking, const WholeRecording& r, const Span& s) {
   BodyKinematics kinematics(asking.body);
@@ -41,7 +38,7 @@ Samples from_flights(const Asking& asking, const Clearance& c, std::size_t r, Sa
     const double seconds = recording.t[s.last - 1] - recording.t[s.first];
     const V3 a = acceleration_of(asking, recording, s);
     // a robot in somebody's hands, or on a stand, touches nothing either
-    if ((a + gravity * up).norm() > kFalls * gravity) continue;
+    if ((a + gravity * up).norm() > asking.settings.falls * gravity) continue;
     // variance of the second derivative: noise^2 720 / (n T^4)
     samples.add(-up.dot(a) / gravity, std::pow(seconds, 4) * static_cast<double>(s.rows()),
                 asking.group_of(r, recording.t[s.first] - recording.t.front()));
@@ -87,7 +84,7 @@ Measured joined(const Measured& a, const Measured& b) {
 bool falls(const Asking& asking, const WholeRecording& r, const Span& flight) {
   const double gravity = eigen(asking.body.model.gravity).norm();
   const V3 a = acceleration_of(asking, r, flight) / asking.known.pose_scale;
-  return (a + gravity * upwards(asking.body)).norm() <= kFalls * gravity;
+  return (a + gravity * upwards(asking.body)).norm() <= asking.settings.falls * gravity;
 }
 
 void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
@@ -99,8 +96,8 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     fall = from_flights(asking, c, r, std::move(fall));
     rest = from_rests(asking, c, r, std::move(rest));
   }
-  const auto fallen = measured(fall, asking.known.pose_scale, asking.seed);
-  const auto rested = measured(rest, asking.known.pose_scale, asking.seed);
+  const auto fallen = measured(fall, asking.known.pose_scale, asking.chance());
+  const auto rested = measured(rest, asking.known.pose_scale, asking.chance());
   if (!fallen) {
     answers.cannot("pose_scale", "too few flights without contact: nothing falls freely");
     return;
@@ -116,7 +113,8 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
         "recordings that end at rest, would tell them from the scale of the positions");
   } else {
     const double apart = std::abs(fallen->value - rested->value);
-    const double chance = 3.0 * std::hypot(fallen->sigma, rested->sigma) + asking.settings.scale;
+    const double chance = asking.chance().deviations() * std::hypot(fallen->sigma, rested->sigma) +
+                          asking.settings.scale;
     answers.notes.push_back(fmt::format(
         "scale of the positions: falling {:.4f} [{:.4f}, {:.4f}], resting {:.4f} "
         "[{:.4f}, {:.4f}]",
@@ -127,7 +125,7 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
       asked.effect = "gravity", asked.equally_good = {"clock_rate"};
     }
   }
-  if (answers.judge(asked, m, asking.decisions) == Said::missing && asked.effect == "pose_scale")
+  if (answers.judge(asked, m, asking.chance()) == Said::missing && asked.effect == "pose_scale")
     patch.pose_scale = m.value;
 }
 

@@ -25,12 +25,13 @@ struct Reached {
 };
 
 /// Before the hit nothing touches: base position less fall is a straight line.
-Reached before_hit(const WholeRecording& r, const Span& flight, double instant, const V3& gravity,
-                   double scale) {
-  constexpr std::size_t kRows = 10;
+Reached before_hit(const Asking& asking, const WholeRecording& r, const Span& flight,
+                   double instant, const V3& gravity) {
+  const double scale = asking.known.pose_scale;
+  const auto rows = static_cast<std::size_t>(asking.settings.before_hit_rows);
   double n = 0.0, sum_s = 0.0, sum_ss = 0.0;
   V3 sum_x = V3::Zero(), sum_sx = V3::Zero(), w = V3::Zero();
-  for (std::size_t k = flight.last - std::min(flight.rows(), kRows); k < flight.last; ++k) {
+  for (std::size_t k = flight.last - std::min(flight.rows(), rows); k < flight.last; ++k) {
     const double s = r.t[k] - instant;
     const V3 x = r.p[k] / scale - 0.5 * s * s * gravity;
     n += 1.0, sum_s += s, sum_ss += s * s, sum_x += x, sum_sx += s * x;
@@ -46,10 +47,10 @@ struct After {
 };
 std::optional<After> after_hit(const Asking& asking, const WholeRecording& r, const Clearance& c,
                                std::size_t hit, const V3& gravity) {
-  constexpr std::size_t kRows = 3;
+  const auto rows = static_cast<std::size_t>(asking.settings.after_hit_rows);
   const auto spread =
       static_cast<std::size_t>(std::ceil(asking.settings.impact_spread / r.interval));
-  const std::size_t first = hit + std::max<std::size_t>(spread, 1), last = first + kRows;
+  const std::size_t first = hit + std::max<std::size_t>(spread, 1), last = first + rows;
   if (last > r.rows() || r.piece[last - 1] != r.piece[hit]) return std::nullopt;
   After out;
   V3 v = V3::Zero(), w = V3::Zero();
@@ -62,7 +63,7 @@ std::optional<After> after_hit(const Asking& asking, const WholeRecording& r, co
                                                   : c.lowest[k] < asking.settings.clearance;
     out.alone = out.alone && !other;
   }
-  out.state = {v / static_cast<double>(kRows), w / static_cast<double>(kRows)};
+  out.state = {v / static_cast<double>(rows), w / static_cast<double>(rows)};
   return out;
 }
 
@@ -72,7 +73,7 @@ void add_hit(const Asking& asking, std::size_t number, const Clearance& c, const
   // two corners at once share the impulse nobody knows how
   if (c.second[k] - c.lowest[k] < 1.5 * asking.settings.clearance) return;
   const V3 up = upwards(asking.body), gravity = eigen(asking.body.model.gravity);
-  const Reached a = before_hit(r, flight, r.t[k], gravity, asking.known.pose_scale);
+  const Reached a = before_hit(asking, r, flight, r.t[k], gravity);
   const auto after = after_hit(asking, r, c, k, gravity);
   if (!after || !after->alone) return;
   const Reached& b = after->state;
@@ -162,7 +163,7 @@ void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const ContactMaterial material = asking.body.material_of(asking.body.root);
   const std::vector<std::string> where{asking.body.root};
   const double stated = asking.body.ground.restitution.value_or(0.0);
-  if (const auto m = measured(hits.restitution, stated, asking.seed); !m) {
+  if (const auto m = measured(hits.restitution, stated, asking.chance()); !m) {
     answers.cannot("restitution", "too few hits of a single corner after a flight");
   } else if (!asking.body.ground.restitution) {
     tell_unstated("restitution", *m, answers);
@@ -177,11 +178,11 @@ void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
                             asking.settings.restitution,
                             {},
                             "rebound"},
-                           *m, asking.decisions) == Said::missing) {
+                           *m, asking.chance()) == Said::missing) {
     patch.restitution = std::clamp(m->value, 0.0, 1.0);
   }
   const double mu = material.friction.value_or(0.0);
-  if (const auto m = measured(hits.friction, mu, asking.seed); !m) {
+  if (const auto m = measured(hits.friction, mu, asking.chance()); !m) {
     answers.cannot("contact_friction",
                    fmt::format("nothing slips often enough: the coefficient is {:.2g} at least",
                                hits.largest_ratio));
@@ -198,7 +199,7 @@ void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
                             asking.settings.friction * mu,
                             {},
                             "slip"},
-                           *m, asking.decisions) == Said::missing) {
+                           *m, asking.chance()) == Said::missing) {
     patch.friction = std::max(0.0, m->value);
   }
 }

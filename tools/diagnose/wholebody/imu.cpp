@@ -18,12 +18,6 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr int kDraws = 199;
-// chosen: turning that is faster tells three axes of a rotation from biases
-constexpr double kEnoughTurning = 0.2;  // rad/s RMS
-// chosen: no attitude estimate is wrong by more, so a larger turn is how the IMU is mounted
-constexpr double kSurelyMounted = 0.3;  // rad
-
 /// Track of the assumed IMU: where it is and how it is turned, row by row.
 struct ImuTrack {
   std::vector<M3> R;
@@ -57,11 +51,14 @@ V3 mean_of(const std::vector<V3>& x, std::size_t a, std::size_t b) {
   return sum / static_cast<double>(b - a + 1);
 }
 
-void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow>& out) {
+/// Windows of one recording; `leans`: the upright that each reads with this mount, in world axes.
+void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow>& out,
+                 const ImuMount* mount = nullptr, Leans* leans = nullptr) {
   const WholeRecording& r = asking.recordings[number];
   if (!r.acc || !r.attitude) return;
   const ImuTrack track = imu_track(asking, r);
   const V3 gravity = eigen(asking.body.model.gravity);
+  const Level level(upwards(asking.body));
   std::vector<V3> predicted;
   for (std::size_t k = 0; k < r.rows(); ++k)
     predicted.push_back(track.R[k].transpose() * (track.acceleration[k] - gravity));
@@ -78,7 +75,15 @@ void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow
         track.R[m].transpose() * track.R[a] * turned(track.R[a], track.R[b]) / (r.t[b] - r.t[a]);
     if (r.gyro) w.gyro = mean_of(r.imu_gyro, a, b) - asking.known.gyro_bias;
     w.group = asking.group_of(number, r.t[a] - r.t.front());
-    if (w.acc.allFinite() && w.gyro.allFinite()) out.push_back(w);
+    if (!w.acc.allFinite() || !w.gyro.allFinite()) continue;
+    out.push_back(w);
+    if (leans == nullptr) continue;
+    const double t = r.t[a] - r.t.front();
+    const V3 felt = track.R[m] * mount->turn.transpose() * (w.acc - mount->acc_bias);
+    const V3 upright = felt - mean_of(track.acceleration, a, b);
+    leans->add(level.lean(upright.normalized()) - lean_of(asking.known.pose_tilt),
+               level.heading(r.R[m]), "imu", static_cast<int>(number),
+               static_cast<int>(t / asking.settings.block), w.group);
   }
 }
 
@@ -99,7 +104,8 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
   Random random(asking.seed, 31);
   Spread out;
   const int n = static_cast<int>(groups.size());
-  for (int d = 0; d < kDraws; ++d) {
+  const int draws = asking.settings.imu_draws;
+  for (int d = 0; d < draws; ++d) {
     std::vector<ImuWindow> drawn;
     for (int k = 0; k < n; ++k) {
       for (const ImuWindow* w : groups[static_cast<std::size_t>(random.below(n))])
@@ -110,7 +116,7 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
     out.acc_bias += (m.acc_bias - whole.acc_bias).squaredNorm();
     out.gyro_bias += (m.gyro_bias - whole.gyro_bias).squaredNorm();
   }
-  const double widen = static_cast<double>(n) / std::max(1, n - 1) / (3.0 * kDraws);
+  const double widen = static_cast<double>(n) / std::max(1, n - 1) / (3.0 * draws);
   for (double* s : {&out.turn, &out.acc_bias, &out.gyro_bias}) *s = std::sqrt(*s * widen);
   return out;
 }
@@ -126,9 +132,8 @@ FitScore held_out(const std::vector<ImuWindow>& windows, const Asking& asking) {
 }
 
 /// A link of the URDF that is turned as the IMU is found to be; empty: none.
-std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint) {
+std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint, double nearest) {
   std::string best;
-  double nearest = 0.1;  // rad; chosen: no two frames of a drawing are so close
   for (const auto& [name, place] : body.model.tree.links) {
     if (place.joint != joint) continue;
     const double off = turned(eigen(place.R_joint_link), R_joint_imu).norm();
@@ -139,7 +144,7 @@ std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint) {
 
 Finding vector_finding(const char* effect, const std::vector<std::string>& where,
                        const std::vector<std::string>& names, const V3& value, double sigma,
-                       const std::string& unit, const FitScore& score) {
+                       const std::string& unit, const FitScore& score, const Chance& chance) {
   Finding f;
   f.effect = effect, f.family = "sensor", f.where = where, f.regime = "everywhere";
   for (std::size_t i = 0; i < 3; ++i) {
@@ -149,7 +154,7 @@ Finding vector_finding(const char* effect, const std::vector<std::string>& where
   f.heldout_gain = score.nominal > 0.0
                        ? 1.0 - score.patched * score.patched / (score.nominal * score.nominal)
                        : 0.0;
-  f.p_family = std::min(1.0, 24.0 * normal_tail(value.norm() / std::max(sigma, 1e-300)));
+  f.p_family = chance.family_wise(value.norm() / std::max(sigma, 1e-300));
   f.one_of = {effect};
   return f;
 }
@@ -165,7 +170,7 @@ struct Judged {
   ImuMount mount;
   Spread spread;
   FitScore score;
-  double z = 3.0;  // standard deviations beyond which a size is no chance
+  double z = 0.0;  // standard deviations beyond which a size is no chance
 };
 
 void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
@@ -177,14 +182,15 @@ void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Pa
                                     turn[1], turn[2], j.spread.turn));
   if (turn.norm() <= surely || j.score.patched >= j.score.nominal) return;
   Finding f = vector_finding("imu_misalignment", {asking.body.imu.link}, {"x", "y", "z"}, turn,
-                             j.spread.turn, "rad", j.score);
-  const bool by_gyro = rms_turning(j.windows) > kEnoughTurning;
-  if (!by_gyro && turn.norm() < kSurelyMounted) f.one_of.push_back("ground_slope");
+                             j.spread.turn, "rad", j.score, asking.chance());
+  const bool by_gyro = rms_turning(j.windows) > asking.settings.enough_turning;
+  if (!by_gyro && turn.norm() < asking.settings.surely_mounted) f.one_of.push_back("ground_slope");
   f.status = status_of(f);
   answers.findings.push_back(f);
   patch.imu_turn = turn;
   const M3 R_true = eigen(asking.body.imu.R_joint_imu) * j.mount.turn.transpose();
-  const std::string link = link_like(asking.body, R_true, asking.body.imu.joint);
+  const std::string link =
+      link_like(asking.body, R_true, asking.body.imu.joint, asking.settings.same_frame);
   if (!link.empty() && link != asking.body.imu.link)
     answers.notes.push_back("the IMU is turned as the link " + link +
                             " of the URDF is: [imu] link = \"" + link + "\"");
@@ -205,8 +211,9 @@ void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, 
   if (gyro) {
     answers.detectable.push_back({"imu_bias", asking.body.imu.link, "gyro", "rad/s", of_gyro});
     if (j.mount.gyro_bias.norm() > of_gyro) {
-      Finding f = vector_finding("imu_bias", where, {"gyro_x", "gyro_y", "gyro_z"},
-                                 j.mount.gyro_bias, j.spread.gyro_bias, "rad/s", {});
+      Finding f =
+          vector_finding("imu_bias", where, {"gyro_x", "gyro_y", "gyro_z"}, j.mount.gyro_bias,
+                         j.spread.gyro_bias, "rad/s", {}, asking.chance());
       f.status = status_of(f);
       answers.findings.push_back(f);
       patch.gyro_bias = j.mount.gyro_bias;
@@ -214,31 +221,46 @@ void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, 
   }
   if (j.mount.acc_bias.norm() <= of_acc) return;
   Finding f = vector_finding("imu_bias", where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
-                             j.spread.acc_bias, "m/s^2", j.score);
+                             j.spread.acc_bias, "m/s^2", j.score, asking.chance());
   f.one_of.push_back("imu_misalignment");
   f.status = status_of(f);
   answers.findings.push_back(f);
   patch.acc_bias = j.mount.acc_bias;
 }
 
+std::vector<ImuWindow> all_windows(const Asking& asking) {
+  std::vector<ImuWindow> out;
+  for (std::size_t r = 0; r < asking.recordings.size(); ++r) add_windows(asking, r, out);
+  return out;
+}
+
 }  // namespace
 
+std::optional<LeanFit> imu_vertical(const Asking& asking) {
+  const std::vector<ImuWindow> windows = all_windows(asking);
+  if (windows.empty()) return std::nullopt;
+  const ImuMount mount = fit_mount(windows, asking.settings.acc_bias, asking.settings.gyro_bias);
+  std::vector<ImuWindow> again;
+  Leans leans;
+  for (std::size_t r = 0; r < asking.recordings.size(); ++r)
+    add_windows(asking, r, again, &mount, &leans);
+  return LeanFit::of(leans, asking.tolerances.zero, asking.chance());
+}
+
 void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
-  std::vector<ImuWindow> windows;
-  for (std::size_t r = 0; r < asking.recordings.size(); ++r) add_windows(asking, r, windows);
+  const std::vector<ImuWindow> windows = all_windows(asking);
   std::vector<char> seen;
   for (const ImuWindow& w : windows) {
     seen.resize(std::max(seen.size(), static_cast<std::size_t>(w.group) + 1), 0);
     seen[static_cast<std::size_t>(w.group)] = 1;
   }
-  // chosen: as many groups as a spread needs
-  if (std::count(seen.begin(), seen.end(), 1) < 6) {
+  if (std::count(seen.begin(), seen.end(), 1) < asking.settings.imu_groups) {
     const char* why = "no IMU beside a base attitude (imu_acc:, base_q:) over some seconds";
     answers.cannot("imu_bias", why), answers.cannot("imu_misalignment", why);
     return;
   }
   ++answers.asked;
-  const double z = normal_score(asking.decisions.family_wise / 24.0);
+  const double z = asking.chance().deviations();
   Judged j{
       windows, fit_mount(windows, asking.settings.acc_bias, asking.settings.gyro_bias), {}, {}, z};
   j.spread = spread_of(windows, j.mount, asking);

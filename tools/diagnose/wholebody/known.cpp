@@ -84,9 +84,14 @@ void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
     known.gyro_bias = {read.number("gyro_x", 0), read.number("gyro_y", 0),
                        read.number("gyro_z", 0)};
     known.acc_bias = {read.number("acc_x", 0), read.number("acc_y", 0), read.number("acc_z", 0)};
+  } else if (entry.id == "ground_slope" || entry.id == "pose_tilt") {
+    read.allow_only({"x", "y"});
+    V2& rotation = entry.id == "pose_tilt" ? known.pose_tilt : known.slope;
+    rotation[0] = read.number("x", 0), rotation[1] = read.number("y", 0);
   } else {
     read.fail("effect not simulated on a floating base", entry.id,
-              "link_mass, link_com, payload, pose_scale, foot_force_scale or imu_bias");
+              "link_mass, link_com, payload, pose_scale, pose_tilt, foot_force_scale, imu_bias or "
+              "ground_slope");
   }
 }
 
@@ -117,8 +122,8 @@ Vec3 rpy_of(const M3& R) {
 }  // namespace
 
 int Asking::group_of(std::size_t recording, double seconds_since_start) const {
-  // chosen: with eight recordings there are enough to resample and to hold out whole ones
-  if (recordings.size() >= 8) return static_cast<int>(recording);
+  if (recordings.size() >= static_cast<std::size_t>(settings.recordings))
+    return static_cast<int>(recording);
   constexpr int kMost = 100000;
   int before = 0;
   for (std::size_t r = 0; r < recording; ++r) {
@@ -152,6 +157,15 @@ WholeBody patched(const WholeBody& body, const Patch& patch) {
               {{"share", (1.0 + before) * (1.0 + *patch.mass_share) - 1.0}},
               0});
   }
+  const auto lean = [&](const char* effect, const std::optional<V2>& more) {
+    if (!more) return;
+    put(out,
+        {effect,
+         {},
+         {{"x", (*more)[0] + had(body, effect, "x")}, {"y", (*more)[1] + had(body, effect, "y")}},
+         0});
+  };
+  lean("ground_slope", patch.slope), lean("pose_tilt", patch.pose_tilt);
   if (patch.gyro_bias || patch.acc_bias) {
     const V3 g = patch.gyro_bias.value_or(V3::Zero()), a = patch.acc_bias.value_or(V3::Zero());
     EffectEntry entry{"imu_bias", {body.imu.link}, {}, 0};

@@ -6,6 +6,7 @@
 
 #include "tools/diagnose/wholebody/answers.h"
 #include "tools/diagnose/wholebody/contacts.h"
+#include "tools/diagnose/wholebody/lean.h"
 
 namespace sanso::diagnose {
 
@@ -15,6 +16,8 @@ struct Known {
   double pose_scale = 1.0;                           // recorded base positions over true ones
   double force_scale = 1.0;                          // recorded foot forces over true ones
   V3 acc_bias = V3::Zero(), gyro_bias = V3::Zero();  // IMU axes, m/s^2, rad/s
+  V2 slope = V2::Zero();                             // of the floor about world x and y, rad
+  V2 pose_tilt = V2::Zero();  // of the true vertical in the poses' axes, the same way
 };
 
 /// All that a question may need.
@@ -24,8 +27,9 @@ struct Asking {
   Known known;
   WholeSettings settings;
   DecisionSettings decisions;
-  double mass_tolerance = 0.03;  // share
+  ToleranceSettings tolerances;
   unsigned long seed = 1;
+  Chance chance() const { return {settings, decisions, seed}; }
   // group of a moment: the recording where there are several, else a piece of it
   int group_of(std::size_t recording, double seconds_since_start) const;
 };
@@ -34,6 +38,7 @@ struct Asking {
 struct Patch {
   std::optional<double> friction, restitution, pose_scale, mass_share;
   std::optional<V3> imu_turn, acc_bias, gyro_bias;  // turn: recorded axes from assumed ones, rad
+  std::optional<V2> slope, pose_tilt;               // beside what is known, rad
 };
 
 /// Whether a flight is one: a robot in somebody's hands, or on a stand, touches nothing either.
@@ -48,6 +53,9 @@ void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch);
 void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch);
 /// The IMU against the base's motion: how it is mounted, what it adds.
 void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch);
+/// How the vertical that the IMU feels leans in the axes of the poses; nothing without an
+/// accelerometer beside an attitude.
+std::optional<LeanFit> imu_vertical(const Asking& asking);
 /// Standing soles against the vertical and against slip.
 void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch);
 

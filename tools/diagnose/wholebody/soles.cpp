@@ -1,5 +1,6 @@
-// A foot that stands flat shows the vertical of the floor through attitude and joints, and whether
-// it slips.
+// A foot that stands flat shows the normal of the floor through attitude and joints, and whether
+// it slips. A floor leans in the world, a wrong zero or IMU with the robot, and the poses' own
+// vertical in the world too, where only an accelerometer tells it from the floor.
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
@@ -8,6 +9,7 @@
 #include <map>
 
 #include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/wholebody/lean.h"
 #include "tools/diagnose/wholebody/questions.h"
 
 namespace sanso::diagnose {
@@ -49,37 +51,34 @@ std::optional<V3> sole_normal(const WholeBody& body, const FootForce& foot) {
 }
 
 struct Soles {
-  std::map<std::string, std::array<Samples, 2>> tilt;  // by foot: about the base's x and y, rad
-  std::vector<double> slips;                           // m/s, one a stance
-  double stances = 0.0;
+  Leans leans;
+  std::vector<double> slips;  // m/s, one a stance
 };
 
 void add_foot(const Asking& asking, std::size_t number, const FootForce& foot, Soles& soles) {
   const WholeRecording& r = asking.recordings[number];
   const std::optional<V3> normal = sole_normal(asking.body, foot);
-  const V3 up = upwards(asking.body);
+  const Level level(upwards(asking.body));
+  const V2 known = lean_of(asking.known.slope) + lean_of(asking.known.pose_tilt);
   BodyKinematics kinematics(asking.body);
   for (const Span& s : spans(r, standing(asking, r, foot))) {
     if (r.t[s.last - 1] - r.t[s.first] < asking.settings.rest_time) continue;
-    soles.stances += 1.0;
     V3 first = V3::Zero(), last = V3::Zero();
     // touchdown and lift-off roll over the edges
-    const std::size_t edge = s.rows() / 5;
+    const auto edge =
+        static_cast<std::size_t>(asking.settings.stance_edge * static_cast<double>(s.rows()));
     for (std::size_t k = s.first + edge; k < s.last - edge; ++k) {
       kinematics.set(r.R[k], r.p[k], r.q.col(static_cast<Eigen::Index>(k)));
       last = kinematics.origin(foot.joint);
       if (k == s.first + edge) first = last;
       if (!normal) continue;
-      // in axes that turn with the heading: what tilts with the robot stays what it is
-      const V3 x = r.R[k].col(0) - up.dot(r.R[k].col(0)) * up;
-      const V3 ahead = x.norm() > 1e-6 ? V3(x.normalized()) : V3(V3::UnitX());
-      const V3 n = kinematics.rotation(foot.joint) * *normal, left = up.cross(ahead);
-      const int group = asking.group_of(number, r.t[k] - r.t.front());
-      auto& tilt = soles.tilt[foot.link];
-      tilt[0].add(-left.dot(n), 1.0, group), tilt[1].add(ahead.dot(n), 1.0, group);
+      const double t = r.t[k] - r.t.front();
+      soles.leans.add(level.lean(kinematics.rotation(foot.joint) * *normal) - known,
+                      level.heading(r.R[k]), foot.link, static_cast<int>(number),
+                      static_cast<int>(t / asking.settings.block), asking.group_of(number, t));
     }
     const double seconds = r.t[s.last - edge - 1] - r.t[s.first + edge];
-    const V3 along = (last - first) - up.dot(last - first) * up;
+    const V3 along = (last - first) - level.up.dot(last - first) * level.up;
     if (r.position && seconds > 0.0) soles.slips.push_back(along.norm() / seconds);
   }
 }
@@ -102,48 +101,108 @@ void judge_slip(const Asking& asking, const Soles& soles, WholeAnswers& answers)
   }
 }
 
-/// Both soles alike: the floor, the attitude or the IMU behind it; one alone: its leg.
-void judge_tilt(const Asking& asking, Soles& soles, WholeAnswers& answers) {
-  if (soles.tilt.empty()) {
+/// Whether headings differ enough to tell what leans in the world from what leans with the robot.
+bool told_by_headings(const LeanFit& fit, const Asking& asking) {
+  return asking.chance().deviations() * std::max(fit.world.sigma, fit.body.sigma) <
+         asking.settings.leans;
+}
+
+/// A vector that leans, as a finding with its two numbers.
+Said judge_lean(const Asking& asking, const Asked& asked, const Measured& m, const V2& rotation,
+                WholeAnswers& answers) {
+  const Said said = answers.judge(asked, m, asking.chance());
+  if (said != Said::missing) return said;
+  // of a vector's deviation each of two axes has its part
+  const double each = 1.96 * m.sigma / std::sqrt(2.0);
+  answers.findings.back().parameters = {
+      {"x", {rotation[0], rotation[0] - each, rotation[0] + each, "rad", false}},
+      {"y", {rotation[1], rotation[1] - each, rotation[1] + each, "rad", false}}};
+  return said;
+}
+
+Asked asked_of(const char* effect, const char* family, std::vector<std::string> where,
+               double tolerance, std::vector<std::string> equally_good) {
+  return {effect, family,    std::move(where),        "x, y", "rad", "stance",
+          0.0,    tolerance, std::move(equally_good), "sole"};
+}
+
+/// The floor, with what the poses' vertical is known to lean by taken out.
+bool judge_floor(const Asking& asking, const LeanFit& soles, WholeAnswers& answers, Patch& patch) {
+  const std::optional<LeanFit> imu = imu_vertical(asking);
+  const bool vouched = imu && told_by_headings(*imu, asking);
+  V2 lean = soles.in_world;
+  Measured floor = soles.world;
+  bool found = false;
+  if (vouched) {
+    const V2 rotation = rotation_of(imu->in_world);
+    const Asked asked =
+        asked_of("pose_tilt", "sensor", {asking.body.root}, asking.settings.level, {});
+    if (judge_lean(asking, asked, imu->world, rotation, answers) == Said::missing)
+      patch.pose_tilt = rotation, found = true;
+    lean -= imu->in_world;
+    floor.sigma = std::hypot(floor.sigma, imu->world.sigma);
+    floor.value = lean.norm();
+    floor.low = std::max(0.0, floor.value - 1.96 * floor.sigma);
+    floor.high = floor.value + 1.96 * floor.sigma;
+  }
+  std::vector<std::string> others;
+  if (!vouched) others.push_back("pose_tilt");
+  const Asked asked = asked_of("ground_slope", "contact", {}, asking.settings.level, others);
+  if (judge_lean(asking, asked, floor, rotation_of(lean), answers) == Said::missing)
+    patch.slope = rotation_of(lean), found = true;
+  return found;
+}
+
+const std::vector<std::string> kWithTheRobot = {"imu_misalignment", "encoder_offset"};
+
+void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers, Patch& patch) {
+  if (leans.empty()) {
     answers.cannot("ground_slope",
                    "no flat sole below a foot with fz:<link> (URDF <collision> box "
                    "or [[contact]] box)");
     return;
   }
-  constexpr const char* kAxes[] = {"x", "y"};
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    Samples common;
-    std::string feet;
-    for (auto& [link, tilt] : soles.tilt) {
-      const auto m = measured(tilt[axis], 0.0, asking.seed);
-      if (!m) continue;
-      feet += fmt::format("{}{} {:.4f} [{:.4f}, {:.4f}]", feet.empty() ? "" : ", ", link, m->value,
-                          m->low, m->high);
-      for (std::size_t i = 0; i < tilt[axis].value.size(); ++i)
-        common.add(tilt[axis].value[i], 1.0, tilt[axis].group[i]);
-    }
-    if (feet.empty()) continue;
-    answers.notes.push_back(
-        fmt::format("standing soles lean about {} by {} rad", kAxes[axis], feet));
-    const auto m = measured(common, 0.0, asking.seed);
-    if (m)
-      answers.judge({"ground_slope",
-                     "contact",
-                     {},
-                     kAxes[axis],
-                     "rad",
-                     "stance",
-                     0.0,
-                     asking.settings.sole_tilt,
-                     {"imu_misalignment", "encoder_offset"},
-                     std::string("sole:") + kAxes[axis]},
-                    *m, asking.decisions);
+  const auto fit = LeanFit::of(leans, asking.tolerances.zero, asking.chance());
+  if (!fit) {
+    answers.cannot("ground_slope", "the feet stand flat too seldom");
+    return;
   }
+  answers.notes.push_back(fmt::format(
+      "standing soles lean by {:.4f} +- {:.4f} rad in the world and by {:.4f} +- {:.4f} rad with "
+      "the robot",
+      fit->in_world.norm(), fit->world.sigma, fit->in_body.norm(), fit->body.sigma));
+  const double tolerance = asking.settings.sole_tilt;
+  Asked apart = asked_of("ground_slope", "contact", {}, tolerance, kWithTheRobot);
+  apart.parameter = "angle";
+  if (fit->apart.value > tolerance &&
+      answers.judge(apart, fit->apart, asking.chance()) == Said::missing) {
+    answers.notes.push_back(
+        "every recording leans its own way: headings that start anew, or another place each time; "
+        "poses of one world would tell the floor from the robot");
+    return;
+  }
+  bool found = false;
+  if (told_by_headings(*fit, asking)) {
+    found = judge_floor(asking, *fit, answers, patch);
+    const Asked own = asked_of("imu_misalignment", "sensor", {asking.body.imu.link}, tolerance,
+                               {"encoder_offset"});
+    const V2 rotation = rotation_of(fit->in_body);
+    found |= judge_lean(asking, own, fit->body, rotation, answers) == Said::missing;
+  } else {
+    answers.notes.push_back(
+        "all headings are alike: a floor that leans and an IMU, or zeros of joints, that lean the "
+        "robot are the same here; turn the robot by a quarter or half");
+  }
+  if (found) return;
+  const Asked all = asked_of("ground_slope", "contact", {}, tolerance, kWithTheRobot);
+  const V2 rotation = rotation_of(fit->alike);
+  if (judge_lean(asking, all, fit->together, rotation, answers) == Said::missing)
+    patch.slope = rotation;
 }
 
 }  // namespace
 
-void ask_soles(const Asking& asking, WholeAnswers& answers, Patch&) {
+void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   Soles soles;
   bool feet = false;
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) {
@@ -158,7 +217,7 @@ void ask_soles(const Asking& asking, WholeAnswers& answers, Patch&) {
     return;
   }
   judge_slip(asking, soles, answers);
-  judge_tilt(asking, soles, answers);
+  judge_tilt(asking, soles.leans, answers, patch);
 }
 
 }  // namespace sanso::diagnose

@@ -75,7 +75,7 @@ void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const double of_base = asking.body.mass() / std::max(asking.body.base.mass, 1e-9);
   std::vector<GroupValue> values;
   for (const auto& [name, samples] : loads.by_recording) {
-    if (const auto m = measured(samples, 0.0, asking.seed)) {
+    if (const auto m = measured(samples, 0.0, asking.chance())) {
       values.push_back({name, m->value, m->sigma});
       answers.notes.push_back(
           fmt::format("{}: the feet carry {:.2f} % more than the model weighs [{:.2f}, {:.2f}]",
@@ -86,7 +86,7 @@ void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
       disagreement("weight on the feet, share", "-", values, asking.decisions);
   if (!apart.empty()) answers.notes.push_back(apart);
   scaled_by(loads.share, of_base);
-  const auto m = measured(loads.share, 0.0, asking.seed);
+  const auto m = measured(loads.share, 0.0, asking.chance());
   if (!m) {
     const char* why = "no forces of the feet (fz:<link>) over some seconds: nothing weighs it";
     for (const char* effect : {"link_mass", "payload", "foot_force_scale"})
@@ -103,10 +103,10 @@ void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
                      "-",
                      "stance",
                      0.0,
-                     asking.mass_tolerance * of_base,
+                     asking.tolerances.mass * of_base,
                      {"payload", "foot_force_scale"},
                      "weight"},
-                    *m, asking.decisions) == Said::missing)
+                    *m, asking.chance()) == Said::missing)
     patch.mass_share = m->value;
 }
 

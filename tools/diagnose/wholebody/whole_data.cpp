@@ -146,11 +146,11 @@ void note_unrecorded(const recording::Recording& r, const WholeBody& body, Whole
 
 /// Size, clock but for its gaps, columns.
 std::vector<Defect> first_defects(const recording::Recording& r, const WholeBody& body,
-                                  const WholeSettings& settings, const GateSettings& gate) {
+                                  const Settings& settings) {
   const GateRecording view = gate_view(r);
-  std::vector<Defect> out = gate::check_size(view, gate);
+  std::vector<Defect> out = gate::check_size(view, settings.gate);
   if (!out.empty()) return out;
-  out = gate::check_time(view, gate);
+  out = gate::check_time(view, settings.gate);
   std::erase_if(out, [](const Defect& d) { return d.defect == defect::kGap; });
   return out.empty() ? check_base_columns(r, body, settings) : out;
 }
@@ -158,13 +158,13 @@ std::vector<Defect> first_defects(const recording::Recording& r, const WholeBody
 }  // namespace
 
 WholeData judge_whole(const std::vector<recording::Recording>& recordings, const WholeBody& body,
-                      const WholeSettings& settings, const GateSettings& gate) {
+                      const Settings& settings) {
   WholeData data;
   data.notes = body.notes;
   data.hashes = data_hash(recordings);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     const recording::Recording& r = recordings[i];
-    std::vector<Defect> defects = first_defects(r, body, settings, gate);
+    std::vector<Defect> defects = first_defects(r, body, settings);
     for (std::size_t k = 0; k < i && defects.empty(); ++k) {
       if (data.hashes[r.file] == data.hashes[recordings[k].file] && r.file != recordings[k].file)
         defects.push_back(
@@ -172,8 +172,8 @@ WholeData judge_whole(const std::vector<recording::Recording>& recordings, const
              "every value equals " + recordings[k].file + "; a copy proves nothing, leave it out"});
     }
     if (defects.empty()) {
-      WholeRecording made = converted(r, body, gate);
-      defects = check_base_agreement(r, made, body);
+      WholeRecording made = converted(r, body, settings.gate);
+      defects = check_base_agreement(r, made, body, settings);
       note_oddities(made, data);
       note_unrecorded(r, body, data);
       data.recordings.push_back(std::move(made));
@@ -186,11 +186,11 @@ WholeData judge_whole(const std::vector<recording::Recording>& recordings, const
 }
 
 WholeData load_whole(const std::vector<std::string>& files, const WholeBody& body,
-                     const WholeSettings& settings, const GateSettings& gate) {
+                     const Settings& settings) {
   std::vector<recording::Recording> read;
   std::vector<Defect> defects;
   for (const std::string& file : files) {
-    std::vector<Defect> here = inspect_file(file, gate);
+    std::vector<Defect> here = inspect_file(file, settings.gate);
     if (here.empty()) {
       try {
         read.push_back(recording::read_recording(file));
@@ -201,7 +201,7 @@ WholeData load_whole(const std::vector<std::string>& files, const WholeBody& bod
     defects.insert(defects.end(), here.begin(), here.end());
   }
   if (read.empty() && !defects.empty()) return {{}, defects, {}, {}};
-  WholeData data = judge_whole(read, body, settings, gate);
+  WholeData data = judge_whole(read, body, settings);
   data.defects.insert(data.defects.begin(), defects.begin(), defects.end());
   return data;
 }

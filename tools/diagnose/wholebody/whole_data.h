@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tools/diagnose/gate/gate.h"
+#include "tools/diagnose/settings.h"
 #include "tools/diagnose/wholebody/kinematics.h"
-#include "tools/diagnose/wholebody/whole_settings.h"
 #include "tools/recording/recording.h"
 
 namespace sanso::diagnose {
@@ -47,9 +47,9 @@ struct WholeData {
 
 /// Reads and judges all files; never throws for bad input.
 WholeData load_whole(const std::vector<std::string>& files, const WholeBody& body,
-                     const WholeSettings& settings, const GateSettings& gate = {});
+                     const Settings& settings);
 /// The same of recordings in memory.
 WholeData judge_whole(const std::vector<recording::Recording>& recordings, const WholeBody& body,
-                      const WholeSettings& settings, const GateSettings& gate = {});
+                      const Settings& settings);
 
 }  // namespace sanso::diagnose

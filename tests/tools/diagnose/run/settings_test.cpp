@@ -34,6 +34,21 @@ TEST(DiagnoseSettings, DefaultsAreInsideTheirRangesAndEveryOneSaysWhy) {
   });
 }
 
+TEST(DiagnoseSettings, HalfAndTwiceOfWhatAFloatingBaseIsAskedWithAreAllowed) {
+  for (const double factor : {0.5, 2.0}) {
+    Settings settings;
+    const auto scale = [&](const char* key, auto& value, const char*, auto low, auto high,
+                           const char*) {
+      const double scaled = factor * static_cast<double>(value);
+      EXPECT_GE(scaled, static_cast<double>(low)) << key;
+      EXPECT_LE(scaled, static_cast<double>(high)) << key;
+      value = static_cast<std::decay_t<decltype(value)>>(scaled);
+    };
+    settings.base.visit(scale), settings.whole.visit(scale);
+    EXPECT_NO_THROW(require_in_range(settings));
+  }
+}
+
 TEST(DiagnoseSettings, OutOfRangeAndNotANumberAreRefusedBeforeAnythingRuns) {
   DiagnoseOptions options;
   options.settings.data.shot_seconds = NAN;

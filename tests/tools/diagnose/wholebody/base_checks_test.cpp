@@ -48,8 +48,9 @@ void scale(recording::Recording& r, const std::string& kind, double factor) {
   }
 }
 
-std::vector<Defect> defects(const recording::Recording& r, const char* urdf = kBall) {
-  return judge_whole({r}, body_of("", urdf), {}).defects;
+std::vector<Defect> defects(const recording::Recording& r, const char* urdf = kBall,
+                            const Settings& settings = {}) {
+  return judge_whole({r}, body_of("", urdf), settings).defects;
 }
 
 TEST(BaseChecks, AHealthyRecordingPasses) {
@@ -65,15 +66,16 @@ TEST(BaseChecks, SignsOfAQuaternionMayFlip) {
   EXPECT_TRUE(defects(r).empty());
 }
 
-TEST(BaseChecks, EveryKindOfBreakIsNamed) {
-  struct Case {
-    const char* what;
-    std::function<void(recording::Recording&)> broken;
-    const char *channel, *defect;
-  };
-  const Case cases[] = {
+struct Case {
+  const char* what;
+  std::function<void(recording::Recording&)> broken;
+  const char *channel, *defect;
+};
+
+std::vector<Case> cases() {
+  return {
       {"x y z w",
-       [&](auto& r) {
+       [](auto& r) {
          const recording::Recording was = r;
          const char* order[] = {"x", "y", "z", "w"};
          const char* names[] = {"w", "x", "y", "z"};
@@ -118,7 +120,10 @@ TEST(BaseChecks, EveryKindOfBreakIsNamed) {
        [](auto& r) { put(r, "imu_acc", "xyz", [](auto, auto i) { return i == 2 ? 1.0 : 0.0; }); },
        "imu_acc:x", defect::kWrongUnit},
   };
-  for (const Case& c : cases) {
+}
+
+TEST(BaseChecks, EveryKindOfBreakIsNamed) {
+  for (const Case& c : cases()) {
     recording::Recording r = carried();
     c.broken(r);
     const auto found = defects(r);
@@ -127,6 +132,41 @@ TEST(BaseChecks, EveryKindOfBreakIsNamed) {
     EXPECT_EQ(found.front().channel, c.channel) << c.what;
     EXPECT_FALSE(found.front().message.empty());
   }
+}
+
+/// Calls see(name, settings) with every threshold of the checks halved, and doubled.
+void for_half_and_twice(const std::function<void(const std::string&, const Settings&)>& see) {
+  BaseSettings all;
+  int count = 0;
+  all.visit([&](const char*, auto&, auto&&...) { ++count; });
+  for (const double factor : {0.5, 2.0}) {
+    for (int which = 0; which < count; ++which) {
+      Settings s;
+      std::string name;
+      int at = 0;
+      s.base.visit([&](const char* key, auto& value, auto&&...) {
+        if (at++ != which) return;
+        name = std::string(key) + (factor < 1.0 ? " halved" : " doubled");
+        value = static_cast<std::decay_t<decltype(value)>>(value * factor);
+      });
+      see(name, s);
+    }
+  }
+}
+
+TEST(BaseChecks, NoAnswerHangsOnAThreshold) {
+  const recording::Recording healthy = carried();
+  for_half_and_twice([&](const std::string& name, const Settings& settings) {
+    const auto none = defects(healthy, kBall, settings);
+    EXPECT_TRUE(none.empty()) << name << ": " << none.front().message;
+    for (const Case& c : cases()) {
+      recording::Recording r = healthy;
+      c.broken(r);
+      const auto found = defects(r, kBall, settings);
+      ASSERT_FALSE(found.empty()) << name << ": " << c.what;
+      EXPECT_EQ(found.front().defect, c.defect) << name << ": " << c.what;
+    }
+  });
 }
 
 TEST(BaseChecks, AngularVelocityInWorldAxesIsToldFromBaseAxes) {
@@ -149,8 +189,8 @@ TEST(BaseChecks, JointsThatCarryMuchHaveToBeRecorded) {
   const auto found = defects(carried(), kTwoLegs);
   EXPECT_TRUE(found.empty()) << "two feet are a fifth of the mass: " << found.front().message;
   const WholeBody body = body_of("", kTwoLegs);
-  WholeSettings strict;
-  strict.unrecorded_mass = 0.1;
+  Settings strict;
+  strict.base.unrecorded_mass = 0.1;
   const auto refused = judge_whole({carried()}, body, strict).defects;
   ASSERT_FALSE(refused.empty());
   EXPECT_EQ(refused.front().channel, "q:l");

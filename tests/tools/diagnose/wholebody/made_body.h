@@ -53,7 +53,7 @@ inline double part_of(const Eigen::Quaterniond& q, std::size_t i) {
 inline WholeDiagnosis diagnosed(const WholeBody& body,
                                 const std::vector<recording::Recording>& recordings) {
   const WholeOptions options;
-  return diagnose_whole(options, body, judge_whole(recordings, body, options.whole),
+  return diagnose_whole(options, body, judge_whole(recordings, body, options.settings),
                         [](const std::string&) {});
 }
 
