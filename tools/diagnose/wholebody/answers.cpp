@@ -94,6 +94,11 @@ std::string why_unnamed(const Asked& a, const Measured& m, double off, double su
       m.gain_low);
 }
 
+std::string number_of(const std::string& effect, const std::string& parameter,
+                      const std::vector<std::string>& where) {
+  return effect + "." + parameter + (where.empty() ? "" : " at " + where.front());
+}
+
 }  // namespace
 
 int Samples::groups() const {
@@ -138,8 +143,33 @@ void WholeAnswers::cannot(const std::string& effect, const std::string& because)
   untestable.push_back({effect, because});
 }
 
+void WholeAnswers::widen(const std::string& choice, const WholeAnswers& other,
+                         const Chance& chance) {
+  for (Finding& f : findings) {
+    for (auto& [name, p] : f.parameters) {
+      const std::string number = number_of(f.effect, name, f.where);
+      const auto here = numbers.find(number);
+      const auto there = other.numbers.find(number);
+      if (here == numbers.end() || there == other.numbers.end()) continue;
+      const Measured& m = there->second;
+      const bool missing =
+          std::any_of(other.findings.begin(), other.findings.end(),
+                      [&](const Finding& o) { return o.effect == f.effect && o.where == f.where; });
+      if (!missing && std::find(f.one_of.begin(), f.one_of.end(), choice) == f.one_of.end())
+        f.one_of.push_back(choice);
+      const double apart = std::abs(m.value - here->second.value);
+      if (apart > chance.deviations() * here->second.sigma || m.low < p.low || m.high > p.high)
+        log.push_back(fmt::format("{} = {:.4g} [{:.4g}, {:.4g}] with {}{}", number, m.value, m.low,
+                                  m.high, choice, missing ? "" : ": nothing missing there"));
+      p.low = std::min(p.low, m.low), p.high = std::max(p.high, m.high);
+    }
+    f.status = status_of(f);
+  }
+}
+
 Said WholeAnswers::judge(const Asked& a, const Measured& m, const Chance& chance) {
   ++asked;
+  numbers[number_of(a.effect, a.parameter, a.where)] = m;
   const double surely = chance.deviations() * m.sigma;
   const double off = std::abs(m.value - a.nominal);
   const std::string where = a.where.empty() ? std::string() : " at " + a.where.front();

@@ -65,11 +65,15 @@ struct WholeAnswers {
   std::vector<std::string> notes, log;
   std::map<std::string, FitScore> scores;   // by channel, on data that were not fitted
   int asked = 0;                            // numbers that these data could answer
+  std::map<std::string, Measured> numbers;  // all that were judged, by "effect.parameter at place"
 
   /// Adds a finding where the number is further from nominal than its tolerance and chance allow,
   /// else a note or the smallest size that would have been seen.
   Said judge(const Asked& asked, const Measured& m, const Chance& chance);
   void cannot(const std::string& effect, const std::string& because);
+  /// The same questions with another choice of a term that they do not ask for: intervals take in
+  /// what it says, and a name that it does without has `choice` for a rival.
+  void widen(const std::string& choice, const WholeAnswers& other, const Chance& chance);
 };
 
 }  // namespace sanso::diagnose

@@ -9,6 +9,7 @@
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/plain_words.h"
+#include "tools/diagnose/wholebody/choices.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -83,6 +84,24 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
   return v;
 }
 
+/// The questions about impulses again, as if what they rest on were something else.
+void ask_otherwise(const Asking& asking, const Known& before, WholeAnswers& answers,
+                   const std::function<void(const std::string&)>& progress) {
+  if (answers.findings.empty() || asking.body.model.tree.size() > 0) return;
+  const auto fall = answers.numbers.find("pose_scale.scale at " + asking.body.root);
+  std::optional<Measured> fallen;
+  if (fall != answers.numbers.end()) fallen = fall->second;
+  for (const Choice& c : other_choices(asking, before, fallen)) {
+    progress("asks again with " + c.name);
+    Asking other{c.body,           c.recordings,      c.known,    c.settings,
+                 asking.decisions, asking.tolerances, asking.seed};
+    WholeAnswers said;
+    Patch none;
+    ask_hits(other, said, none);
+    answers.widen(c.name, said, asking.chance());
+  }
+}
+
 Defect nothing_to_ask(const WholeData& data, const WholeAnswers& answers) {
   std::string why;
   for (const Untestable& u : answers.untestable)
@@ -109,6 +128,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   Known known = apply_effects(nominal);
   WholeAnswers answers;
   Patch patch;
+  const Known before = known;
   const auto asking = [&] {
     const Settings& s = options.settings;
     return Asking{nominal,     data.recordings, known,       s.whole,
@@ -125,6 +145,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   ask_imu(asking(), answers, patch);
   progress("asks: do standing soles lie flat, and stay?");
   ask_soles(asking(), answers, patch);
+  ask_otherwise(asking(), before, answers, progress);
   if (answers.asked == 0) return refused({nothing_to_ask(data, answers)});
   say_limits(data, body, answers);
   WholeDiagnosis out;

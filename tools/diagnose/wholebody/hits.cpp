@@ -176,7 +176,8 @@ void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
                             "touchdown",
                             stated,
                             asking.settings.restitution,
-                            {},
+                            // velocities on both sides of a hit are the same for a spring
+                            {"contact_compliance"},
                             "rebound"},
                            *m, asking.chance()) == Said::missing) {
     patch.restitution = std::clamp(m->value, 0.0, 1.0);
