@@ -175,9 +175,11 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   if (losing.empty()) return std::nullopt;
   const std::optional<std::size_t> candidate = smallest_at(library, candidates, losing);
   if (!candidate) return std::nullopt;
-  // what merely looks like holds shows in the worst shots already: no need to look through the rest
-  if (misfit(hunt, losing) > 2.0 * around.settings().decisions.standard_errors)
-    return score_of(hunt, *candidate, losing);
+  // what merely looks like holds shows in the worst shots already, and so do losses that no jump of
+  // the command would show: no need to look through the rest
+  LossScore worst = score_of(hunt, *candidate, losing);
+  if (worst.seen == 0 || worst.misfit > 2.0 * around.settings().decisions.standard_errors)
+    return worst;
   hunt.forget_nuisances();
   for (const std::size_t joint : losing) hunt.take_all(joint);
   for (int pass = 0; pass < around.settings().chance.loss_refits; ++pass) {
