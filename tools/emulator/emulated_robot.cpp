@@ -27,6 +27,7 @@ static_assert(kNumServos == plant::kNumServos);
 constexpr Nanoseconds kStep = from_seconds(plant::kPhysicsStep_s);
 // the person lets go this long after the legs hold torque
 constexpr Nanoseconds kHelperDelay = 1 * kSecond;
+constexpr double kCopper_C = 25.0;  // at which the data sheet's resistance holds
 constexpr std::array<int, 12> kLegServoIds{7, 9, 11, 13, 15, 17, 8, 10, 12, 14, 16, 18};
 constexpr double kDeg = plant::kPi / 180.0;
 constexpr plant::Vec3 kGravity{0, 0, -9.81};
@@ -122,6 +123,8 @@ struct EmulatedRobot::Impl {
     for (int i = 0; i < kNumServos; ++i) {
       Servo& servo = *servos[i];
       servo.set_power(board.servo_power(), now);
+      if (world.servo.copper_per_K > 0.0)
+        body.set_winding(i, 1.0 + world.servo.copper_per_K * (servo.temperature_C() - kCopper_C));
       const ServoSense sense{body.link_angle(i) + horn_error[i] + zero_offset[i], body.link_rate(i),
                              body.gear(i).current_A, body.supply_V()};
       const ServoDrive drive = servo.update(now, period, sense);
@@ -269,6 +272,20 @@ void EmulatedRobot::set_up(const ServoSetup& setup) {
 void EmulatedRobot::set_line_baud(std::int64_t baud) {
   impl_->bus->set_baud(baud);
   for (const auto& servo : impl_->servos) servo->set_line_baud(baud);
+}
+
+plant::Condition EmulatedRobot::condition() const {
+  plant::Condition now;
+  for (std::size_t i = 0; i < now.temperature_C.size(); ++i)
+    now.temperature_C[i] = impl_->servos[i]->temperature_C();
+  now.used_Ah = impl_->body.used_charge();
+  return now;
+}
+
+void EmulatedRobot::begin_rested(const plant::Condition& before) {
+  for (std::size_t i = 0; i < before.temperature_C.size(); ++i)
+    impl_->servos[i]->set_temperature(Servo::cooled(before.temperature_C[i], impl_->world.rest_s));
+  impl_->body.set_used_charge(before.used_Ah);
 }
 
 void EmulatedRobot::press(std::uint8_t buttons) { impl_->board.press(buttons); }

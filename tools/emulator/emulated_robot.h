@@ -124,6 +124,11 @@ class EmulatedRobot {
   /// The speed at which the master talks from now on.
   void set_line_baud(std::int64_t baud);
 
+  /// Heat and charge, as they are now; and a robot that begins with those of an earlier one, rested
+  /// for the world's rest_s.
+  plant::Condition condition() const;
+  void begin_rested(const plant::Condition& before);
+
   FaultPlan& faults();
   Truth truth() const;
   const plant::World& world() const;

@@ -211,6 +211,12 @@ void Servo::publish(Nanoseconds now, const ServoSense& sense, std::int32_t posit
   registers_.set(xm::kRegisteredInstruction, held_.empty() ? 0 : 1);
 }
 
+double Servo::cooled(double celsius, double seconds) {
+  constexpr double kIdle_C = kAmbient_C + kHeatResistance_K_W * kStandBy_W;
+  return kIdle_C +
+         (celsius - kIdle_C) * std::exp(-seconds / (kHeatCapacity_J_K * kHeatResistance_K_W));
+}
+
 /// Heat, overload, supply: the conditions of Hardware Error Status.
 void Servo::watch(double period_s, const ServoSense& sense) {
   const double heat_W = sense.current_A * sense.current_A * parameters_.resistance_ohm + kStandBy_W;

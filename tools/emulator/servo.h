@@ -52,6 +52,8 @@ class Servo final : public BusDevice {
   /// Shuts down by overload as soon as it has booted for the first time.
   void shut_down_once() { shut_down_once_ = true; }
   void set_temperature(double celsius) { temperature_C_ = celsius; }
+  /// What is left of a temperature after so long without torque [C].
+  static double cooled(double celsius, double seconds);
   void set_cable(bool connected) { connected_ = connected; }
 
   bool torque_on() const { return registers_.get(servo_bus::xm430::kTorqueEnable) != 0; }

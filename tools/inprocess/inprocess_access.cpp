@@ -2,11 +2,17 @@
 // recorded truth to the episode.
 #include "tools/inprocess/inprocess_access.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "tools/inprocess/truth_frame.h"
 
 namespace sanso::inprocess {
+namespace {
+
+constexpr std::size_t kConditionSize = 20 + 1;  // temperatures, charge
+
+}  // namespace
 
 InProcessAccess::InProcessAccess(const std::string& world, const firmware::Settings& settings)
     : world_(plant::load_world(world)), settings_(settings), key_(wire::random_key()) {}
@@ -18,6 +24,11 @@ link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t see
   for (int j = 0; j < model::kNumJoints; ++j)
     legs[static_cast<std::size_t>(j)] = x[model::kXJoint + j];
   robot_->robot().place(emulator::with_legs(legs));
+  if (plant::Condition before; world_.tires() && condition_.size() == kConditionSize) {
+    std::copy_n(condition_.begin(), before.temperature_C.size(), before.temperature_C.begin());
+    before.used_Ah = condition_.back();
+    robot_->robot().begin_rested(before);
+  }
   if (prepare_) prepare_(*robot_);
   link_ = std::make_unique<link::RobotLink>(*robot_, *robot_, key_);
   if (link_->open() != Status::ok)
@@ -32,6 +43,14 @@ link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t see
     link_->wait_observation(give_up);
   }
   return *link_;
+}
+
+std::vector<double> InProcessAccess::condition() const {
+  if (!robot_ || !world_.tires()) return {};
+  const plant::Condition now = robot_->robot().condition();
+  std::vector<double> values(now.temperature_C.begin(), now.temperature_C.end());
+  values.push_back(now.used_Ah);
+  return values;
 }
 
 void InProcessAccess::add_measurements(learn::Episode& episode) {

@@ -16,6 +16,9 @@ class InProcessAccess : public learn::RobotAccess {
   /// Throws plant::WorldError when there is no such world.
   explicit InProcessAccess(const std::string& world, const firmware::Settings& settings = {});
   link::RobotLink& place(const model::State& x, std::uint64_t seed) override;
+  /// Heat and charge, in a world that tires.
+  std::vector<double> condition() const override;
+  void set_condition(const std::vector<double>& values) override { condition_ = values; }
   void add_measurements(learn::Episode& episode) override;
   std::string description() const override { return "in-process, world " + world_.name; }
   std::string world_file() const override { return plant::to_toml(world_); }
@@ -28,6 +31,7 @@ class InProcessAccess : public learn::RobotAccess {
   plant::World world_;
   firmware::Settings settings_;
   std::function<void(InProcessRobot&)> prepare_;
+  std::vector<double> condition_;  // of the robot before; empty: a new one
   wire::Key key_{};
   std::unique_ptr<InProcessRobot> robot_;
   std::unique_ptr<link::RobotLink> link_;

@@ -72,10 +72,17 @@ struct Plant::Impl {
       // the bridge draws in proportion to its duty
       battery_current += std::max(0.0, duty[i] * gear.current_A);
     }
-    const double loaded =
-        supply_override >= 0 ? supply_override
-                             : world.supply.voltage_V - world.supply.internal_ohm * battery_current;
+    const double loaded = supply_override >= 0
+                              ? supply_override
+                              : open_voltage() - world.supply.internal_ohm * battery_current;
+    used_Ah += battery_current * kPhysicsStep_s / 3600.0;
     supply += (loaded - supply) * kPhysicsStep_s / kSupplyFilter_s;
+  }
+
+  double open_voltage() const {
+    const SupplyParameters& s = world.supply;
+    if (s.charge_Ah <= 0.0) return s.voltage_V;
+    return s.voltage_V - (s.voltage_V - s.empty_V) * std::min(1.0, used_Ah / s.charge_Ah);
   }
 
   /// Of a robot on a stand: every link by itself, as a mass on its gear.
@@ -157,6 +164,7 @@ struct Plant::Impl {
   std::array<int, 2> foot{};
   int torso = 0;
   double supply = 12;
+  double used_Ah = 0.0;
   double supply_override = -1;
   bool held = false;
   std::array<double, 7> held_pose{};
@@ -177,6 +185,16 @@ void Plant::set_coast(int servo) {
   impl_->duty[servo] = 0;
   impl_->powered[servo] = false;
 }
+
+void Plant::set_winding(int servo, double resistance_share) {
+  impl_->parameters[servo].resistance_ohm = impl_->world.servo.resistance_ohm * resistance_share;
+}
+
+void Plant::set_used_charge(double used_Ah) {
+  impl_->used_Ah = used_Ah;
+  impl_->supply = impl_->open_voltage();
+}
+double Plant::used_charge() const { return impl_->used_Ah; }
 
 void Plant::override_supply(double volt) { impl_->supply_override = volt; }
 

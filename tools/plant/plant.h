@@ -36,6 +36,11 @@ class Plant {
   /// Bridge of a servo: duty -1..1, or open.
   void set_duty(int servo, double duty);
   void set_coast(int servo);
+  /// Resistance of a servo's winding, share of that at 25 degrees.
+  void set_winding(int servo, double resistance_share);
+  /// Charge that the battery has given so far [Ah].
+  void set_used_charge(double used_Ah);
+  double used_charge() const;
   /// Overrides the supply (brown-out); a negative value gives it back to the battery.
   void override_supply(double volt);
 

@@ -127,6 +127,7 @@ void visit_servo(const auto& t, auto& s) {
   t.number("command_delay_s", s.command_delay_s, 0, 0.1);
   t.number("sensor_delay_s", s.sensor_delay_s, 0, 0.06);
   t.number("velocity_filter_s", s.velocity_filter_s, 0.0005, 0.1);
+  t.number("copper_per_K", s.copper_per_K, 0, 0.01);
 }
 
 void visit_ground(const auto& t, auto& g) {
@@ -151,6 +152,7 @@ void visit_wheels(const auto& t, auto& w) {
 void visit_world(const auto& t, auto& world) {
   t.text("name", world.name);
   t.choice("feet", world.feet, {"soles", "wheels"});
+  t.number("rest_s", world.rest_s, 0, 86400);
   t.table("body", [&](const auto& b) {
     b.number("torso_extra_mass_kg", world.body.torso_extra_mass_kg, -0.5, 2);
     b.vector("torso_com_offset_m", world.body.torso_com_offset_m, 0.1);
@@ -162,6 +164,8 @@ void visit_world(const auto& t, auto& world) {
   t.table("supply", [&](const auto& s) {
     s.number("voltage_V", world.supply.voltage_V, 9, 16);
     s.number("internal_ohm", world.supply.internal_ohm, 0, 2);
+    s.number("charge_Ah", world.supply.charge_Ah, 0, 100);
+    s.number("empty_V", world.supply.empty_V, 5, 16);
   });
   t.table("ground", [&](const auto& g) { visit_ground(g, world.ground); });
   t.table("wheels", [&](const auto& w) { visit_wheels(w, world.wheels); });
@@ -204,8 +208,8 @@ World load_named(const std::string& name_or_path) {
   std::ifstream file(name_or_path);
   if (!file) {
     throw WorldError(fmt::format(
-        "world '{}': expected nominal, lab, hard, back, worst, hung, seed:N, honest:N or the path "
-        "of a TOML file",
+        "world '{}': expected nominal, lab, hard, back, worst, tired, hung, seed:N, honest:N or "
+        "the path of a TOML file",
         name_or_path));
   }
   std::ostringstream text;

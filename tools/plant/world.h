@@ -3,6 +3,7 @@
 // world costs that world no random number: what is added here changes no world that lacks it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -51,11 +52,22 @@ struct ServoParameters {
   // age of position, velocity, current when they reach the registers
   double sensor_delay_s = 0.0;
   double velocity_filter_s = 0.01;  // time constant of Present Velocity
+  // relative rise of the winding's resistance per kelvin above 25 degrees (copper: 0.0039); 0: heat
+  // changes nothing
+  double copper_per_K = 0.0;
 };
 
 struct SupplyParameters {
   double voltage_V = 12.0;    // open circuit
   double internal_ohm = 0.0;  // battery and cables: sag per ampere
+  double charge_Ah = 0.0;     // of a full battery; 0: it never empties
+  double empty_V = 9.9;       // open circuit, without any charge; in between on a straight line
+};
+
+/// What a robot keeps from one trial to the next.
+struct Condition {
+  std::array<double, 20> temperature_C{};  // of the servos, index = servo id - 1
+  double used_Ah = 0.0;                    // of the battery's charge
 };
 
 struct GroundParameters {
@@ -118,11 +130,15 @@ struct World {
   WheelParameters wheels;
   ImuParameters imu;
   PoseParameters pose;
+  double rest_s = 30.0;  // from the end of a trial to the next robot: servos cool, with torque off
+
+  /// Heat or charge make a difference from trial to trial.
+  bool tires() const { return servo.copper_per_K > 0.0 || supply.charge_Ah > 0.0; }
 };
 
-/// "nominal", "lab", "hard", "back", "worst", "hung" (files of worlds/), "seed:17" or "honest:17"
-/// (drawn), or the path of a TOML file; "lab+ramp" is lab on the ground `ramp` (or a profile file),
-/// "lab+ramp+wheels" on wheels as well. Throws WorldError.
+/// "nominal", "lab", "hard", "back", "worst", "tired", "hung" (files of worlds/), "seed:17" or
+/// "honest:17" (drawn), or the path of a TOML file; "lab+ramp" is lab on the ground `ramp` (or a
+/// profile file), "lab+ramp+wheels" on wheels as well. Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.

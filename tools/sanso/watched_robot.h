@@ -26,6 +26,8 @@ class WatchedRobot : public learn::RobotAccess {
   link::RobotLink& place(const model::State& x, std::uint64_t seed) override {
     return robot_->place(x, seed);
   }
+  std::vector<double> condition() const override { return robot_->condition(); }
+  void set_condition(const std::vector<double>& values) override { robot_->set_condition(values); }
   void add_measurements(learn::Episode& episode) override { robot_->add_measurements(episode); }
   std::string description() const override { return robot_->description(); }
   std::string world_file() const override { return robot_->world_file(); }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "host/learn/episodes/episode.h"
 #include "host/link/robot_link.h"
@@ -16,6 +17,10 @@ class RobotAccess {
   /// an emulated robot.
   /// Throws std::runtime_error when there is no such robot.
   virtual link::RobotLink& place(const model::State& x, std::uint64_t seed) = 0;
+  /// What of the robot outlives a trial (an emulated one's heat and charge), as numbers that only
+  /// it reads: the session stores them and gives them back before the next place(). Empty: nothing.
+  virtual std::vector<double> condition() const { return {}; }
+  virtual void set_condition(const std::vector<double>&) {}
   /// Adds to an episode what only the world knows (foot forces); nothing on a robot that does not
   /// measure them.
   virtual void add_measurements(Episode& episode) = 0;

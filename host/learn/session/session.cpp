@@ -196,12 +196,14 @@ TrialSummary Session::run_one() {
   setup.sigma = state_->sigma;
   setup.duration_ticks = state_->primitives.duration_ticks();
 
+  robot_.set_condition(state_->robot);
   link::RobotLink& link =
       robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
   Episode episode = run_episode(link, setup);
   episode.trial = trial;
   episode.seed = settings_.seed;
   robot_.add_measurements(episode);
+  state_->robot = robot_.condition();
 
   TrialSummary summary = summarize(episode, *rounded_middle);
   summary.sigma = setup.sigma;

@@ -12,7 +12,7 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kMagic[] = "SANSOSES";
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 
 void visit_summary(auto& s, auto&& io) {
   io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss),
@@ -91,6 +91,8 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
   out.put(state.residual.share);
   out.put(state.residual.ceiling);
   put_learned(out, state);
+  out.put(static_cast<std::uint32_t>(state.robot.size()));
+  for (double v : state.robot) out.put(v);
   out.put(static_cast<std::uint32_t>(state.history.size()));
   for (const TrialSummary& s : state.history) {
     visit_summary(s, [&](const auto& v) { out.put(v); });
@@ -111,6 +113,8 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
   in.get(state.residual.share);
   in.get(state.residual.ceiling);
   get_learned(in, state);
+  state.robot.resize(in.read<std::uint32_t>());
+  for (double& v : state.robot) in.get(v);
   state.history.resize(in.read<std::uint32_t>());
   for (TrialSummary& s : state.history) {
     visit_summary(s, [&](auto& v) { in.get(v); });

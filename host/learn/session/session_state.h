@@ -50,6 +50,7 @@ struct SessionState {
   ResidualTrust residual;           // in that model's network, after the newest trial
   policy::PrimitiveSet primitives;  // goals as adapted so far
   policy::MiddleTable middle;       // full precision; the controller gets it rounded
+  std::vector<double> robot;        // its condition after the newest trial (robot_access.h)
   std::vector<TrialSummary> history;
 };
 

@@ -28,7 +28,7 @@ std::vector<std::uint64_t> run_session(
     const std::function<bool()>& stop = [] { return false; }) {
   const motion::Motion stand = motion::MotionLibrary().load("stand");
   learn::Task task{"stand", stand.primitives, stand.weights, {}};
-  inprocess::InProcessAccess robot("lab");
+  inprocess::InProcessAccess robot("tired");  // heat and charge have to be stored too
   mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
   learn::SessionSettings settings;
   settings.iterations = iterations;

@@ -30,6 +30,40 @@ TEST(EmulatedRobot, StandsInEveryWorldWithoutHelp) {
   }
 }
 
+TEST(EmulatedRobot, HeatAndChargeOutliveARobot) {
+  EmulatedRobot first(plant::load_world("tired"), 1);
+  let_stand(first);
+  const plant::Condition after = first.condition();
+  EXPECT_GT(after.used_Ah, 1e-5);
+  EXPECT_LT(after.used_Ah, 1e-2);
+
+  plant::Condition tired = after;
+  tired.temperature_C.fill(70.0);
+  tired.used_Ah = 1.5;
+  EmulatedRobot next(plant::load_world("tired"), 1);
+  next.begin_rested(tired);
+  const plant::Condition rested = next.condition();
+  EXPECT_LT(rested.temperature_C[12], 69.0) << "it cools between trials";
+  EXPECT_GT(rested.temperature_C[12], 60.0) << "not in twenty seconds";
+  EXPECT_EQ(rested.used_Ah, 1.5) << "a battery does not rest";
+  EXPECT_NEAR(next.truth().supply_V, 12.4 - 2.2 * 1.5 / 1.8, 0.05);
+
+  // weaker copper, less voltage: the same targets carry the robot less high
+  let_stand(next);
+  EXPECT_LT(next.truth().p_world_base[2], first.truth().p_world_base[2] - 0.0003);
+}
+
+TEST(EmulatedRobot, WithoutHeatInItsWorldNothingChanges) {
+  plant::Condition tired;
+  tired.temperature_C.fill(60.0);
+  tired.used_Ah = 1.0;
+  EmulatedRobot cold(plant::load_world("lab"), 1), warm(plant::load_world("lab"), 1);
+  warm.begin_rested(tired);
+  let_stand(cold);
+  let_stand(warm);
+  EXPECT_EQ(cold.truth().q, warm.truth().q);
+}
+
 TEST(EmulatedRobot, LimpRobotStaysInTheHandsThatHoldIt) {
   EmulatedRobot robot(plant::load_world("lab"), 1);
   robot.advance(2 * kSecond);

@@ -54,7 +54,7 @@ TEST(World, DrawnWorldsStayInTheirRangesAndCompile) {
 }
 
 TEST(World, AWrittenWorldIsReadBackToTheLastBit) {
-  for (const char* name : {"nominal", "lab", "worst", "seed:3", "honest:1", "honest:2"}) {
+  for (const char* name : {"nominal", "lab", "worst", "tired", "seed:3", "honest:1", "honest:2"}) {
     const World w = load_world(name);
     const World again = parse_world(to_toml(w), name);
     EXPECT_EQ(to_toml(again), to_toml(w)) << name;
