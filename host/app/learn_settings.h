@@ -19,6 +19,7 @@ struct LearnSettings {
     section("mpc", mpc);
     section("session", session);
     section("trial", session.trial);
+    section("bring_up", session.bring_up);
     section("middle", session.middle);
     section("goals", session.goals);
     section("model", session.model);

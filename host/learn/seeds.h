@@ -8,7 +8,13 @@
 
 namespace sanso::learn {
 
-enum class Stream : std::uint64_t { robot = 1, identification = 2, residual = 3, pushes = 4 };
+enum class Stream : std::uint64_t {
+  robot = 1,
+  identification = 2,
+  residual = 3,
+  pushes = 4,
+  bring_up = 5
+};
 
 /// Neighbouring inputs, zero included, give unrelated outputs.
 constexpr std::uint64_t mixed(std::uint64_t z) { return math::splitmix(z + math::kSplitmixStep); }

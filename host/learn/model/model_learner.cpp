@@ -84,6 +84,20 @@ std::vector<PredictionWindow> ModelLearner::learning_windows(const Episode& epis
   return windows;
 }
 
+ModelLearner::Start ModelLearner::begin_at(const Eigen::VectorXd& z,
+                                           const std::vector<PredictionWindow>& windows) {
+  Start start;
+  if (windows.empty()) return start;
+  host::AugmentedModel m = initial_;
+  m.analytical = model::make_step_model(map_.parameters(z));
+  m.analytical.contact = initial_.analytical.contact;
+  start.loss_initial = n_step_loss(windows, initial_.analytical, initial_.ground, weights_);
+  start.loss = n_step_loss(windows, m.analytical, m.ground, weights_);
+  start.used = start.loss < start.loss_initial;
+  if (start.used) z_ = z;
+  return start;
+}
+
 /// The newest episodes that have something to learn from: not those that fell at once.
 std::vector<Episode> ModelLearner::usable(const std::vector<Episode>& all) const {
   const auto keep = std::min(all.size(), static_cast<std::size_t>(settings_.newest_episodes));

@@ -91,6 +91,16 @@ class ModelLearner {
   /// Empty for an episode without a window of N steps: nothing is known of a model then.
   std::optional<ModelLosses> losses(const Episode& episode) const;
 
+  const ParameterMap& parameters() const { return map_; }
+
+  /// N-step losses of the initial parameters and of others on the same windows.
+  struct Start {
+    double loss_initial = 0.0, loss = 0.0;
+    bool used = false;
+  };
+  /// Before any round: begins at `z`, when it predicts `windows` better than the initial model.
+  Start begin_at(const Eigen::VectorXd& z, const std::vector<PredictionWindow>& windows);
+
   /// Learns from the newest of `episodes` (ascending); from those that failed also what came before
   /// the fall, however short, and the hold before the trial. Fewer than two usable episodes:
   /// nothing is learned, nothing changes.

@@ -34,13 +34,13 @@ fs::path episode_file(const fs::path& out, std::uint32_t trial) {
 
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
-  return fmt::format("motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}",
-                     task.name, s.seed, s.world, s.layers.mask(),
-                     s.layers.residual ? "" : " no-residual",
-                     s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
-                     s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
-                     s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures,
-                     s.changed.empty() ? "" : " set " + s.changed);
+  return fmt::format(
+      "motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}{}", task.name,
+      s.seed, s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
+      s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
+      s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
+      s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures,
+      s.bring_up.on ? " bring-up" : "", s.changed.empty() ? "" : " set " + s.changed);
 }
 
 ModelLearningSettings model_settings_of(const SessionSettings& settings) {
@@ -153,7 +153,7 @@ Session::Session(const Task& task, const SessionSettings& settings, RobotAccess&
     if (state_->identity != identity)
       throw std::runtime_error(fmt::format("{}: cannot resume: it holds \"{}\", asked for \"{}\"",
                                            settings_.out.string(), state_->identity, identity));
-    if (state_->model_rounds > 0) {
+    if (state_->model_rounds > 0 || fs::exists(model_file(settings_.out, 0))) {
       learner_.load(model_file(settings_.out, state_->model_rounds));
       learner_.set_residual_trust(state_->residual);
       upper_.set_model(learner_.current());
@@ -173,8 +173,22 @@ Session::~Session() = default;
 
 void Session::run(const std::function<void(const TrialSummary&)>& after_trial,
                   const std::function<bool()>& stop) {
+  if (settings_.bring_up.on && state_->next_trial == 0 && state_->history.empty()) bring_up();
   while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop())
     after_trial(run_one());
+}
+
+/// The model that trial 1 plans with, from poses that were held. A robot that falls in them tells
+/// what it showed until then; one that cannot be armed will say so again in its first trial.
+void Session::bring_up() {
+  link::RobotLink& link =
+      robot_.place(shifted_stand({}), derived_seed(settings_.seed, 0, Stream::bring_up));
+  const HeldPoses held = hold_poses(link, settings_.bring_up, settings_.trial);
+  const BringUpModel model = begin_with(held, settings_.bring_up.balance, learner_);
+  state_->robot = robot_.condition();
+  learner_.save(model_file(settings_.out, 0));
+  upper_.set_model(learner_.current());
+  write_bring_up(settings_.out / "bring_up.json", held, model);
 }
 
 TrialSummary Session::run_one() {

@@ -10,6 +10,7 @@
 #include "host/learn/layers/goal_adaptation.h"
 #include "host/learn/layers/middle_layer.h"
 #include "host/learn/model/model_learner.h"
+#include "host/learn/session/bring_up.h"
 #include "host/learn/session/robot_access.h"
 #include "host/learn/session/session_state.h"
 #include "host/learn/session/trial.h"
@@ -42,6 +43,7 @@ struct SessionSettings {
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
   TrialSettings trial;
+  BringUpSettings bring_up;
 
   /// The session's own; its parts have lists of their own.
   constexpr void visit(auto&& field) {
@@ -73,6 +75,7 @@ class Session {
   int finished_before() const { return finished_before_; }
 
  private:
+  void bring_up();
   TrialSummary run_one();
   void learn_from(const Episode& episode, const std::vector<model::State>& reference);
   bool time_to_learn_model() const;

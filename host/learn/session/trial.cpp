@@ -33,12 +33,6 @@ void require(Status status, const char* what, const link::RobotLink& robot) {
   throw TrialError(message);
 }
 
-void upload_primitives(link::RobotLink& robot, const policy::PrimitiveSet& set) {
-  std::vector<std::uint8_t> bytes(policy::kMaxPrimitiveBytes);
-  bytes.resize(policy::to_bytes(set, bytes));
-  require(robot.upload(wire::UploadKind::primitives, bytes), "upload of the primitives", robot);
-}
-
 void wait_for_state(link::RobotLink& robot, SupervisorState wanted, double patience_s,
                     const char* what) {
   const Nanoseconds give_up = robot.clock().now() + from_seconds(patience_s);
@@ -265,6 +259,12 @@ Episode Trial::run() {
 }
 
 }  // namespace
+
+void upload_primitives(link::RobotLink& robot, const policy::PrimitiveSet& set) {
+  std::vector<std::uint8_t> bytes(policy::kMaxPrimitiveBytes);
+  bytes.resize(policy::to_bytes(set, bytes));
+  require(robot.upload(wire::UploadKind::primitives, bytes), "upload of the primitives", robot);
+}
 
 Preparation prepare_trial(link::RobotLink& robot, const TrialSetup& setup,
                           const TrialSettings& settings) {

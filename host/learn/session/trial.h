@@ -99,6 +99,9 @@ struct FellBefore : TrialError {
 /// Number of the controller's fault for a fallen robot (docs/faults.md).
 inline constexpr std::uint16_t kFaultFallen = 40;
 
+/// Uploads the set and waits until the controller holds it. Throws TrialError when it is refused.
+void upload_primitives(link::RobotLink& robot, const policy::PrimitiveSet& set);
+
 /// Brings the controller from idle to hold in the first pose: uploads, arm, settle, and waits until
 /// the robot is quiet. Throws FellBefore or another TrialError.
 Preparation prepare_trial(link::RobotLink& robot, const TrialSetup& setup,

@@ -48,6 +48,7 @@ TEST(Rescue, ASessionThatOnlyFallsLearnsAfterThreeTrials) {
   mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
   learn::SessionSettings settings;
   settings.iterations = 3;
+  settings.bring_up.on = false;  // it would be pushed there too
   settings.out = temporary.path() / "session";
   learn::Session session(task, settings, robot, upper);
   std::vector<std::uint32_t> rounds;

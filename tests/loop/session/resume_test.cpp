@@ -36,6 +36,8 @@ std::vector<std::uint64_t> run_session(
   settings.out = out;
   settings.resume = resume;
   settings.trial.settle_s = 0.2;
+  settings.bring_up.hold_s = 0.2;  // its model belongs to what is resumed
+  settings.bring_up.measure_s = 0.1;
   learn::Session session(task, settings, robot, upper);
   session.run([](const learn::TrialSummary&) {}, stop);
   std::vector<std::uint64_t> digests{learn::learned_digest(session.state())};
