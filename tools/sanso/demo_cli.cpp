@@ -33,6 +33,7 @@ void add_demo(CLI::App& app, int& result) {
   auto options = std::make_shared<app::LearnOptions>();
   options->robot = "emulated";
   options->out = "out/demo";
+  options->set = {"bring_up.on=false"};  // three quarters of a minute on a real clock
   CLI::App* command = app.add_subcommand(
       "demo", "the main job against the emulated robot: three processes, real clock, ten trials");
   command->add_option("--motion", options->motion, "name of a motion file")->capture_default_str();
