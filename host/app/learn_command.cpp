@@ -6,6 +6,7 @@
 
 #include <stdexcept>
 
+#include "host/app/adopt.h"
 #include "host/app/interrupt.h"
 #include "host/app/motion_judge.h"
 #include "host/learn/session/progress.h"
@@ -17,6 +18,18 @@
 
 namespace sanso::app {
 namespace {
+
+/// The planner's model with what a diagnosis confirmed; says what it took.
+std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model) {
+  if (options.adopt.empty()) return {};
+  model::ModelParameters theta = model::nominal_parameters();
+  const Adoption adoption = adopt(options.adopt, theta);
+  model.analytical = model::make_step_model(theta);
+  if (!options.quiet) fmt::print("{}", told(adoption));
+  std::string names;
+  for (const std::string& name : adoption.adopted) names += (names.empty() ? "" : "; ") + name;
+  return names;
+}
 
 learn::Task task_of(const motion::Motion& motion) {
   return {motion.name, motion.primitives, motion.weights,
@@ -112,8 +125,9 @@ int learn(const LearnOptions& given, const RobotFactory& make_robot) {
   if (options.ground != "plane") options.world += "+" + options.ground;
   (void)settings_of(options, motion, false);  // a wrong name is told before a robot is asked for
   const std::unique_ptr<learn::RobotAccess> robot = make_robot(options);
-  const LearnSettings settings = settings_of(options, motion, robot->real_time());
+  LearnSettings settings = settings_of(options, motion, robot->real_time());
   host::AugmentedModel model;
+  settings.session.adopted = adopt_into(options, model);
   model.ground = grounds::load_ground(options.ground);
   mpc::UpperLayer upper(settings.mpc, model);
   learn::Session session(task_of(motion), settings.session, *robot, upper, model);

@@ -31,6 +31,7 @@ struct LearnOptions {
   int threads = 2;
   std::string profile = "ours";
   std::vector<std::string> set;  // "mpc.horizon=12"
+  std::filesystem::path adopt;   // verdict.json; empty: the planner's own model
   bool quiet = false;
   learn::SessionWatcher* watcher = nullptr;  // may be absent
 };

@@ -60,6 +60,8 @@ void add_learn(CLI::App& app, int& result) {
   command->add_option("--set", options->set,
                       "a setting of planner or session, NAME=VALUE, may be given more than once; "
                       "docs/settings-learn.md has them all");
+  command->add_option("--adopt", options->adopt,
+                      "verdict.json: what it confirmed goes into the planner's first model");
   command->add_flag_callback(
       "--settings",
       [] {
@@ -76,7 +78,8 @@ void add_learn(CLI::App& app, int& result) {
       "  sanso learn --motion stand --iterations 5 --out results/bars --ground plates\n"
       "  sanso learn --motion squat --iterations 20 --out results/paper --profile paper\n"
       "  sanso learn --motion stand --iterations 9 --out results/short --set mpc.horizon=8 "
-      "--set session.learn_after_failures=2");
+      "--set session.learn_after_failures=2\n"
+      "  sanso learn --motion squat --iterations 20 --out named --adopt found/verdict.json");
   auto page_options = std::make_shared<PageOptions>();
   add_page_options(*command, *page_options);
   command->callback([options, page_options, &result] {

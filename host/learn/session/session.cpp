@@ -35,12 +35,13 @@ fs::path episode_file(const fs::path& out, std::uint32_t trial) {
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
   return fmt::format(
-      "motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}{}", task.name,
+      "motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}{}{}", task.name,
       s.seed, s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
       s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
       s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
       s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures,
-      s.bring_up.on ? " bring-up" : "", s.changed.empty() ? "" : " set " + s.changed);
+      s.bring_up.on ? " bring-up" : "", s.changed.empty() ? "" : " set " + s.changed,
+      s.adopted.empty() ? "" : " adopted " + s.adopted);
 }
 
 ModelLearningSettings model_settings_of(const SessionSettings& settings) {

@@ -37,6 +37,7 @@ struct SessionSettings {
   std::string world;    // for the summary
   std::string profile;  // name of a set of settings, for the summary; empty: the defaults
   std::string changed;  // "key=value ..." of settings that are not the defaults
+  std::string adopted;  // what a diagnosis put into the model it begins with
   int learn_model_every = 10;
   int learn_after_failures = 3;
   ModelLearningSettings model;

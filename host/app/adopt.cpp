@@ -1,0 +1,79 @@
+// Only CONFIRMED: a set of names would put one of them where another may be right.
+#include "host/app/adopt.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "host/learn/model/named_figures.h"
+
+namespace sanso::app {
+namespace {
+
+using Json = nlohmann::json;
+
+[[noreturn]] void no_verdict(const std::filesystem::path& file, const std::string& why) {
+  throw std::runtime_error(fmt::format(
+      "{}: {}; expected the verdict.json that sanso diagnose --out wrote", file.string(), why));
+}
+
+Json read(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) no_verdict(file, "no such file");
+  Json verdict = Json::parse(in, nullptr, false);
+  if (!verdict.is_object() || !verdict.contains("findings") || !verdict["findings"].is_array())
+    no_verdict(file, "no findings in it");
+  return verdict;
+}
+
+learn::NamedFigure figure_of(const Json& finding) {
+  learn::NamedFigure out;
+  out.effect = finding.at("effect").get<std::string>();
+  out.where = finding.at("where").get<std::vector<std::string>>();
+  for (const auto& [name, parameter] : finding.at("parameters").items())
+    out.parameters[name] = parameter.at("value").get<double>();
+  return out;
+}
+
+std::string text_of(const learn::NamedFigure& figure) {
+  std::string out = figure.effect;
+  for (std::size_t i = 0; i < figure.where.size(); ++i)
+    out += (i == 0 ? " at " : ", ") + figure.where[i];
+  const char* before = ": ";
+  for (const auto& [name, value] : figure.parameters)
+    out += fmt::format("{}{} {:.6g}", before, name, value), before = ", ";
+  return out;
+}
+
+}  // namespace
+
+Adoption adopt(const std::filesystem::path& file, model::ModelParameters& theta) {
+  Adoption out;
+  const Json verdict = read(file);
+  for (const Json& finding : verdict["findings"]) {
+    try {
+      const learn::NamedFigure figure = figure_of(finding);
+      const std::string status = finding.at("status").get<std::string>();
+      const std::string why =
+          status == "CONFIRMED" ? put_figure(figure, theta) : "its status is " + status;
+      if (why.empty())
+        out.adopted.push_back(text_of(figure));
+      else
+        out.left.push_back(text_of(figure) + " (" + why + ")");
+    } catch (const Json::exception& error) {
+      no_verdict(file, error.what());
+    }
+  }
+  return out;
+}
+
+std::string told(const Adoption& adoption) {
+  std::string out;
+  for (const std::string& line : adoption.adopted) out += "adopted: " + line + "\n";
+  for (const std::string& line : adoption.left) out += "not adopted: " + line + "\n";
+  return out.empty() ? "nothing to adopt: the verdict has no findings\n" : out;
+}
+
+}  // namespace sanso::app
