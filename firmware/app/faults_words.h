@@ -55,8 +55,9 @@ inline constexpr std::array kFaultWords{
         "writes it. A servo in hardware shutdown refuses torque settings: reboot it (F21)."},
     FaultWords{
         Fault::bus_foreign,
-        "Another program is on the servo bus: bytes before the first request (detail: how "
-        "many), or a whole instruction that is not ours. At the start nothing has been sent.",
+        "Another program is on the servo bus: before the first request a whole packet, bytes in "
+        "two ticks or ten at once (detail: how many bytes; a single crackle only makes it listen "
+        "anew), or later a whole instruction that is not ours. At the start nothing has been sent.",
         "stop the other program (on an OP3: the demo service), then clear."},
     FaultWords{
         Fault::over_temperature,

@@ -94,6 +94,11 @@ void LivePage::set_button(const std::string& name, std::function<std::string()> 
     buttons_.erase(name);
 }
 
+void LivePage::emergency_stop_pressed() {
+  viewer_stopped_ = true;
+  pause(true);  // a session that clears the fault and goes on is not what a person means
+}
+
 void LivePage::pause(bool on) {
   paused_ = on;
   const json session = session_json();
@@ -141,12 +146,19 @@ void LivePage::judged(double cost_so_far) {
 }
 
 void LivePage::trial_ended(const learn::TrialSummary& summary) {
+  viewer_stopped_ = false;
   const json trial = trial_json(summary);
   {
     const std::lock_guard lock(session_mutex_);
     trials_.push_back(trial);
   }
   broadcast().publish(event("trial", trial.dump()), false);
+}
+
+bool LivePage::stopped_by_viewer() {
+  if (!viewer_stopped_.exchange(false)) return false;
+  pause(true);  // pressed while it was already going on again
+  return true;
 }
 
 bool LivePage::ends_session() {

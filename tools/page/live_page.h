@@ -50,6 +50,8 @@ class LivePage : public learn::SessionWatcher {
   void set_button(const std::string& name, std::function<std::string()> action);
   /// Holds the session between two trials until somebody presses start.
   void pause(bool on);
+  /// A viewer's emergency stop: pauses, and is remembered until the trial that it meets has ended.
+  void emergency_stop_pressed();
   /// The motion that somebody asked for since the last call; empty: none.
   std::string take_next_motion();
 
@@ -61,6 +63,7 @@ class LivePage : public learn::SessionWatcher {
   void judged(double cost_so_far) override;
   void trial_ended(const learn::TrialSummary& summary) override;
   bool ends_session() override;
+  bool stopped_by_viewer() override;
 
  private:
   static constexpr std::size_t kShown = 19;  // base position, quaternion, joint angles
@@ -94,7 +97,7 @@ class LivePage : public learn::SessionWatcher {
   // shared by those who press a button, for as long as it acts
   mutable std::shared_mutex buttons_mutex_;
   std::map<std::string, std::function<std::string()>> buttons_;
-  std::atomic<bool> paused_{false}, stop_{false};
+  std::atomic<bool> paused_{false}, stop_{false}, viewer_stopped_{false};
   std::unique_ptr<Server> server_;
   std::thread thread_;
 };

@@ -32,7 +32,7 @@ void act(Asked& asked, inprocess::InProcessRobot& robot) {
 
 void add_in_process_buttons(page::LivePage& page, const std::shared_ptr<Asked>& asked) {
   page.set_button("estop", [&page, asked] {
-    page.pause(true);
+    page.emergency_stop_pressed();
     asked->stop = true;
     return std::string("done; the session waits");
   });
@@ -46,7 +46,7 @@ void add_in_process_buttons(page::LivePage& page, const std::shared_ptr<Asked>& 
 
 void add_controller_buttons(page::LivePage& page, page::RobotWatch& watch) {
   page.set_button("estop", [&page, &watch] {
-    page.pause(true);  // a session that clears the fault and goes on is not what a person means
+    page.emergency_stop_pressed();
     return watch.ask(CommandKind::emergency_stop);
   });
 }

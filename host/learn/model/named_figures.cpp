@@ -77,6 +77,7 @@ std::vector<int> places(const std::vector<std::string>& where,
 
 std::vector<std::string> joint_names() {
   std::vector<std::string> out;
+  out.reserve(model::kJoints.size());
   for (const model::JointInfo& joint : model::kJoints) out.emplace_back(joint.name);
   return out;
 }

@@ -24,7 +24,7 @@ policy::PrimitiveSet still_at(const model::State& x) {
     set.scalar[static_cast<std::size_t>(i)].start = set.scalar[static_cast<std::size_t>(i)].goal =
         x[model::kXPos + i];
   for (int j = 0; j < model::kNumJoints; ++j) {
-    policy::ScalarPrimitive& p = set.scalar[static_cast<std::size_t>(3 + j)];
+    policy::ScalarPrimitive& p = set.scalar[3 + static_cast<std::size_t>(j)];
     p.start = p.goal = x[model::kXJoint + j];
   }
   set.orientation.start = set.orientation.goal = model::base_quat(x);

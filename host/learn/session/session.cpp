@@ -175,8 +175,14 @@ Session::~Session() = default;
 void Session::run(const std::function<void(const TrialSummary&)>& after_trial,
                   const std::function<bool()>& stop) {
   if (settings_.bring_up.on && state_->next_trial == 0 && state_->history.empty()) bring_up();
-  while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop())
-    after_trial(run_one());
+  SessionWatcher* const watcher = settings_.trial.watcher;
+  while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop()) {
+    try {
+      after_trial(run_one());
+    } catch (const StoppedBefore&) {
+      if (!watcher || !watcher->stopped_by_viewer()) throw;  // the same trial again, when allowed
+    }
+  }
 }
 
 /// The model that trial 1 plans with, from poses that were held. A robot that falls in them tells

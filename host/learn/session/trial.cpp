@@ -30,6 +30,7 @@ void require(Status status, const char* what, const link::RobotLink& robot) {
   if (robot.latest().fault != 0)
     message +=
         fmt::format("; the controller is in fault {} (docs/faults.md)", robot.latest().fault);
+  if (robot.latest().fault == kFaultEmergencyStop) throw StoppedBefore(message);
   throw TrialError(message);
 }
 
@@ -37,9 +38,12 @@ void wait_for_state(link::RobotLink& robot, SupervisorState wanted, double patie
                     const char* what) {
   const Nanoseconds give_up = robot.clock().now() + from_seconds(patience_s);
   for (robot.poll(); robot.latest().state != wanted; robot.wait_observation(give_up)) {
-    if (robot.latest().state == SupervisorState::fault)
-      throw TrialError(fmt::format("{}: the controller went into fault {} (docs/faults.md)", what,
-                                   robot.latest().fault));
+    if (robot.latest().state == SupervisorState::fault) {
+      const std::string message = fmt::format(
+          "{}: the controller went into fault {} (docs/faults.md)", what, robot.latest().fault);
+      if (robot.latest().fault == kFaultEmergencyStop) throw StoppedBefore(message);
+      throw TrialError(message);
+    }
     if (robot.clock().now() >= give_up)
       throw TrialError(fmt::format("{}: still in state {} after {} s", what,
                                    static_cast<int>(robot.latest().state), patience_s));

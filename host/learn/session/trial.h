@@ -82,6 +82,11 @@ struct TrialError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Somebody pressed the emergency stop before the trial began.
+struct StoppedBefore : TrialError {
+  using TrialError::TrialError;
+};
+
 /// What was seen between arming and the trial.
 struct Preparation {
   std::vector<wire::Observation> seen;  // the hold, without its first let_go_s
@@ -96,8 +101,8 @@ struct FellBefore : TrialError {
   Preparation preparation;
 };
 
-/// Number of the controller's fault for a fallen robot (docs/faults.md).
-inline constexpr std::uint16_t kFaultFallen = 40;
+/// Numbers of the controller's faults: fallen, emergency stop (docs/faults.md).
+inline constexpr std::uint16_t kFaultFallen = 40, kFaultEmergencyStop = 42;
 
 /// Uploads the set and waits until the controller holds it. Throws TrialError when it is refused.
 void upload_primitives(link::RobotLink& robot, const policy::PrimitiveSet& set);

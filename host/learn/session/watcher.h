@@ -23,6 +23,9 @@ class SessionWatcher {
   virtual void trial_ended(const TrialSummary& summary) = 0;
   /// Called between two trials; may wait, as a person may. True: the session ends here.
   virtual bool ends_session() = 0;
+  /// True once after a viewer's emergency stop: one that met the robot before its trial began is no
+  /// reason to end the session. ends_session() then waits until the viewer goes on.
+  virtual bool stopped_by_viewer() { return false; }
 };
 
 }  // namespace sanso::learn

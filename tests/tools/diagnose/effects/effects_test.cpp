@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(Library, EveryEffect, testing::ValuesIn(testable_ids())
                          [](const auto& p) { return p.param; });
 
 TEST(Library, IsConsistent) {
-  EXPECT_EQ(library().size(), 58u);
+  EXPECT_EQ(library().size(), 59u);
   std::set<std::string_view> ids;
   int simulated = 0;
   for (const Effect& e : library()) {

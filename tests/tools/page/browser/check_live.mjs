@@ -43,18 +43,20 @@ async function kneesOfATrial(page) {
   return knees;
 }
 
-/** A trial may be over before the button is found: then it goes on, and presses again. */
+const stopped = (page) => page.waitForFunction((fault) => sansoFrame.f === fault, kEmergencyStop,
+  { timeout: 5000 }).then(() => true, () => false);
+
+/** A trial may be over before the button is found: then it goes on, and presses again; a stop that
+ *  met the next trial before it began has stopped it. */
 async function stopInAnEmergency(page) {
   for (let tries = 0; tries < 20; ++tries) {
-    await until(page, (running) => sansoFrame.s === running && sansoFrame.tt > 0, kRunning);
+    await until(page, ([running, fault]) => (sansoFrame.s === running && sansoFrame.tt > 0) ||
+      sansoFrame.f === fault, [kRunning, kEmergencyStop]);
+    if (await page.evaluate((fault) => sansoFrame.f === fault, kEmergencyStop)) return;
     await page.locator("[data-do=estop]").click();
     await until(page, () => sansoFrame.paused || document.querySelector("[data-do=stop]").disabled);
-    try {
-      await page.waitForFunction((f) => sansoFrame.f === f, kEmergencyStop, { timeout: 5000 });
-      return;
-    } catch {
-      await page.locator("[data-do=start]").click();
-    }
+    if (await stopped(page)) return;
+    await page.locator("[data-do=start]").click();
   }
   assert.fail("the emergency stop never met a robot that moves");
 }
