@@ -174,10 +174,12 @@ Session::~Session() = default;
 
 void Session::run(const std::function<void(const TrialSummary&)>& after_trial,
                   const std::function<bool()>& stop) {
-  if (settings_.bring_up.on && state_->next_trial == 0 && state_->history.empty()) bring_up();
+  bool fresh = settings_.bring_up.on && state_->next_trial == 0 && state_->history.empty();
   SessionWatcher* const watcher = settings_.trial.watcher;
   while (static_cast<int>(state_->next_trial) < settings_.iterations && !stop()) {
     try {
+      if (fresh) bring_up();
+      fresh = false;
       after_trial(run_one());
     } catch (const StoppedBefore&) {
       if (!watcher || !watcher->stopped_by_viewer()) throw;  // the same trial again, when allowed
@@ -186,7 +188,7 @@ void Session::run(const std::function<void(const TrialSummary&)>& after_trial,
 }
 
 /// The model that trial 1 plans with, from poses that were held. A robot that falls in them tells
-/// what it showed until then; one that cannot be armed will say so again in its first trial.
+/// what it showed until then; one that cannot be armed ends the session, as before a trial.
 void Session::bring_up() {
   link::RobotLink& link =
       robot_.place(shifted_stand({}), derived_seed(settings_.seed, 0, Stream::bring_up));
