@@ -3,11 +3,13 @@
 //   screening     z = s'Mr / sqrt(s'Ms) of every open candidate; family-wise p over all of them
 //   rivals        cluster representatives whose p and promised gain count, fitted fully
 //   rank          by held-out energy, one standard error's grace for fewer parameters
+//   look-alikes   of what is about to be accepted: it stood for them, and is ranked among them
 //   gates         refused_by: gain, null, conditions, its instant, its residuals
 //   pairs         where no single one passes: two together (together.cpp)
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "tools/diagnose/explain/steps.h"
@@ -64,46 +66,80 @@ Objections objections_to(const SearchState& state, const Alternative& a, bool at
 /// The candidates of one step, best first, each judged once.
 class Judged {
  public:
-  Judged(SearchState& state, int step, std::vector<Alternative>& fitted)
-      : state_(state), step_(step), fitted_(fitted), objections_(fitted.size()) {}
+  Judged(SearchState& state, int step, std::vector<Alternative> fitted)
+      : state_(state), step_(step), fitted_(std::move(fitted)) {
+    rank(state_.library, state_.problem, fitted_);
+  }
 
   /// The best that ends at a bound, or that does not, and passes its gates; `refutable`: no
   /// residual contradicts it either.
   std::optional<std::size_t> best(bool at_its_bound, bool refutable) {
     for (std::size_t i = 0; i < fitted_.size(); ++i) {
       if (at_bound(state_.library, fitted_[i]) != at_its_bound) continue;
-      const bool first_time = !objections_[i];
+      const auto [known, first_time] = objections_.try_emplace(fitted_[i].candidate);
       if (first_time && fitted_[i].far_behind)
         fitted_[i].heldout = heldout_energy(*state_.found.around, fitted_[i].fit);
-      if (first_time) objections_[i] = objections_to(state_, fitted_[i], at_its_bound);
-      const Objections& o = *objections_[i];
+      if (first_time) known->second = objections_to(state_, fitted_[i], at_its_bound);
+      const Objections& o = known->second;
       const std::string& refused = o.gate.empty() && refutable ? o.residual : o.gate;
-      if (first_time || refused.empty())
-        say_judged(state_, step_, fitted_[i], at_its_bound, refused);
       if (refused.empty()) return i;
+      if (first_time) say_judged(state_, step_, fitted_[i], at_its_bound, refused);
     }
     return std::nullopt;
   }
 
+  void add(std::vector<Alternative> more) {
+    for (Alternative& a : more) fitted_.push_back(std::move(a));
+    rank(state_.library, state_.problem, fitted_);
+  }
+
+  const std::vector<Alternative>& fitted() const { return fitted_; }
+  std::vector<Alternative> take() { return std::move(fitted_); }
+
  private:
   SearchState& state_;
   int step_;
-  std::vector<Alternative>& fitted_;
-  std::vector<std::optional<Objections>> objections_;
+  std::vector<Alternative> fitted_;
+  std::map<std::size_t, Objections> objections_;  // by candidate
 };
+
+/// The screening chose one of every cluster by a linear score. What that one stood for is fitted
+/// before it is accepted, and judged with it; and what the best of them stands for in its turn.
+std::optional<std::size_t> best_of_its_kind(SearchState& state, int step,
+                                            const Screening& screening, double least_energy,
+                                            Judged& judged) {
+  std::optional<std::size_t> which = judged.best(false, true);
+  while (which) {
+    const std::vector<std::size_t> alike =
+        stood_for(state.problem->settings, state.library, screening, least_energy,
+                  judged.fitted()[*which].candidate, judged.fitted());
+    if (alike.empty()) return which;
+    const std::size_t stood = judged.fitted()[*which].candidate;
+    judged.add(fit_all(*state.found.around, state.found.final.model, state.found.final.objective,
+                       alike, screening, {}, judged.fitted()[*which].fit.objective));
+    which = judged.best(false, true);
+    const std::size_t best = judged.fitted()[which.value_or(0)].candidate;
+    state.say(fmt::format("step {}: {} stood for {} more, the best is {}", step + 1,
+                          state.candidate(stood).title(), alike.size(),
+                          which ? state.candidate(best).title() : "none"));
+  }
+  return which;
+}
 
 /// First those inside their bounds that no residual contradicts; then two together, since one of
 /// two missing effects may look contradicted; then what is contradicted, or ends at a bound.
 Forward accept_first(SearchState& state, int step, std::vector<Alternative> fitted,
                      const Screening& screening, double least_energy) {
-  Judged judged(state, step, fitted);
-  std::optional<std::size_t> which = judged.best(false, true);
-  if (!which && accept_pair(state, step, screening, fitted, least_energy)) return Forward::found;
+  Judged judged(state, step, std::move(fitted));
+  std::optional<std::size_t> which = best_of_its_kind(state, step, screening, least_energy, judged);
+  if (!which && accept_pair(state, step, screening, judged.fitted(), least_energy))
+    return Forward::found;
   if (!which) which = judged.best(false, false);
   const bool inside = which.has_value();
   if (!which) which = judged.best(true, true);
   if (!which) return Forward::none;
-  accept(state, std::move(fitted), *which, screening);
+  say_judged(state, step, judged.fitted()[*which], !inside, "");
+  accept(state, judged.take(), *which, screening);
   return inside ? Forward::found : Forward::ended;
 }
 
@@ -128,10 +164,10 @@ Forward forward(SearchState& state, int step) {
         screening.critical));
     return accept_pair(state, step, screening, {}, least) ? Forward::found : Forward::none;
   }
-  std::vector<Alternative> fitted =
-      fit_all(*found.around, found.final.model, found.final.objective, which, screening);
-  rank(state.library, state.problem, fitted);
-  return accept_first(state, step, std::move(fitted), screening, least);
+  return accept_first(
+      state, step,
+      fit_all(*found.around, found.final.model, found.final.objective, which, screening), screening,
+      least);
 }
 
 }  // namespace sanso::diagnose

@@ -1,6 +1,7 @@
 // Full fits of candidates for one place of the model, and their order:
 //
-//   tried     p < family_wise and linear_reach z^2 > least energy, the best of every cluster
+//   tried     p < family_wise and linear_reach z^2 > least energy, the best of every cluster; then
+//             what the best of these stood for
 //   behind    what the best gains over it on held-out groups (HeldoutGain)
 //   best      fewest parameters among those not beaten: gain <= standard errors + unit, or energy
 //             removed <= what matters
@@ -27,6 +28,29 @@ std::vector<std::size_t> cluster_leaders(const Screening& screening,
     if (new_cluster) leaders.push_back(c);
   }
   return leaders;
+}
+
+/// Candidates that promise enough and beyond chance, strongest first.
+std::vector<std::size_t> worth_a_fit(const Settings& settings, const Library& library,
+                                     const Screening& screening, double least_energy) {
+  std::vector<std::size_t> out;
+  for (const std::size_t c : screening.ranking()) {
+    if (library[c].random) continue;  // judged by scatter
+    const ProbeScore& best = *screening.best(c);
+    // what a fit can remove is the squared score, as far as the model is linear
+    const bool worth = settings.fitting.linear_reach * best.score * best.score > least_energy;
+    if (best.p_family < settings.decisions.family_wise && worth) out.push_back(c);
+  }
+  return out;
+}
+
+/// The same effect at some of the same joints: what one of them is about to be accepted for, the
+/// other is asked then (stood_for).
+bool one_place(const Candidate& a, const Candidate& b) {
+  const auto there = [&](std::size_t j) {
+    return std::find(b.joints.begin(), b.joints.end(), j) != b.joints.end();
+  };
+  return a.effect == b.effect && std::any_of(a.joints.begin(), a.joints.end(), there);
 }
 
 const Alternative* find(const std::vector<Alternative>& all, std::size_t c) {
@@ -94,14 +118,9 @@ double practical_energy(const Comparison& comparison) {
 std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
                                 const Screening& screening, double least_energy) {
   const DecisionSettings& decisions = settings.decisions;
-  std::vector<std::size_t> significant, chosen;
-  for (const std::size_t c : screening.ranking()) {
-    if (library[c].random) continue;  // judged by scatter
-    const ProbeScore& best = *screening.best(c);
-    // what a fit can remove is the squared score, as far as the model is linear
-    const bool worth = settings.fitting.linear_reach * best.score * best.score > least_energy;
-    if (best.p_family < decisions.family_wise && worth) significant.push_back(c);
-  }
+  const std::vector<std::size_t> significant =
+      worth_a_fit(settings, library, screening, least_energy);
+  std::vector<std::size_t> chosen;
   const std::vector<std::size_t> leaders =
       cluster_leaders(screening, significant, decisions.same_signature);
   const auto most = static_cast<std::size_t>(decisions.rivals);
@@ -117,12 +136,29 @@ std::vector<std::size_t> rivals(const Settings& settings, const Library& library
       if (member && nearly && free_parameters(library[c]) < free_parameters(library[simplest]))
         simplest = c;
     }
-    add(simplest);
+    const bool asked = std::any_of(chosen.begin(), chosen.end(), [&](std::size_t c) {
+      return one_place(library[c], library[simplest]);
+    });
+    if (!asked) add(simplest);
     if (leader == leaders.front()) add(leader);
   }
   for (const std::size_t leader : leaders) add(leader);
   for (const std::size_t c : significant) add(c);
   return chosen;
+}
+
+std::vector<std::size_t> stood_for(const Settings& settings, const Library& library,
+                                   const Screening& screening, double least_energy,
+                                   std::size_t candidate, const std::vector<Alternative>& fitted) {
+  const auto most = static_cast<std::size_t>(settings.decisions.rivals);
+  std::vector<std::size_t> out;
+  for (const std::size_t c : worth_a_fit(settings, library, screening, least_energy)) {
+    const bool alike = library[c].effect == library[candidate].effect ||
+                       screening.similarity(c, candidate) > settings.decisions.same_signature;
+    if (alike && c != candidate && find(fitted, c) == nullptr && out.size() < most)
+      out.push_back(c);
+  }
+  return out;
 }
 
 std::vector<std::size_t> replacements(const DecisionSettings& settings, const Library& library,
@@ -154,8 +190,8 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
 
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  double base_objective, const std::vector<std::size_t>& which,
-                                 const Screening& screening,
-                                 const std::vector<Alternative>& known) {
+                                 const Screening& screening, const std::vector<Alternative>& known,
+                                 double beside) {
   std::vector<Alternative> out(which.size());
   parallel_for(which.size(), [&](std::size_t i) {
     Alternative& a = out[i];
@@ -175,7 +211,7 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
     }
     a.fit = fit(around, start, around.settings().fitting.first_iterations);
   });
-  double best = INFINITY;
+  double best = beside;
   for (const Alternative& a : out) best = std::min(best, a.fit.objective);
   const double near =
       best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);

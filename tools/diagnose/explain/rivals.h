@@ -2,6 +2,7 @@
 // best.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "tools/diagnose/fit/fit.h"
@@ -33,10 +34,17 @@ inline constexpr double kNoiseUnit = 2.0;
 double practical_energy(const Comparison& comparison);
 
 /// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
-/// strongest, then the strongest members, then the rest by score. `least_energy`: what promises
-/// less is not tried.
+/// strongest, an effect once for joints that overlap; then the strongest members, then the rest by
+/// score. `least_energy`: what promises less is not tried.
 std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
                                 const Screening& screening, double least_energy);
+
+/// What `candidate` stood for when rivals() chose it: candidates of its cluster, and its own effect
+/// at other joints, that promise enough and are not among `fitted`; strongest first, at most
+/// `rivals` of the settings.
+std::vector<std::size_t> stood_for(const Settings& settings, const Library& library,
+                                   const Screening& screening, double least_energy,
+                                   std::size_t candidate, const std::vector<Alternative>& fitted);
 
 /// Which candidates to try in place of an accepted one of `model`: its cluster, its known
 /// confounders, what was fitted beside it.
@@ -47,13 +55,15 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
 /// Fits `base` + each of `which`, in parallel; held-out energies included. `known`: earlier fits of
 /// the same candidates, to start from; what was far behind at the same (empty) base is taken as it
 /// was, without derivatives.
-/// Candidates far behind after the first steps (by what the best removes of `base_objective`) are
-/// not polished, nor are groups left out of them: `heldout` is then the energy of what they have
-/// seen.
+/// `beside`: the objective of the best that was fitted to `base` before.
+/// Candidates far behind after the first steps (by what the best of all removes of
+/// `base_objective`) are not polished, nor are groups left out of them: `heldout` is then the
+/// energy of what they have seen.
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  double base_objective, const std::vector<std::size_t>& which,
                                  const Screening& screening,
-                                 const std::vector<Alternative>& known = {});
+                                 const std::vector<Alternative>& known = {},
+                                 double beside = INFINITY);
 
 /// Best first, in the measure of HeldoutGain; what is far behind last. Among those that the best
 /// does not beat beyond chance or by something that matters, the one with fewest parameters.

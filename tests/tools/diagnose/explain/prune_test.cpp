@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "tests/support/noisy_world.h"
 #include "tools/diagnose/explain/steps.h"
@@ -248,6 +249,37 @@ TEST(Beaten, NeedsToBeSureAndToMatter) {
   EXPECT_TRUE(beaten(decisions, behind, 90.0)) << "nor does the other have to be";
   behind.energy.total = -100.0;
   EXPECT_FALSE(beaten(decisions, behind, 0.0)) << "who predicts better is not beaten";
+}
+
+TEST(Forward, WhatIsAcceptedWasHeldAgainstAllThatItStoodFor) {
+  // one place for a rival: what looks like it, and the same effect at both joints, stand behind it
+  SmallComparison c =
+      compared(two_links(kNoisyServo), {hidden("gear_efficiency", "a", {{"efficiency", 0.85}})},
+               {"gear_efficiency", "load_friction", "viscous_friction"}, 7, 3);
+  Comparison changed = *c.problem;
+  changed.settings.decisions.rivals = 1;
+  c.problem.comparison = std::make_shared<const Comparison>(std::move(changed));
+  const SelectOptions options;
+  SearchState state(c.problem, c.library, options);
+  Selection& found = state.found;
+  found.around = make_surroundings(state.problem, c.library, nominal(c));
+  found.nominal = fit(*found.around, nominal(c), 3);
+  found.final.model = nominal(c);
+  found.first = screen(*found.around, found.nominal.model, found.nominal.r, c.all(), Random(1));
+  state.relinearise();
+  ASSERT_EQ(forward(state, 0), Forward::found);
+  const Accepted& accepted = found.accepted.front();
+  EXPECT_EQ(state.accepted(0).title(), "gear_efficiency at a");
+  const Settings& settings = c.problem->settings;
+  EXPECT_GE(
+      stood_for(settings, c.library, found.first, state.practical(), accepted.candidate, {}).size(),
+      1U);
+  EXPECT_TRUE(stood_for(settings, c.library, found.first, state.practical(), accepted.candidate,
+                        accepted.alternatives)
+                  .empty());
+  for (const Alternative& a : accepted.alternatives)
+    EXPECT_GE(a.fit.objective, found.final.objective - kNoiseUnit)
+        << c.library[a.candidate].title();
 }
 
 }  // namespace
