@@ -52,6 +52,7 @@ struct DecisionSettings {
   double standard_errors = 2.0;
   double gain_level = 0.023;
   int gain_draws = 999;
+  int fewest_shots = 6;
   double testable = 3.0;
   double same_signature = 0.9;
   double practical_size = 0.3;
@@ -81,6 +82,8 @@ struct DecisionSettings {
           "of the bootstrap bound above which a held-out gain counts: two deviations");
     field("gain_draws", gain_draws, "draws", 19, 1000000,
           "resamples of that bound: 23 lie below it");
+    field("fewest_shots", fewest_shots, "shots", 2, 1000,
+          "of a recording that is resampled apart: fewer cannot tell how much they scatter");
     field("testable", testable, "noise levels", 0.1, 100.0,
           "that a typical effect must make, else it is untestable here");
     field("same_signature", same_signature, "correlation", 0.1, 2.0,

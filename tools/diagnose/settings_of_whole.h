@@ -56,6 +56,10 @@ struct BaseSettings {
 /// What the questions to a floating base take for standing, falling, turning; and tolerances.
 struct WholeSettings {
   double clearance = 0.004;
+  double touching = 0.05;
+  double left_ground = 0.25;
+  double one_corner = 1.5;
+  double opposes = 0.6435;
   double impact_spread = 0.0135;
   double shortest_flight = 0.05;
   double falls = 0.25;
@@ -87,6 +91,7 @@ struct WholeSettings {
   int imu_groups = 6;
   int draws = 999;
   int imu_draws = 199;
+  double imu_outlier = 3.0;
   int questions = 24;
 
   template <class Field>
@@ -100,6 +105,8 @@ struct WholeSettings {
     field("draws", draws, "draws", 39, 1000000, "resampled groups of an interval of 95 %");
     field("imu_draws", imu_draws, "draws", 19, 100000,
           "the same of the IMU, where each is a fit and only a deviation is taken");
+    field("imu_outlier", imu_outlier, "deviations", 1.0, 100.0,
+          "from where the weight of a window of the IMU falls");
     field("questions", questions, "numbers", 1, 1000,
           "two sides of a dozen that are asked: they share the level of naming");
   }
@@ -109,6 +116,14 @@ struct WholeSettings {
   void visit_motion(Field& field) {
     field("clearance", clearance, "m", 0.0001, 0.1,
           "of the lowest point above the ground: higher, nothing touches");
+    field("touching", touching, "share of rows", 0.001, 0.5,
+          "that touch a ground whose height nobody states, or nothing can be said of contact");
+    field("left_ground", left_ground, "clearances", 0.01, 1.0,
+          "above the ground after a hit: higher, gravity alone acts");
+    field("one_corner", one_corner, "clearances", 0.1, 100.0,
+          "by which the next corner is higher: less, and two share the impulse");
+    field("opposes", opposes, "rad", 0.01, 1.5,
+          "between friction's impulse and the opposite of slip: further off, no corner slips");
     field("impact_spread", impact_spread, "s", 0.0, 0.1,
           "by which trackers that smooth spread an impact: left out of a flight's ends");
     field("shortest_flight", shortest_flight, "s", 0.01, 1.0,

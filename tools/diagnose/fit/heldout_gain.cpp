@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/fit.h"
@@ -229,14 +230,14 @@ struct Place {
 
 /// `x` recording by recording, in their order; recordings of very few shots are one together: alone
 /// they cannot tell how much they scatter.
-std::vector<Values> by_recording(const std::vector<std::pair<std::size_t, double>>& x) {
-  constexpr std::size_t kFewest = 6;
+std::vector<Values> by_recording(const DecisionSettings& settings,
+                                 const std::vector<std::pair<std::size_t, double>>& x) {
   std::map<std::size_t, Values> of;
   for (const auto& [recording, value] : x) of[recording].push_back(value);
   std::vector<Values> out;
   Values few;
   for (auto& [recording, values] : of) {
-    if (values.size() < kFewest)
+    if (std::cmp_less(values.size(), settings.fewest_shots))
       few.insert(few.end(), values.begin(), values.end());
     else
       out.push_back(std::move(values));
@@ -266,7 +267,7 @@ Paired paired(const DecisionSettings& settings, const Values& x, const std::vect
     else
       rest.emplace_back(places[i].recording, x[i]);
   }
-  const Paired b = paired(settings, by_recording(rest));
+  const Paired b = paired(settings, by_recording(settings, rest));
   if (there.empty()) return b;
   Values occurrences;
   for (const auto& [which, gained] : there) occurrences.push_back(gained);

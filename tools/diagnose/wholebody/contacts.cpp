@@ -22,7 +22,8 @@ V3 upwards(const WholeBody& body) {
   return g.norm() > 0.0 ? V3(-g / g.norm()) : V3(V3::UnitZ());
 }
 
-Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale) {
+Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale,
+                    const WholeSettings& settings) {
   const std::vector<TouchPoint> points = touch_points(body);
   const V3 up = upwards(body);
   BodyKinematics kinematics(body);
@@ -43,8 +44,7 @@ Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_
     out.lowest.push_back(lowest), out.second.push_back(second), out.point.push_back(which);
   }
   out.stated = body.ground.height.has_value();
-  // chosen: a twentieth of the rows touch, or nothing can be said of contact anyway
-  out.ground = out.stated ? *body.ground.height : quantile(out.lowest, 0.05);
+  out.ground = out.stated ? *body.ground.height : quantile(out.lowest, settings.touching);
   for (double& h : out.lowest) h -= out.ground;
   for (double& h : out.second) h -= out.ground;
   return out;

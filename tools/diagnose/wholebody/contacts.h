@@ -26,7 +26,8 @@ struct Clearance {
   double ground = 0.0;  // height that was used
   bool stated = false;  // by the model, else taken from the lowest rows
 };
-Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale);
+Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale,
+                    const WholeSettings& settings);
 
 /// Rows [first, last) during which something holds.
 struct Span {

@@ -92,7 +92,7 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) {
     const WholeRecording& recording = asking.recordings[r];
     if (!recording.position || !recording.attitude || asking.body.shapes.empty()) continue;
-    const Clearance c = clearance(recording, asking.body, 1.0);
+    const Clearance c = clearance(recording, asking.body, 1.0, asking.settings);
     fall = from_flights(asking, c, r, std::move(fall));
     rest = from_rests(asking, c, r, std::move(rest));
   }

@@ -55,7 +55,7 @@ std::optional<After> after_hit(const Asking& asking, const WholeRecording& r, co
   After out;
   V3 v = V3::Zero(), w = V3::Zero();
   for (std::size_t k = first; k < last; ++k) {
-    const bool flies = c.lowest[k] > 0.25 * asking.settings.clearance;
+    const bool flies = c.lowest[k] > asking.settings.left_ground * asking.settings.clearance;
     v += r.v[k] / asking.known.pose_scale;
     if (flies) v -= (r.t[k] - r.t[hit]) * gravity;
     w += r.R[k] * r.w[k];
@@ -71,7 +71,7 @@ void add_hit(const Asking& asking, std::size_t number, const Clearance& c, const
              std::size_t k, Hits& hits) {
   const WholeRecording& r = asking.recordings[number];
   // two corners at once share the impulse nobody knows how
-  if (c.second[k] - c.lowest[k] < 1.5 * asking.settings.clearance) return;
+  if (c.second[k] - c.lowest[k] < asking.settings.one_corner * asking.settings.clearance) return;
   const V3 up = upwards(asking.body), gravity = eigen(asking.body.model.gravity);
   const Reached a = before_hit(asking, r, flight, r.t[k], gravity);
   const auto after = after_hit(asking, r, c, k, gravity);
@@ -89,8 +89,9 @@ void add_hit(const Asking& asking, std::size_t number, const Clearance& c, const
   const V3 along = impulse - across * up, slip_a = va + into * up, slip_b = vb - up.dot(vb) * up;
   if (across < asking.settings.hit_speed) return;
   const double ratio = along.norm() / across;
-  const bool slips = slip_b.norm() > asking.settings.slip_speed && slip_a.dot(slip_b) > 0.0 &&
-                     along.dot(slip_b) < -0.8 * along.norm() * slip_b.norm();
+  const bool slips =
+      slip_b.norm() > asking.settings.slip_speed && slip_a.dot(slip_b) > 0.0 &&
+      along.dot(slip_b) < -std::cos(asking.settings.opposes) * along.norm() * slip_b.norm();
   if (slips)
     hits.friction.add(ratio, across, group);
   else
@@ -122,7 +123,7 @@ Hits find_hits(const Asking& asking) {
   for (std::size_t i = 0; i < asking.recordings.size(); ++i) {
     const WholeRecording& r = asking.recordings[i];
     if (!r.position || !r.attitude) continue;
-    const Clearance c = clearance(r, asking.body, asking.known.pose_scale);
+    const Clearance c = clearance(r, asking.body, asking.known.pose_scale, asking.settings);
     const auto spread =
         static_cast<std::size_t>(std::ceil(asking.settings.impact_spread / r.interval));
     bool thrown = false;

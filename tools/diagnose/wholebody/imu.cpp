@@ -111,7 +111,7 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
       for (const ImuWindow* w : groups[static_cast<std::size_t>(random.below(n))])
         drawn.push_back(*w);
     }
-    const ImuMount m = fit_mount(drawn, asking.settings.acc_bias, asking.settings.gyro_bias);
+    const ImuMount m = fit_mount(drawn, asking.settings);
     out.turn += rotation_vector(m.turn * whole.turn.transpose()).squaredNorm();
     out.acc_bias += (m.acc_bias - whole.acc_bias).squaredNorm();
     out.gyro_bias += (m.gyro_bias - whole.gyro_bias).squaredNorm();
@@ -125,7 +125,7 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
 FitScore held_out(const std::vector<ImuWindow>& windows, const Asking& asking) {
   std::vector<ImuWindow> fitted, left;
   for (const ImuWindow& w : windows) (w.group % 3 == 2 ? left : fitted).push_back(w);
-  const ImuMount m = fit_mount(fitted, asking.settings.acc_bias, asking.settings.gyro_bias);
+  const ImuMount m = fit_mount(fitted, asking.settings);
   FitScore s;
   s.nominal = acc_error(left, {}), s.patched = acc_error(left, m), s.noise = m.acc_rms;
   return s;
@@ -239,7 +239,7 @@ std::vector<ImuWindow> all_windows(const Asking& asking) {
 std::optional<LeanFit> imu_vertical(const Asking& asking) {
   const std::vector<ImuWindow> windows = all_windows(asking);
   if (windows.empty()) return std::nullopt;
-  const ImuMount mount = fit_mount(windows, asking.settings.acc_bias, asking.settings.gyro_bias);
+  const ImuMount mount = fit_mount(windows, asking.settings);
   std::vector<ImuWindow> again;
   Leans leans;
   for (std::size_t r = 0; r < asking.recordings.size(); ++r)
@@ -261,8 +261,7 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   }
   ++answers.asked;
   const double z = asking.chance().deviations();
-  Judged j{
-      windows, fit_mount(windows, asking.settings.acc_bias, asking.settings.gyro_bias), {}, {}, z};
+  Judged j{windows, fit_mount(windows, asking.settings), {}, {}, z};
   j.spread = spread_of(windows, j.mount, asking);
   j.score = held_out(windows, asking);
   answers.scores["imu_acc"] = j.score;

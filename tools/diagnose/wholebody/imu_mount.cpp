@@ -57,19 +57,26 @@ std::pair<double, double> spreads(const std::vector<ImuWindow>& windows, const I
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
-/// One vector equation: left = -[turned]x delta + bias.
-void add_rows(const V3& left, const V3& turned, int bias_at, double sigma, Matrix9& N, Vector9& c) {
-  const double size = left.norm() / sigma;
-  const double weight = (size > 3.0 ? 3.0 / size : 1.0) / (sigma * sigma);
+/// One vector equation: left = -[turned]x delta + bias, the bias at its place in the unknowns.
+struct Row {
+  V3 left, turned;
+  int bias_at;
+};
+
+void add_rows(const Row& row, double sigma, double outlier, Matrix9& N, Vector9& c) {
+  const double size = row.left.norm() / sigma;
+  const double weight = (size > outlier ? outlier / size : 1.0) / (sigma * sigma);
   Eigen::Matrix<double, 3, 9> J = Eigen::Matrix<double, 3, 9>::Zero();
-  J.leftCols<3>() = -math::skew(turned);
-  J.block<3, 3>(0, bias_at) = M3::Identity();
-  N += weight * J.transpose() * J, c += weight * J.transpose() * left;
+  J.leftCols<3>() = -math::skew(row.turned);
+  J.block<3, 3>(0, row.bias_at) = M3::Identity();
+  N += weight * J.transpose() * J, c += weight * J.transpose() * row.left;
 }
 
 }  // namespace
 
-ImuMount fit_mount(const std::vector<ImuWindow>& windows, double acc_bias, double gyro_bias) {
+ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings) {
+  const double acc_bias = settings.acc_bias, gyro_bias = settings.gyro_bias;
+  const double outlier = settings.imu_outlier;
   ImuMount m;
   if (windows.empty()) return m;
   m.turn = wahba(windows);
@@ -78,8 +85,9 @@ ImuMount fit_mount(const std::vector<ImuWindow>& windows, double acc_bias, doubl
     Matrix9 N = Matrix9::Zero();
     Vector9 c = Vector9::Zero();
     for (const ImuWindow& w : windows) {
-      add_rows(acc_left(w, m), m.turn * w.acc_predicted, 3, acc_sigma, N, c);
-      if (w.with_gyro) add_rows(gyro_left(w, m), m.turn * w.gyro_predicted, 6, gyro_sigma, N, c);
+      add_rows({acc_left(w, m), m.turn * w.acc_predicted, 3}, acc_sigma, outlier, N, c);
+      if (!w.with_gyro) continue;
+      add_rows({gyro_left(w, m), m.turn * w.gyro_predicted, 6}, gyro_sigma, outlier, N, c);
     }
     N.diagonal().head<3>().array() += 1e-9 * N.diagonal().head<3>().maxCoeff() + 1e-12;
     N.diagonal().segment<3>(3).array() += 1.0 / (acc_bias * acc_bias);

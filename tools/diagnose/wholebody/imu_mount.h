@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "tools/diagnose/settings_of_whole.h"
 #include "tools/diagnose/wholebody/kinematics.h"
 
 namespace sanso::diagnose {
@@ -22,9 +23,9 @@ struct ImuMount {
   double acc_rms = 0.0, gyro_rms = 0.0;  // of what is left
 };
 
-/// Least squares with outliers weighed down. A bias is drawn to zero as far as it is usually found
-/// (`acc_bias`, `gyro_bias`): at one attitude nothing else tells it from a tilt.
-ImuMount fit_mount(const std::vector<ImuWindow>& windows, double acc_bias, double gyro_bias);
+/// Least squares with outliers (`imu_outlier`) weighed down. A bias is drawn to zero as far as it
+/// is usually found (`acc_bias`, `gyro_bias`): at one attitude nothing else tells it from a tilt.
+ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings);
 
 /// What is left by a mount, RMS over windows: specific force, m/s^2.
 double acc_error(const std::vector<ImuWindow>& windows, const ImuMount& mount);
