@@ -6,6 +6,8 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include <mutex>
+#include <tuple>
+#include <utility>
 
 #include "shared/files/input_error.h"
 
@@ -25,23 +27,39 @@ class MessageCatcher : public console_bridge::OutputHandler {
   std::string message;
 };
 
+/// The parsed text; where it fails, null and what urdfdom complains about first.
+std::pair<urdf::ModelInterfaceSharedPtr, std::string> parsed(const std::string& text) {
+  MessageCatcher catcher;
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& e) {
+    return {nullptr, e.what()};
+  }
+  if (!model || !model->getRoot()) return {nullptr, catcher.message};
+  return {model, ""};
+}
+
+/// `text` with the link `world` added. Simulators (Drake, PyBullet, MuJoCo) take a parent of that
+/// name for the fixed frame though no link declares it; urdfdom wants every link declared.
+std::string with_world(std::string text) {
+  const std::size_t end = text.rfind("</robot");
+  if (end != std::string::npos) text.insert(end, "<link name=\"world\"/>");
+  return text;
+}
+
 }  // namespace
 
 urdf::ModelInterfaceSharedPtr parse_urdf_text(const std::string& text, const std::string& file) {
   static std::mutex handler;
   const std::lock_guard lock(handler);
-  MessageCatcher catcher;
-  const auto refuse = [&](const std::string& found) {
-    throw InputError(file, 0, "", "not a URDF", found.substr(0, 200),
+  auto [model, complaint] = parsed(text);
+  if (complaint.find("parent link [world]") != std::string::npos)
+    std::tie(model, complaint) = parsed(with_world(text));
+  if (!model) {
+    throw InputError(file, 0, "", "not a URDF", complaint.substr(0, 200),
                      "a <robot> whose links and joints form one tree");
-  };
-  urdf::ModelInterfaceSharedPtr model;
-  try {
-    model = urdf::parseURDF(text);
-  } catch (const std::exception& e) {
-    refuse(e.what());
   }
-  if (!model || !model->getRoot()) refuse(catcher.message);
   if (model->links_.size() > kMaxUrdfLinks) {
     throw InputError(file, 0, "", "too many links", std::to_string(model->links_.size()),
                      "at most " + std::to_string(kMaxUrdfLinks));

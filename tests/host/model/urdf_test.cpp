@@ -112,6 +112,19 @@ TEST(Urdf, PrismaticJointMovesTheMass) {
   EXPECT_NEAR(M(0, 0), 1.5, 1e-12);
 }
 
+/// Simulators take a parent `world` for the fixed frame; robots are published so.
+TEST(Urdf, AParentWorldNeedNotBeDeclared) {
+  std::string text = two_links("revolute", "0 0 1");
+  const std::string weld =
+      "<joint name='weld' type='fixed'><parent link='world'/><child link='a'/></joint>";
+  text.insert(text.find("<joint"), weld);
+  const UrdfRobot robot = parse_urdf(text, "welded", Base::fixed);
+  ASSERT_EQ(robot.tree.num_joints(), 1);
+  EXPECT_EQ(robot.joint_names.front(), "j");
+  text.replace(text.find("'world'"), 7, "'floor'");
+  EXPECT_THROW(parse_urdf(text, "unknown", Base::fixed), files::InputError);
+}
+
 TEST(Urdf, RefusesByName) {
   auto defect = [](const std::string& text) {
     try {
