@@ -22,6 +22,9 @@ struct GateSettings {
   double glitch_deviations = 8.0;
   double glitch_quanta = 4.0;
   double glitch_steps = 3.0;
+  double jump_steps = 10.0;
+  double jump_dropout = 0.1;
+  double jump_quanta = 20.0;
   int held_changes = 20;
   double resting_share = 0.1;
   double clipped_deviations = 3.0;
@@ -62,6 +65,12 @@ struct GateSettings {
           "of the channel, counts if it has any: readings flicker by one or two");
     field("glitch_steps", glitch_steps, "neighbouring steps", 0.5, 1000.0,
           "a reversal leaves that median by one at most, however hard the stop");
+    field("jump_steps", jump_steps, "factor", 2.0, 1000.0,
+          "beyond what the joint does in one row around it: a position that did not go there");
+    field("jump_dropout", jump_dropout, "s", 0.001, 10.0,
+          "at the recording's fastest: rows that were held and caught up move less far");
+    field("jump_quanta", jump_quanta, "counts", 2.0, 100000.0,
+          "of the encoder at least: less can be play or a count");
     field("held_changes", held_changes, "changes", 5, 100000,
           "of more than one count, to tell a held channel from one that moves slowly");
     field("resting_share", resting_share, "share", 0.001, 0.5,

@@ -8,6 +8,7 @@
 
 #include "shared/files/hash.h"
 #include "tools/diagnose/gate/held.h"
+#include "tools/diagnose/gate/jumps.h"
 #include "tools/recording/mcap_recording.h"
 #include "tools/recording/reading_error.h"
 
@@ -32,6 +33,25 @@ void keep_one_row_per_refresh(recording::Recording& recording, const GateSetting
                                 [&](const auto& other) { return other.name == held.channel; });
     c->values = one_row_per_refresh(c->values, held.rows);
   }
+}
+
+/// Where a position jumps one recording becomes several, each of them with its own starts; what was
+/// cut is told.
+void cut_at_jumps(LoadedRecordings& loaded, const std::vector<GateJoint>& joints,
+                  const GateSettings& settings) {
+  std::vector<recording::Recording> out;
+  for (recording::Recording& r : loaded.recordings) {
+    const std::vector<std::size_t> rows = position_jumps(gate_view(r), joints, settings);
+    if (!rows.empty()) {
+      loaded.gate.notes.push_back(
+          fmt::format("{}: a position is elsewhere from one row to the next, {} times (first at "
+                      "{:.4g} s); the recording is cut there",
+                      r.file, rows.size(), r.t[rows.front()]));
+    }
+    for (recording::Recording& piece : cut_at(std::move(r), rows, settings))
+      out.push_back(std::move(piece));
+  }
+  loaded.recordings = std::move(out);
 }
 
 const char* name_of(recording::ReadFault fault) {
@@ -116,6 +136,7 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
                              "writes): " + std::to_string(r.rows()) + " complete rows are used");
   loaded.gate = std::move(report);
   loaded.hashes = data_hash(loaded.recordings);
+  if (!loaded.gate.refused()) cut_at_jumps(loaded, joints, settings);
   for (recording::Recording& r : loaded.recordings) keep_one_row_per_refresh(r, settings);
   return loaded;
 }
