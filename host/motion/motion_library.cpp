@@ -26,7 +26,7 @@ std::filesystem::path installed_motions(const std::filesystem::path& program) {
 }
 
 std::filesystem::path motions_of(const std::filesystem::path& program) {
-  const std::filesystem::path installed = installed_motions(program);
+  std::filesystem::path installed = installed_motions(program);
   if (!installed.empty()) return installed;
   const std::filesystem::path built = program.lexically_relative(SANSO_BUILD_TREE);
   // a program that was taken elsewhere does not look where it was built
