@@ -18,6 +18,7 @@
 namespace sanso::emulator {
 
 using plant::operator*;
+using plant::operator+;
 using plant::operator-;
 
 namespace {
@@ -110,8 +111,9 @@ struct EmulatedRobot::Impl {
 
   void step() {
     if (body.steps() % loop_steps == 0) run_servos();
-    body.set_push(now >= push_start && now < push_stop ? push_force : plant::Vec3{},
-                  now >= push_start && now < push_stop ? push_torque : plant::Vec3{});
+    plant::Vec3 force = now >= push_start && now < push_stop ? push_force : plant::Vec3{};
+    if (hand.there()) force = force + hand.force(now, body.base(), !body.held());
+    body.set_push(force, now >= push_start && now < push_stop ? push_torque : plant::Vec3{});
     body.step();
     if (body.steps() % 2 == 0) run_sensors();
   }
@@ -187,6 +189,7 @@ struct EmulatedRobot::Impl {
   bool helper_waits = true;  // a person holds the robot until it stands by itself
   Nanoseconds legs_hold_since = 0;
   plant::Vec3 last_velocity{};
+  Hand hand;
   plant::Vec3 push_force{}, push_torque{};
   Nanoseconds push_start = 0, push_stop = 0;
 };
@@ -250,6 +253,9 @@ void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& t
   impl_->push_start = start;
   impl_->push_stop = stop;
 }
+
+void EmulatedRobot::lend_hand(const Push& push) { impl_->hand.lend(push); }
+void EmulatedRobot::push_off() { impl_->hand.push_off(impl_->now); }
 
 void EmulatedRobot::set_up(const ServoSetup& setup) {
   namespace xm = servo_bus::xm430;

@@ -18,6 +18,7 @@
 
 #include "shared/base/time.h"
 #include "tools/emulator/fault_plan.h"
+#include "tools/emulator/hand.h"
 #include "tools/plant/world.h"
 
 namespace sanso::emulator {
@@ -115,6 +116,11 @@ class EmulatedRobot {
   /// Force [N] and torque [N m] at the torso's origin, world axes, from `start` to `stop`.
   void push(const plant::Vec3& force_in_world, const plant::Vec3& torque_in_world,
             Nanoseconds start, Nanoseconds stop);
+
+  /// A hand that keeps the robot from rolling away, from when nobody holds it any more until
+  /// push_off(), then pushes it and lets go.
+  void lend_hand(const Push& push);
+  void push_off();
 
   /// Presses (or releases) OpenCR's buttons: bits of servo_bus::opencr::kButton*.
   void press(std::uint8_t buttons);

@@ -71,6 +71,7 @@ void InProcessRobot::run_for(double seconds) {
 void InProcessRobot::record_truth() {
   const std::int32_t trial_tick = controller().observation().trial_tick;
   if (trial_tick < 0) return;
+  robot_.push_off();  // for whom a hand is at the torso
   if (trial_tick >= push_.trial_tick) {
     robot_.push(push_.force_in_world_N, push_.torque_in_world_Nm, now(),
                 now() + from_seconds(push_.duration_s));
