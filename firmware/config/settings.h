@@ -83,6 +83,7 @@ struct EstimatorSettings {
   double pose_max_age_s = 0.1;
   int pose_min_confidence = 2;
   bool flat_ground = true;
+  bool wheels = false;
   double joint_rate_filter_s = 0.0;
   template <class Field>
   void visit(Field&& field) {
@@ -105,6 +106,8 @@ struct EstimatorSettings {
     field("pose_min_confidence", pose_min_confidence, 0, 3,
           "external poses of less confidence are not used");
     field("flat_ground", flat_ground, false, true, "loaded soles are at height 0");
+    field("wheels", wheels, false, true,
+          "the robot wears skates: a loaded foot rolls along its own x axis");
     field("joint_rate_filter_s", joint_rate_filter_s, 0.0, 0.1,
           "time constant of the low-pass on joint rates");
   }

@@ -40,22 +40,30 @@ class AxisFilter {
   /// Corrects with innovation = measured - h'x of a quantity h'x, measurement noise sigma.
   void correct(const Vec4& h, double innovation, double sigma) {
     const Vec4 Ph = P_ * h;
-    const double S = h.dot(Ph) + sigma * sigma;
-    const Vec4 K = Ph / S;
-    x_ += K * innovation;
-    P_ -= K * Ph.transpose();
-    P_ = 0.5 * (P_ + P_.transpose()).eval();  // rounding must not make it lose symmetry
+    apply(Ph, innovation, h.dot(Ph) + sigma * sigma);
   }
+  /// This axis' share in correcting a sum over several axes, of which it adds h'x; `S`: variance of
+  /// the whole innovation. The axes stay independent.
+  void correct_share(const Vec4& h, double innovation, double S) { apply(P_ * h, innovation, S); }
   void measure(const Vec4& h, double measured, double sigma) {
     correct(h, measured - h.dot(x_), sigma);
   }
 
   double position() const { return x_[kPosition]; }
   double velocity() const { return x_[kVelocity]; }
+  /// What h'x may be wrong by.
+  double variance(const Vec4& h) const { return h.dot(P_ * h); }
   const Vec4& x() const { return x_; }
   const Mat4& P() const { return P_; }
 
  private:
+  void apply(const Vec4& Ph, double innovation, double S) {
+    const Vec4 K = Ph / S;
+    x_ += K * innovation;
+    P_ -= K * Ph.transpose();
+    P_ = 0.5 * (P_ + P_.transpose()).eval();  // rounding must not make it lose symmetry
+  }
+
   Vec4 x_ = Vec4::Zero();
   Mat4 P_ = Mat4::Identity();
 };

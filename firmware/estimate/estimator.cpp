@@ -34,7 +34,8 @@ Vec4 unit(int index) { return Vec4::Unit(index); }
 
 }  // namespace
 
-Estimator::Estimator(const EstimatorSettings& settings) : settings_(settings) {}
+Estimator::Estimator(const EstimatorSettings& settings)
+    : settings_(settings), foot_(settings.wheels ? model::kSkates : model::kSoles) {}
 
 const model::State& Estimator::update(Nanoseconds now, const ServoReadings& servos,
                                       const ImuSample& imu, const PoseSample& pose) {
@@ -82,10 +83,14 @@ void Estimator::read_imu(const ImuSample& imu) {
 void Estimator::judge_contacts() {
   for (const Leg leg : {kRightLeg, kLeftLeg}) {
     const auto i = static_cast<std::size_t>(leg);
-    sole_[i] =
-        sole_kinematics(leg, q_.data() + leg * kJointsPerLeg, dq_.data() + leg * kJointsPerLeg);
-    corner_height_[i] = lowest_corner(leg, sole_[i], R_world_base_);
+    sole_[i] = sole_kinematics(leg, q_.data() + leg * kJointsPerLeg,
+                               dq_.data() + leg * kJointsPerLeg, foot_);
   }
+  Vec3 up_in_base = R_world_base_.row(2);
+  if (settings_.wheels)
+    up_in_base = (sole_[0].R_base_sole.col(2) + sole_[1].R_base_sole.col(2)).normalized();
+  for (std::size_t i = 0; i < 2; ++i)
+    corner_height_[i] = lowest_corner(sole_[i], up_in_base, foot_);
   const double ground = std::min(corner_height_[0], corner_height_[1]);
   height_ = -ground;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -95,8 +100,14 @@ void Estimator::judge_contacts() {
   }
 }
 
+/// Of the base above the ground where the feet are [m], along world z.
+double Estimator::height_by_legs() const {
+  if (!settings_.wheels) return height_;
+  return -0.5 * R_world_base_.row(2).dot(sole_[0].p_base_sole + sole_[1].p_base_sole);
+}
+
 void Estimator::start_filter() {
-  const Vec3 p(0.0, 0.0, height_);
+  const Vec3 p(0.0, 0.0, height_by_legs());
   const Vec3 right = p + R_world_base_ * sole_[0].p_base_sole,
              left = p + R_world_base_ * sole_[1].p_base_sole;
   for (int a = 0; a < 3; ++a)
@@ -107,8 +118,10 @@ void Estimator::start_filter() {
 }
 
 void Estimator::predict() {
-  const double right = loaded_[0] ? settings_.foot_slip_noise : settings_.foot_swing_noise;
-  const double left = loaded_[1] ? settings_.foot_slip_noise : settings_.foot_swing_noise;
+  const bool right_stands = loaded_[0] && !settings_.wheels;
+  const bool left_stands = loaded_[1] && !settings_.wheels;
+  const double right = right_stands ? settings_.foot_slip_noise : settings_.foot_swing_noise;
+  const double left = left_stands ? settings_.foot_slip_noise : settings_.foot_swing_noise;
   for (int a = 0; a < 3; ++a)
     axis_[static_cast<std::size_t>(a)].predict(a_base_in_world_[a], kDt, settings_.accel_noise,
                                                right, left);
@@ -125,12 +138,30 @@ void Estimator::correct_by_legs() {
       AxisFilter& axis = axis_[static_cast<std::size_t>(a)];
       axis.measure(unit(sole) - unit(AxisFilter::kPosition), p_base_sole_in_world[a],
                    settings_.foot_position_noise_m);
-      if (loaded_[i])
+      if (loaded_[i] && !settings_.wheels)
         axis.measure(unit(AxisFilter::kVelocity), v_base[a], settings_.foot_velocity_noise);
     }
+    if (loaded_[i] && settings_.wheels) correct_by_rolling(i, v_base);
     if (loaded_[i] && settings_.flat_ground)
-      axis_[2].measure(unit(AxisFilter::kPosition), -corner_height_[i],
+      axis_[2].measure(unit(AxisFilter::kPosition),
+                       settings_.wheels ? -p_base_sole_in_world[2] : -corner_height_[i],
                        settings_.foot_position_noise_m);
+  }
+}
+
+/// A loaded skate moves neither across its wheels nor away from the ground; along them it tells
+/// nothing. `v_base`: velocity of the base if it stood still.
+void Estimator::correct_by_rolling(std::size_t foot, const Vec3& v_base) {
+  const auto velocity = unit(AxisFilter::kVelocity);
+  const Mat3 R_world_sole = R_world_base_ * sole_[foot].R_base_sole;
+  for (const int held : {1, 2}) {
+    const Vec3 direction = R_world_sole.col(held);
+    double S = settings_.foot_velocity_noise * settings_.foot_velocity_noise;
+    for (int a = 0; a < 3; ++a)
+      S += direction[a] * direction[a] * axis_[static_cast<std::size_t>(a)].variance(velocity);
+    const double innovation = direction.dot(v_base - filter_velocity());
+    for (int a = 0; a < 3; ++a)
+      axis_[static_cast<std::size_t>(a)].correct_share(direction[a] * velocity, innovation, S);
   }
 }
 
@@ -188,6 +219,9 @@ Vec3 Estimator::filter_velocity() const {
 void Estimator::set_origin_here() {
   if (!ready_) return;
   origin_ = Vec3(axis_[0].position(), axis_[1].position(), 0.0);
+  // a profile is at height 0 where the robot starts, and nothing else tells its height
+  if (settings_.wheels && !settings_.flat_ground)
+    origin_[2] = axis_[2].position() - height_by_legs();
   origin_yaw_ = math::yaw_of(quat_world_base_);
   compose_state();
 }

@@ -1,6 +1,8 @@
 // The state x of the robot at every tick: orientation and rate from the IMU, joints from the
 // servos, base position and velocity from a contact-aided filter (IMU acceleration, leg kinematics
-// of the loaded soles, flat ground), corrected by an external pose while that is fresh. Fixed size;
+// of the loaded soles, flat ground), corrected by an external pose while that is fresh. A loaded
+// sole stands still; a loaded skate (settings: wheels) moves along its own x axis, its wheels lie
+// on the ground, and so its z axis is the ground's normal, whatever profile that has. Fixed size;
 // never waits.
 #pragma once
 
@@ -39,8 +41,10 @@ class Estimator {
   }
   /// Where this leg has its sole, by its joints.
   const SoleKinematics& sole(Leg leg) const { return sole_[static_cast<std::size_t>(leg)]; }
-  /// Base origin above the lower sole's lowest corner, along world z [m].
+  /// Base origin above the lower foot's lowest point [m], along world z; of wheels along the normal
+  /// of the ground.
   double height_above_soles() const { return height_; }
+  bool on_wheels() const { return settings_.wheels; }
   /// Angle between base z and world z [rad].
   double tilt() const;
   /// Ticks since the pose in use was new; 255 = none.
@@ -55,12 +59,15 @@ class Estimator {
   void start_filter();
   void predict();
   void correct_by_legs();
+  void correct_by_rolling(std::size_t foot, const Vec3& v_base);
+  double height_by_legs() const;
   void correct_by_pose(Nanoseconds now, const PoseSample& pose);
   void compose_state();
   Vec3 filter_position() const;
   Vec3 filter_velocity() const;
 
   EstimatorSettings settings_;
+  model::FootShape foot_;
   bool ready_ = false;
 
   // this tick's inputs

@@ -50,8 +50,12 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
   reason_ = kPlausible;
   if (gravity_wrong(dt, imu)) reason_ = kGravity;
   if (rate_wrong(dt, imu)) reason_ = kRate;
-  if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
   if (!standing) lean_ = Lean{}, rocked_ = false;
+  if (estimator.on_wheels()) {  // a foot turns with the ground under its wheels
+    last_ = imu;
+    return;
+  }
+  if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
   if (standing && !mounting_known_ && !rocked_ && leans_another_way(dt, imu, estimator))
     reason_ = kAgainstLegs;
   last_ = imu;

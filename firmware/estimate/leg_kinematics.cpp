@@ -30,7 +30,8 @@ double inward(Leg leg) { return leg == kLeftLeg ? 1.0 : -1.0; }
 
 }  // namespace
 
-SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
+SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq,
+                               const model::FootShape& foot) {
   SoleKinematics sole;
   std::array<Vec3, kJointsPerLeg> p_base_joint, axis_in_base;
   Vec3 p = Vec3::Zero();
@@ -42,9 +43,7 @@ SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
     axis_in_base[static_cast<std::size_t>(j)] = joint.sign * R.col(joint.axis);
     R = R * axis_rotation(joint.axis, joint.sign * q[j]);
   }
-  const Vec3 p_foot_sole(0.5 * (model::kSoleFront + model::kSoleBack),
-                         inward(leg) * 0.5 * (model::kSoleOuter + model::kSoleInner),
-                         model::kSoleHeight);
+  const Vec3 p_foot_sole(model::kSoleCentreX, inward(leg) * model::kSoleCentreY, foot.height);
   sole.p_base_sole = p + R * p_foot_sole;
   sole.R_base_sole = R;
   for (std::size_t j = 0; j < kJointsPerLeg; ++j) {
@@ -55,13 +54,11 @@ SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq) {
   return sole;
 }
 
-double lowest_corner(Leg, const SoleKinematics& sole, const Mat3& R_world_base) {
-  const double half_length = 0.5 * (model::kSoleFront - model::kSoleBack);
-  const double half_width = 0.5 * (model::kSoleOuter - model::kSoleInner);
-  const Eigen::RowVector3d z_world = R_world_base.row(2);
-  const Eigen::RowVector3d z_in_sole = z_world * sole.R_base_sole;
-  return z_world.dot(sole.p_base_sole) - half_length * std::abs(z_in_sole[0]) -
-         half_width * std::abs(z_in_sole[1]);
+double lowest_corner(const SoleKinematics& sole, const Vec3& up_in_base,
+                     const model::FootShape& foot) {
+  const Eigen::RowVector3d up_in_sole = up_in_base.transpose() * sole.R_base_sole;
+  return up_in_base.dot(sole.p_base_sole) - foot.half_length * std::abs(up_in_sole[0]) -
+         foot.half_width * std::abs(up_in_sole[1]);
 }
 
 }  // namespace sanso::firmware

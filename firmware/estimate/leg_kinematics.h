@@ -4,6 +4,7 @@
 #pragma once
 
 #include "shared/math/so3.h"
+#include "shared/model/foot_shape.h"
 #include "shared/model/state_layout.h"
 
 namespace sanso::firmware {
@@ -20,10 +21,14 @@ struct SoleKinematics {
   math::Vec3 w_sole_in_base = math::Vec3::Zero();
 };
 
-/// q, dq: the six angles and rates of the leg, hip_yaw .. ank_roll.
-SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq);
+/// q, dq: the six angles and rates of the leg, hip_yaw .. ank_roll. `foot`: what touches the
+/// ground.
+SoleKinematics sole_kinematics(Leg leg, const double* q, const double* dq,
+                               const model::FootShape& foot = model::kSoles);
 
-/// Height of the sole's lowest corner relative to the base origin, along world z [m] (negative).
-double lowest_corner(Leg leg, const SoleKinematics& sole, const math::Mat3& R_world_base);
+/// Height of the lowest of the foot's four points relative to the base origin [m] (negative), along
+/// `up`: world z or the normal of the ground, base axes.
+double lowest_corner(const SoleKinematics& sole, const math::Vec3& up_in_base,
+                     const model::FootShape& foot = model::kSoles);
 
 }  // namespace sanso::firmware

@@ -63,6 +63,49 @@ TEST(Estimator, FollowsAPushedRobotFromLegsAndImuAlone) {
   EXPECT_EQ(c.seen().pose_age_ticks, 255);
 }
 
+/// Down the ramp on wheels, from a hand's push to the run-out.
+Errors roll_down(bool wheels_told, bool with_pose) {
+  Settings settings;
+  settings.estimator.wheels = wheels_told;
+  settings.estimator.flat_ground = false;
+  EmulatedController c("lab+ramp+wheels", settings, with_pose);
+  c.robot.lend_hand({0.5, 0.5});
+  EXPECT_TRUE(c.stand());
+  c.command(wire::CommandKind::start_trial, 1, 400, policy::LayerSwitches::kLower);
+  c.robot.push_off();
+  const model::State origin = c.truth();
+  Errors e;
+  int ticks = 0;
+  for (; ticks < 350 && c.truth()[0] < origin[0] + 1.2; ++ticks) {
+    c.tick();
+    const model::State truth = c.truth(), x = c.seen().x;
+    const math::Vec3 moved = truth.segment<3>(model::kXPos) - math::Vec3(origin[0], origin[1], 0.0);
+    e.position += (x.segment<3>(model::kXPos) - moved).squaredNorm();
+    e.velocity += (x.segment<3>(model::kXVel) - truth.segment<3>(model::kXVel)).squaredNorm();
+  }
+  EXPECT_GT(c.truth()[0], origin[0] + 1.2);
+  EXPECT_EQ(c.controller->state(), wire::SupervisorState::run);
+  return {std::sqrt(e.position / ticks), std::sqrt(e.velocity / ticks), 0.0};
+}
+
+TEST(Estimator, FollowsARobotThatRollsDownARamp) {
+  const Errors told = roll_down(true, true), believes_in_soles = roll_down(false, true);
+  std::printf("on wheels: %.1f mm, %.1f mm/s; taken for soles: %.1f mm, %.1f mm/s\n",
+              1e3 * told.position, 1e3 * told.velocity, 1e3 * believes_in_soles.position,
+              1e3 * believes_in_soles.velocity);
+  EXPECT_LT(told.position, 0.010);
+  EXPECT_LT(told.velocity, 0.05);
+  EXPECT_GT(believes_in_soles.velocity, 5 * told.velocity);
+}
+
+TEST(Estimator, WithoutAPoseSourceOnlyTheWayAlongTheWheelsIsLeftToTheImu) {
+  const Errors blind = roll_down(true, false);
+  std::printf("without a pose source: %.1f mm, %.1f mm/s\n", 1e3 * blind.position,
+              1e3 * blind.velocity);
+  // the accelerometer's 0.05 m/s^2 over the three seconds of the hold and three of the way
+  EXPECT_LT(blind.velocity, 0.4);
+}
+
 TEST(Estimator, StartsEveryTrialAtTheOriginWithHeadingZero) {
   EmulatedController c("nominal");
   emulator::Placement away;
