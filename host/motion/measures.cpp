@@ -102,6 +102,37 @@ double yaw_deg(const MeasureInput& in) {
   });
 }
 
+// --- on a profile ---
+
+/// Angle of the base's vertical to the normal of the surface below the base.
+double surface_tilt_deg(const MeasureInput& in) {
+  return largest(in, [&](const EpisodeSample& s, std::size_t) {
+    const double slope = model::ground_slope(in.ground, s.x[0]);
+    const math::Vec3 normal = math::Vec3(-slope, 0.0, 1.0).normalized();
+    const math::Vec3 up = math::rotation_matrix(model::base_quat(s.x)).col(2);
+    return std::acos(std::clamp(up.dot(normal), -1.0, 1.0)) / kDegree;
+  });
+}
+
+/// Distance of the base from the surface's tangent below it.
+double above_surface_m(const MeasureInput& in) {
+  return -largest(in, [&](const EpisodeSample& s, std::size_t) {
+    const double slope = model::ground_slope(in.ground, s.x[0]);
+    return (model::ground_height(in.ground, s.x[0]) - s.x[2]) / std::sqrt(1.0 + slope * slope);
+  });
+}
+
+double place_m(const MeasureInput& in) {
+  return largest(in, [](const EpisodeSample& s, std::size_t) { return s.x[0]; });
+}
+
+double speed_share(const MeasureInput& in) {
+  const auto speed = [](const model::State& x) { return x.segment<3>(model::kXVel).norm(); };
+  double most = 0.0;
+  for (const model::State& x : in.reference.x) most = std::max(most, speed(x));
+  return largest(in, [&](const EpisodeSample& s, std::size_t) { return speed(s.x); }) / most;
+}
+
 // --- feet ---
 
 double both_feet_loaded_share(const MeasureInput& in) {
@@ -288,6 +319,12 @@ const std::vector<Measure>& measures() {
       {"tilt_deg", "largest angle of the base's vertical to the world's [deg]", tilt_deg},
       {"base_height_m", "lowest height of the base [m]", base_height_m},
       {"below_reference_m", "largest drop of the base below its reference [m]", below_reference_m},
+      {"surface_tilt_deg", "largest angle of the base's vertical to the surface's normal [deg]",
+       surface_tilt_deg},
+      {"above_surface_m", "lowest distance of the base from the surface's tangent [m]",
+       above_surface_m},
+      {"place_m", "farthest place along x [m]", place_m},
+      {"speed_share", "largest speed over the reference's", speed_share},
       {"base_drift_m", "largest horizontal distance of the base from its start [m]", base_drift_m},
       {"yaw_deg", "largest heading error to the reference [deg]", yaw_deg},
       {"both_feet_loaded_share", "share of the moving time with both soles loaded above 1 N",

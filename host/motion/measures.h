@@ -13,6 +13,7 @@ struct MeasureInput {
   const MotionEpisode& episode;
   const Trajectory& reference;
   const Window& window;
+  const model::Ground& ground;
 };
 
 struct Measure {

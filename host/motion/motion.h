@@ -2,13 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "host/motion/recipe.h"
+#include "host/motion/skate.h"
 #include "host/motion/success.h"
 #include "host/mpc/cost.h"
+#include "shared/model/ground.h"
 #include "shared/policy/primitives.h"
 
 namespace sanso::motion {
@@ -36,13 +39,16 @@ struct Motion {
   std::string name;
   std::string title;
   ClipSource source;
-  Recipe recipe;
+  Recipe recipe;               // of a motion that a clip became
+  std::optional<Skate> skate;  // of a motion on wheels
   mpc::CostWeights weights;
   StopRule stop;
   Window window;
   std::vector<Clause> success;
   policy::PrimitiveSet primitives;
 
+  /// What it takes place on: level, or its profile.
+  model::Ground ground() const;
   double duration_s() const { return primitives.duration_s; }
   /// x_DMP at every 10 ms tick, first and last included.
   Trajectory reference() const;

@@ -10,6 +10,7 @@
 #include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
+#include "shared/grounds/ground_file.h"
 #include "shared/model/joints.h"
 
 namespace sanso::motion {
@@ -91,6 +92,18 @@ void read_recipe(const TomlTable& table, Recipe& recipe) {
   table.finish();
 }
 
+void read_skate(const TomlTable& table, Skate& skate) {
+  visit_skate(skate, [&](const char* key, auto& value) { read_figure(table, key, value); });
+  table.finish();
+  if (!(skate.push_s > 0.0 && skate.push_s <= 5.0))
+    table.fail("push_s", "out of range", files::toml_number(skate.push_s), "above 0, at most 5");
+  try {
+    (void)grounds::load_ground(skate.ground);
+  } catch (const files::InputError& error) {
+    table.fail("ground", "no such profile", skate.ground, error.what());
+  }
+}
+
 Clause read_clause(const TomlTable& entry) {
   Clause clause;
   clause.measure = text(entry, "measure");
@@ -169,7 +182,10 @@ Motion read_document(const TomlTable& root) {
   const TomlTable source = section(root, "source");
   motion.source = {text(source, "credit"), text(source, "licence"), text(source, "changes")};
   source.finish();
-  read_recipe(section(root, "retarget"), motion.recipe);
+  if (root.has("skate"))
+    read_skate(section(root, "skate"), motion.skate.emplace());
+  else
+    read_recipe(section(root, "retarget"), motion.recipe);
   read_cost(section(root, "cost"), motion.weights);
   const TomlTable stop = section(root, "stop");
   motion.stop = {number(stop, "cost_limit", 1, 1e6), number(stop, "tilt_limit_rad", 0.05, 1.5),
@@ -277,6 +293,18 @@ void write_success(TomlText& toml, const Motion& motion) {
   }
 }
 
+void write_making(TomlText& toml, const Motion& motion) {
+  const auto put = [&](const char* key, const auto& value) { toml.put(key, value); };
+  if (motion.skate) {
+    toml.heading("skate");
+    visit_skate(*motion.skate, put);
+    return;
+  }
+  toml.heading("retarget");
+  toml.put("kind", std::string(to_string(motion.recipe.kind)));
+  visit_recipe(motion.recipe, put);
+}
+
 }  // namespace
 
 MotionKind motion_kind(const std::string& name) {
@@ -300,9 +328,9 @@ const char* to_string(MotionKind kind) {
 
 std::string to_toml(const Motion& motion) {
   TomlText toml;
-  toml.line(
-      "# A motion of sanso. Made by `sanso motions import`; the weights and clauses may be edited "
-      "by hand.");
+  toml.line(std::string("# A motion of sanso. Made by `sanso motions ") +
+            (motion.skate ? "skate" : "import") +
+            "`; the weights and clauses may be edited by hand.");
   toml.put("format", kFormat);
   toml.put("name", motion.name);
   toml.put("title", motion.title);
@@ -310,9 +338,7 @@ std::string to_toml(const Motion& motion) {
   toml.put("credit", motion.source.credit);
   toml.put("licence", motion.source.licence);
   toml.put("changes", motion.source.changes);
-  toml.heading("retarget");
-  toml.put("kind", std::string(to_string(motion.recipe.kind)));
-  visit_recipe(motion.recipe, [&](const char* key, const auto& value) { toml.put(key, value); });
+  write_making(toml, motion);
   toml.heading("cost");
   toml.line(
       "# diagonal of W_x per m^2, rad^2, (m/s)^2, (rad/s)^2 and of W_u per rad^2; no factor 1/2");

@@ -6,8 +6,13 @@
 #include "host/motion/dmp_fit.h"
 #include "host/motion/motion.h"
 #include "shared/base/time.h"
+#include "shared/grounds/ground_file.h"
 
 namespace sanso::motion {
+
+model::Ground Motion::ground() const {
+  return skate ? grounds::load_ground(skate->ground) : model::make_plane();
+}
 
 Trajectory Motion::reference() const { return play(primitives); }
 
@@ -71,7 +76,7 @@ Motion MotionLibrary::load(const std::string& name) const {
 }
 
 Verdict evaluate(const Motion& motion, const MotionEpisode& episode) {
-  return evaluate(motion.success, episode, motion.reference(), motion.window);
+  return evaluate(motion.success, episode, motion.reference(), motion.window, motion.ground());
 }
 
 }  // namespace sanso::motion

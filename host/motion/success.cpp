@@ -45,8 +45,8 @@ std::vector<MeasureInfo> known_measures() {
 }
 
 Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode,
-                 const Trajectory& reference, const Window& window) {
-  const MeasureInput input{episode, reference, window};
+                 const Trajectory& reference, const Window& window, const model::Ground& ground) {
+  const MeasureInput input{episode, reference, window, ground};
   Verdict verdict;
   for (const Clause& clause : clauses) {
     const Measure* measure = find_measure(clause.measure);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/motion/trajectory.h"
+#include "shared/model/ground.h"
 
 namespace sanso::motion {
 
@@ -71,6 +72,7 @@ std::vector<MeasureInfo> known_measures();
 /// Evaluates every clause. Throws std::invalid_argument for a measure that does not exist (the
 /// loader has checked).
 Verdict evaluate(const std::vector<Clause>& clauses, const MotionEpisode& episode,
-                 const Trajectory& reference, const Window& window);
+                 const Trajectory& reference, const Window& window,
+                 const model::Ground& ground = model::make_plane());
 
 }  // namespace sanso::motion

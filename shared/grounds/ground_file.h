@@ -1,5 +1,5 @@
 // Ground profiles (README.md) as the model's ground. The emulated robot reads the same files with
-// code of its own (tools/plant/ground_profile.h).
+// code of its own.
 #pragma once
 
 #include <map>

@@ -9,6 +9,7 @@
 
 #include "host/motion/make/compose.h"
 #include "host/motion/make/import.h"
+#include "host/motion/make/skate.h"
 #include "host/motion/motion.h"
 #include "shared/files/atomic_file.h"
 #include "tools/report/motion_page.h"
@@ -67,13 +68,18 @@ std::string page_of(const motion::Motion& motion) {
   return page;
 }
 
-void write_and_tell(const motion::ImportedMotion& made, const char* wanted, const fs::path& out) {
+fs::path write_with_page(const motion::Motion& motion, const fs::path& out) {
   const fs::path folder = out.empty() ? motion::MotionLibrary().folder() : out;
   fs::create_directories(folder);
-  const fs::path file = folder / (made.motion.name + ".toml");
-  motion::write_motion(file, made.motion);
+  const fs::path file = folder / (motion.name + ".toml");
+  motion::write_motion(file, motion);
+  files::write_atomically(fs::path(file).replace_extension(".html"), page_of(motion));
+  return file;
+}
+
+void write_and_tell(const motion::ImportedMotion& made, const char* wanted, const fs::path& out) {
+  const fs::path file = write_with_page(made.motion, out);
   const fs::path page = fs::path(file).replace_extension(".html");
-  files::write_atomically(page, page_of(made.motion));
   const auto& check = made.check;
   fmt::print(
       "{}: {:.2f} s, fastest joint {} {:.2f} rad/s, ZMP margin {:.0f} mm (5th percentile {:.0f}), "
@@ -84,6 +90,32 @@ void write_and_tell(const motion::ImportedMotion& made, const char* wanted, cons
       check.joint_margin_rad * 57.29578, made.fit.joint_rad * 57.29578, 1e3 * made.fit.position_m,
       wanted);
   fmt::print("motion: {}\nreport: {}\n", file.string(), page.string());
+}
+
+struct SkateOptions {
+  std::string name;
+  fs::path out;
+};
+
+void make_skate(const SkateOptions& options) {
+  const motion::ImportedMotion made = motion::make_skate(options.name);
+  const fs::path file = write_with_page(made.motion, options.out);
+  const auto& x = made.retargeted.trajectory.x;
+  fmt::print("{}: {:.2f} s down {}, to {:.2f} m and {:.2f} m/s; primitives within {:.2f} mm\n",
+             made.motion.name, made.motion.duration_s(), made.motion.skate->ground,
+             x.back()[model::kXPos], x.back().segment<3>(model::kXVel).norm(),
+             1e3 * made.fit.position_m);
+  fmt::print("motion: {}\n", file.string());
+}
+
+void add_skate(CLI::App& motions) {
+  auto options = std::make_shared<SkateOptions>();
+  CLI::App* command = motions.add_subcommand(
+      "skate", "make a motion on wheels from its ground profile and the law of energy");
+  command->add_option("NAME", options->name, "skate_slope, skate_ramp or skate_ramp_high")
+      ->required();
+  command->add_option("--out", options->out, "folder (default: the library)");
+  command->callback([options] { make_skate(*options); });
 }
 
 void import_clip(const ImportOptions& options) {
@@ -155,6 +187,7 @@ void add_motions(CLI::App& app, int& result) {
   import->callback([options] { import_clip(*options);
 });
 add_new(*command);
+add_skate(*command);
 command->callback([json, command, &result] {
   if (command->get_subcommands().empty()) list_motions(*json);
   result = kDone;

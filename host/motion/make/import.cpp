@@ -70,6 +70,8 @@ void set_figure(Recipe& recipe, const std::string& figure) {
   if (!found) throw MotionError("--set " + figure + ": no such figure; there are: " + known);
 }
 
+}  // namespace
+
 FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted) {
   FitError error;
   const Trajectory played = play(set);
@@ -81,8 +83,6 @@ FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted) {
   }
   return error;
 }
-
-}  // namespace
 
 std::vector<std::string> complaints(const ReferenceCheck& check, MotionKind kind) {
   std::vector<std::string> found;

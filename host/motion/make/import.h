@@ -23,6 +23,8 @@ struct FitError {
   double joint_rad = 0.0, position_m = 0.0;  // largest
 };
 
+FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted);
+
 struct ImportedMotion {
   Motion motion;
   Retargeted retargeted;
