@@ -22,7 +22,8 @@ namespace {
 /// The planner's model with what a diagnosis confirmed; says what it took.
 std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model) {
   if (options.adopt.empty()) return {};
-  model::ModelParameters theta = model::nominal_parameters();
+  model::ModelParameters theta =
+      options.wheels ? model::skating_parameters() : model::nominal_parameters();
   const Adoption adoption = adopt(options.adopt, theta);
   model.analytical = model::make_step_model(theta);
   if (!options.quiet) fmt::print("{}", told(adoption));
@@ -32,8 +33,20 @@ std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model)
 }
 
 learn::Task task_of(const motion::Motion& motion) {
-  return {motion.name, motion.primitives, motion.weights,
-          [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); }};
+  learn::Task task{
+      motion.name, motion.primitives, motion.weights,
+      [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); }};
+  if (motion.skate) task.push = learn::Push{motion.skate->push_m_s, motion.skate->push_s};
+  return task;
+}
+
+/// An emulated robot stands where and on what the motion takes place, whatever its world
+/// (tools/plant/world.h).
+void prepare_world(const motion::Motion& motion, LearnOptions& options) {
+  if (motion.skate && options.ground == "plane") options.ground = motion.skate->ground;
+  if (options.ground != "plane") options.world += "+" + options.ground;
+  options.wheels = motion.skate.has_value();
+  if (options.wheels) options.world += "+wheels";
 }
 
 /// What the motion's file and the clock ask for, before anybody sets anything.
@@ -42,6 +55,11 @@ LearnSettings defaults_of(const motion::Motion& motion, bool real_time) {
   s.session.trial.cost_limit = motion.stop.cost_limit;
   s.session.trial.tilt_limit_rad = motion.stop.tilt_limit_rad;
   s.session.trial.drop_limit_m = motion.stop.drop_limit_m;
+  if (motion.skate) {
+    s.session.bring_up.on = false;  // its poses would roll away
+    // goals that follow a fall lean the reference into the next one: on wheels nothing stops it
+    s.session.goals.enabled = false;
+  }
   // of the 60 ms: leaves room for the way there and back and for a busy machine
   constexpr double kBudget_s = 0.045;
   s.session.trial.planning_budget_s = real_time ? kBudget_s : 0.0;
@@ -121,12 +139,12 @@ LearnSettings settings_of(const LearnOptions& options, const motion::Motion& mot
 int learn(const LearnOptions& given, const RobotFactory& make_robot) {
   LearnOptions options = given;
   const motion::Motion motion = motion::MotionLibrary().load(options.motion);
-  // an emulated robot stands on that ground, whatever its world (tools/plant/world.h)
-  if (options.ground != "plane") options.world += "+" + options.ground;
+  prepare_world(motion, options);
   (void)settings_of(options, motion, false);  // a wrong name is told before a robot is asked for
   const std::unique_ptr<learn::RobotAccess> robot = make_robot(options);
   LearnSettings settings = settings_of(options, motion, robot->real_time());
   host::AugmentedModel model;
+  if (options.wheels) model.analytical = model::make_step_model(model::skating_parameters());
   settings.session.adopted = adopt_into(options, model);
   model.ground = grounds::load_ground(options.ground);
   mpc::UpperLayer upper(settings.mpc, model);

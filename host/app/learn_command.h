@@ -28,6 +28,7 @@ struct LearnOptions {
   std::string world = "lab";         // of an emulated robot
   // the planner's, and an emulated robot's: "plane", a profile of shared/grounds, a file
   std::string ground = "plane";
+  bool wheels = false;  // as the motion says: the robot wears skates
   int threads = 2;
   std::string profile = "ours";
   std::vector<std::string> set;  // "mpc.horizon=12"

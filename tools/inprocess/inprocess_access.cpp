@@ -14,6 +14,13 @@ constexpr std::size_t kConditionSize = 20 + 1;  // temperatures, charge
 
 }  // namespace
 
+firmware::Settings settings_on(bool wheels, const std::string& ground) {
+  firmware::Settings settings;
+  settings.estimator.wheels = wheels;
+  if (wheels) settings.estimator.flat_ground = ground == "plane";
+  return settings;
+}
+
 InProcessAccess::InProcessAccess(const std::string& world, const firmware::Settings& settings)
     : world_(plant::load_world(world)), settings_(settings), key_(wire::random_key()) {}
 
@@ -29,6 +36,7 @@ link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t see
     before.used_Ah = condition_.back();
     robot_->robot().begin_rested(before);
   }
+  if (push_) robot_->robot().lend_hand({push_->push_m_s, push_->push_s});
   if (prepare_) prepare_(*robot_);
   link_ = std::make_unique<link::RobotLink>(*robot_, *robot_, key_);
   if (link_->open() != Status::ok)

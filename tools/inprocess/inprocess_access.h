@@ -4,12 +4,16 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/learn/session/robot_access.h"
 #include "tools/inprocess/inprocess_robot.h"
 
 namespace sanso::inprocess {
+
+/// What a person enters into the controller who puts skates under the robot, and a profile.
+firmware::Settings settings_on(bool wheels, const std::string& ground);
 
 class InProcessAccess : public learn::RobotAccess {
  public:
@@ -19,6 +23,7 @@ class InProcessAccess : public learn::RobotAccess {
   /// Heat and charge, in a world that tires.
   std::vector<double> condition() const override;
   void set_condition(const std::vector<double>& values) override { condition_ = values; }
+  void lend_hand(const learn::Push& push) override { push_ = push; }
   void add_measurements(learn::Episode& episode) override;
   std::string description() const override { return "in-process, world " + world_.name; }
   std::string world_file() const override { return plant::to_toml(world_); }
@@ -31,7 +36,8 @@ class InProcessAccess : public learn::RobotAccess {
   plant::World world_;
   firmware::Settings settings_;
   std::function<void(InProcessRobot&)> prepare_;
-  std::vector<double> condition_;  // of the robot before; empty: a new one
+  std::optional<learn::Push> push_;  // of a hand that starts the robot
+  std::vector<double> condition_;    // of the robot before; empty: a new one
   wire::Key key_{};
   std::unique_ptr<InProcessRobot> robot_;
   std::unique_ptr<link::RobotLink> link_;

@@ -40,7 +40,8 @@ void open_browser(const std::string& address) {
 
 std::unique_ptr<learn::RobotAccess> plain_robot(const app::LearnOptions& options) {
   if (options.robot == "in-process")
-    return std::make_unique<inprocess::InProcessAccess>(options.world);
+    return std::make_unique<inprocess::InProcessAccess>(
+        options.world, inprocess::settings_on(options.wheels, options.ground));
   if (options.robot == "emulated")
     return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
   if (options.robot.find(':') == std::string::npos)
@@ -53,7 +54,9 @@ std::unique_ptr<learn::RobotAccess> watched_robot(const app::LearnOptions& optio
                                                   page::LivePage& page) {
   if (options.robot == "in-process")
     return std::make_unique<WatchedRobot>(
-        std::make_unique<inprocess::InProcessAccess>(options.world), page);
+        std::make_unique<inprocess::InProcessAccess>(
+            options.world, inprocess::settings_on(options.wheels, options.ground)),
+        page);
   if (options.robot == "emulated")
     return std::make_unique<WatchedRobot>(
         std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run"), page);

@@ -28,6 +28,7 @@ class WatchedRobot : public learn::RobotAccess {
   }
   std::vector<double> condition() const override { return robot_->condition(); }
   void set_condition(const std::vector<double>& values) override { robot_->set_condition(values); }
+  void lend_hand(const learn::Push& push) override { robot_->lend_hand(push); }
   void add_measurements(learn::Episode& episode) override { robot_->add_measurements(episode); }
   std::string description() const override { return robot_->description(); }
   std::string world_file() const override { return robot_->world_file(); }

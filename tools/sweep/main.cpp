@@ -29,7 +29,8 @@ same command. A stopped mpirun kills its ranks a second later, or after S second
 with --mca odls_base_sigkill_timeout S.)";
 
 std::unique_ptr<learn::RobotAccess> in_process(const app::LearnOptions& options) {
-  return std::make_unique<inprocess::InProcessAccess>(options.world);
+  return std::make_unique<inprocess::InProcessAccess>(
+      options.world, inprocess::settings_on(options.wheels, options.ground));
 }
 
 CLI::App* add_learn(CLI::App& app, SessionsOptions& o) {

@@ -2,6 +2,7 @@
 // emulator, or by a person.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,12 @@
 #include "host/link/robot_link.h"
 
 namespace sanso::learn {
+
+/// A hand at the torso that keeps a robot on wheels where it is until the trial begins, then brings
+/// it evenly to push_m_s within push_s and lets go.
+struct Push {
+  double push_m_s = 0.0, push_s = 0.0;
+};
 
 class RobotAccess {
  public:
@@ -21,6 +28,11 @@ class RobotAccess {
   /// it reads: the session stores them and gives them back before the next place(). Empty: nothing.
   virtual std::vector<double> condition() const { return {}; }
   virtual void set_condition(const std::vector<double>&) {}
+  /// Before place(): the trial begins with this push.
+  virtual void lend_hand(const Push&) {
+    throw std::runtime_error(description() + ": has no hand that starts a robot on wheels; use " +
+                             "--robot in-process");
+  }
   /// Adds to an episode what only the world knows (foot forces); nothing on a robot that does not
   /// measure them.
   virtual void add_measurements(Episode& episode) = 0;

@@ -74,6 +74,16 @@ void continue_into_hold(std::vector<UpperSample>& samples) {
   if (first != samples.end()) std::fill(samples.begin(), first, *first);
 }
 
+/// What the robot did by itself: without the hold and the ticks in which a hand pushed it.
+Episode without_hand(const Episode& episode, const std::optional<Push>& push) {
+  Episode free = episode;
+  if (!push) return free;
+  const auto first = std::lround(push->push_s / to_seconds(kTickPeriod)) + 1;
+  free.before.clear();
+  std::erase_if(free.ticks, [first](const wire::Observation& o) { return o.trial_tick < first; });
+  return free;
+}
+
 }  // namespace
 
 policy::PrimitiveSet from_origin(policy::PrimitiveSet primitives) {
@@ -220,6 +230,7 @@ TrialSummary Session::run_one() {
   setup.duration_ticks = state_->primitives.duration_ticks();
 
   robot_.set_condition(state_->robot);
+  if (task_.push) robot_.lend_hand(*task_.push);
   link::RobotLink& link =
       robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
   Episode episode = run_episode(link, setup);
@@ -234,13 +245,14 @@ TrialSummary Session::run_one() {
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
-  if (const auto losses = learner_.losses(episode)) {
+  const Episode free = without_hand(episode, task_.push);
+  if (const auto losses = learner_.losses(free)) {
     summary.model_loss = losses->augmented;
     summary.model_loss_analytical = losses->analytical;
     summary.model_loss_initial = losses->initial;
   }
   summary.residual_share = state_->residual.share;
-  if (learner_.judge_residual(episode)) upper_.set_model(learner_.current());
+  if (learner_.judge_residual(free)) upper_.set_model(learner_.current());
   state_->residual = learner_.residual_trust();
   summary.wall_s = wall_s() - begin;
   state_->history.push_back(summary);
@@ -295,7 +307,7 @@ void Session::learn_model() {
   const auto newest = static_cast<std::uint32_t>(settings_.model.newest_episodes);
   for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0;
        t < state_->next_trial; ++t) {
-    episodes.push_back(load_episode(episode_file(settings_.out, t)));
+    episodes.push_back(without_hand(load_episode(episode_file(settings_.out, t)), task_.push));
   }
   learner_.learn(episodes);
   // not enough data: nothing was learned

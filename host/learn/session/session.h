@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "host/learn/layers/goal_adaptation.h"
@@ -25,6 +26,9 @@ struct Task {
   /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold.
   /// May be absent.
   std::function<std::vector<std::string>(const Episode&)> broken_clauses;
+  /// On wheels: how a hand starts every trial. Until it has let go, nothing is learned about the
+  /// model: it does not know the hand.
+  std::optional<Push> push = {};
 };
 
 struct SessionSettings {
