@@ -132,6 +132,8 @@ HeldPoses hold_poses(link::RobotLink& robot, const BringUpSettings& settings,
     hold_pose(robot, shift, settings.hold_s);
     for (const wire::Observation& o : robot.take_observations()) held.seen.push_back(o);
     if (robot.latest().state != wire::SupervisorState::hold) {
+      if (robot.latest().fault == kFaultEmergencyStop)
+        throw StoppedBefore("bring-up: somebody pressed the emergency stop");
       held.stopped = fmt::format("the controller left the hold, fault {} (docs/faults.md)",
                                  robot.latest().fault);
       return held;

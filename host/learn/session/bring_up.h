@@ -68,7 +68,7 @@ struct HeldPoses {
 void hold_pose(link::RobotLink& robot, const TrunkShift& shift, double hold_s);
 
 /// Arms a robot that was placed in shifted_stand({}), and takes it through the poses. It is left in
-/// hold. Throws TrialError when it cannot be armed.
+/// hold. Throws TrialError when it cannot be armed, StoppedBefore after an emergency stop.
 HeldPoses hold_poses(link::RobotLink& robot, const BringUpSettings& settings,
                      const TrialSettings& trial);
 
