@@ -200,6 +200,16 @@ std::string cell_colour(double value, double low, double high, bool diverging) {
   return mixed(white, value < 0 ? blue : red, std::clamp(std::abs(value) / most, 0.0, 1.0));
 }
 
+/// A name over its column, in two lines where one would run into its neighbours.
+std::string column_name(double x, double y, const std::string& name, double width) {
+  constexpr double kLetter = 5.6, kLine = 13;  // pixels, of size 11
+  const std::size_t space = name.rfind(' ', name.size() / 2 + 1);
+  if (static_cast<double>(name.size()) * kLetter < width || space == std::string::npos)
+    return text_at(x, y, name, "middle", 11);
+  return text_at(x, y - kLine, name.substr(0, space), "middle", 11) +
+         text_at(x, y, name.substr(space + 1), "middle", 11);
+}
+
 }  // namespace
 
 std::string escaped(const std::string& text) {
@@ -317,8 +327,8 @@ std::string svg(const HeatMap& map, ChartSize size) {
 
   std::string out = open_svg(map.title + (map.unit.empty() ? "" : " [" + map.unit + "]"), size);
   for (std::size_t c = 0; c < map.columns.size(); ++c)
-    out += text_at(kNames + (static_cast<double>(c) + 0.5) * cell_w, kCellTop - 8, map.columns[c],
-                   "middle", 11);
+    out += column_name(kNames + (static_cast<double>(c) + 0.5) * cell_w, kCellTop - 8,
+                       map.columns[c], cell_w);
   for (std::size_t r = 0; r < map.rows.size(); ++r) {
     const double top = kCellTop + static_cast<double>(r) * cell_h;
     out += text_at(kNames - 6, top + 0.5 * cell_h + 4, map.rows[r], "end", 11);
