@@ -19,13 +19,15 @@ namespace {
 struct WatchOptions {
   std::string address;
   std::filesystem::path key;
+  std::string ground = "plane";
   PageOptions page{.port = 0, .control = false, .open = false, .urdf = {}};
 };
 
 int run_watch(const WatchOptions& options) {
   if (page::bundle().empty()) throw std::runtime_error(page::kNoBundle);
   const wire::Key key = app::read_key(options.key);
-  const std::unique_ptr<page::LivePage> page = serve_page(options.page, options.address, "nominal");
+  const std::unique_ptr<page::LivePage> page =
+      serve_page(options.page, options.address, "nominal", options.ground);
   for (const char* name : {"stop", "start"}) page->set_button(name, {});  // no session to hold
   page::RobotWatch watch(options.address, key,
                          [&](const wire::Observation& o) { page->observe(o); });
@@ -57,9 +59,15 @@ void add_watch(CLI::App& app, int& result) {
       ->add_option("--key", options->key,
                    "file of 64 hexadecimal digits, the controller's key_file")
       ->required();
+  command
+      ->add_option("--ground", options->ground,
+                   "what it stands on, to be drawn: plane, ramp, plates, stairs or a profile file "
+                   "(shared/grounds/README.md)")
+      ->capture_default_str();
   add_page_options(*command, options->page);
   command->footer(
       "Beside a host that learns it only looks; the emergency stop works from everywhere.\n"
+      "The controller knows no ground: name the one that the planner was told.\n"
       "Example:\n  sanso watch 192.168.1.20:47100 --key robot.key --open");
   command->callback([options, &result] { result = run_watch(*options); });
 }
