@@ -48,14 +48,17 @@ ShownMotion waves(const std::string& name, bool floating, std::size_t joints) {
   for (int k = 0; k < kRows; ++k) {
     const double t = 0.02 * k;
     m.numbers.push_back(10.0 + t);
-    if (floating)
-      for (const double v : {0.3 * t, 0.0, 0.3 + 0.1 * std::sin(3 * t), std::cos(0.5 * t), 0.0, 0.0,
-                             std::sin(0.5 * t)})
-        m.numbers.push_back(v);
-    for (int figure = 0; figure < (floating ? 1 : 3); ++figure)
+    for (int figure = 0; figure < 3; ++figure) {
+      if (floating) {
+        const double falls = figure == 1 ? 0.05 : 0.0;
+        for (const double v : {0.3 * t, 0.0, 0.3 - falls + 0.1 * std::sin(3 * t), std::cos(0.5 * t),
+                               0.0, 0.0, std::sin(0.5 * t)})
+          m.numbers.push_back(v);
+      }
       for (std::size_t j = 0; j < joints; ++j)
         m.numbers.push_back((j == 2 ? 0.1 : 0.8) * std::sin((2.0 + double(j)) * t) +
-                            (figure == 1 && j == 1 ? 0.1 : 0.0));
+                            (figure == 1 && j == 1 && !floating ? 0.1 : 0.0));
+    }
   }
   return m;
 }
@@ -65,7 +68,7 @@ void write(const std::filesystem::path& file, const Verdict& v, const ModelFolde
   const auto joints = model.tree.joints.size();
   tell_robot(
       page, v, model,
-      {waves("first.csv", model.floating, joints), waves("second.csv", model.floating, joints)});
+      {{waves("first.csv", model.floating, joints), waves("second.csv", model.floating, joints)}});
   std::ofstream(file) << page.finish();
 }
 

@@ -40,19 +40,27 @@ json lit(const Verdict& v, const RobotTree& tree) {
   return out;
 }
 
-const char* words(bool simulated) {
-  return simulated ? "White: as recorded. Orange: simulated with the nominal model, blue: with the "
-                     "patched one, both with the recorded commands, put back to the recorded state "
-                     "every 2 s, on recordings that were not fitted. Lit: what the verdict names. "
-                     "Differences that are too small to be seen can be enlarged."
-                   : "As recorded. Lit: what the verdict names.";
+const char* words(const ModelFolder& model, bool simulated) {
+  if (!simulated)
+    return "As recorded: without a pose in every recording and shapes in the model nothing is "
+           "simulated. Lit: what the verdict names.";
+  if (model.floating)
+    return "White: as recorded. Orange: the base as the nominal model lets it go, blue: as the "
+           "patched one does. Joints move as recorded; momentum, gravity and a hard ground do the "
+           "rest, from the recorded state anew every second. No verdict rests on it, and what only "
+           "a sensor reads wrongly changes nothing in it. Lit: what the verdict names. Differences "
+           "that are too small to be seen can be enlarged.";
+  return "White: as recorded. Orange: simulated with the nominal model, blue: with the "
+         "patched one, both with the recorded commands, put back to the recorded state "
+         "every 2 s, on recordings that were not fitted. Lit: what the verdict names. "
+         "Differences that are too small to be seen can be enlarged.";
 }
 
 }  // namespace
 
 void tell_robot(report::HtmlPage& page, const Verdict& v, const ModelFolder& model,
-                const std::vector<ShownMotion>& motions) {
-  if (!page::available() || motions.empty()) return;
+                const ShownMotions& shown) {
+  if (!page::available() || shown.motions.empty()) return;
   json scene;
   try {
     scene = page::scene_of_urdf(model.urdf, model.urdf_file, model.folder);
@@ -61,7 +69,7 @@ void tell_robot(report::HtmlPage& page, const Verdict& v, const ModelFolder& mod
   }
   const RobotTree& tree = model.tree;
   scene["floating"] = model.floating;
-  scene["figures"] = model.floating ? json{"recorded"} : json{"recorded", "nominal", "patched"};
+  scene["figures"] = shown.simulated ? json{"recorded", "nominal", "patched"} : json{"recorded"};
   scene["joints"] = scene["slides"] = json::array();
   for (const TreeJoint& joint : tree.joints) {
     scene["joints"].push_back(joint.name);
@@ -71,13 +79,13 @@ void tell_robot(report::HtmlPage& page, const Verdict& v, const ModelFolder& mod
   const std::size_t columns =
       1 + scene["figures"].size() * (tree.joints.size() + (model.floating ? 7 : 0));
   page::PackedRuns runs(columns);
-  for (const ShownMotion& m : motions) {
+  for (const ShownMotion& m : shown.motions) {
     const std::string name = std::filesystem::path(m.recording).stem().string();
     runs.add(json{{"name", name}, {"dt", m.dt}}.dump(), m.numbers);
   }
   page.heading("The robot");
   page.markup(page::embedded("mechanism", page::gzip(runs.pack(scene.dump()))));
-  page.paragraph(words(!model.floating));
+  page.paragraph(words(model, shown.simulated));
   for (const json& note : scene["notes"]) page.paragraph("Not drawn: " + note.get<std::string>());
 }
 

@@ -13,7 +13,7 @@ void tell_refusal(report::HtmlPage& page, const Verdict& v);
 /// The robot in three dimensions, doing what was recorded and simulated; nothing where the page was
 /// not built.
 void tell_robot(report::HtmlPage& page, const Verdict& v, const ModelFolder& model,
-                const std::vector<ShownMotion>& motions);
+                const ShownMotions& shown);
 
 /// Map joint by regime, error over time, and the cells that stand out.
 void tell_where(report::HtmlPage& page, const Diagnosis& d);

@@ -7,11 +7,13 @@
 #include <cmath>
 
 #include "tools/diagnose/verdict/heldout.h"
+#include "tools/diagnose/wholebody/roll_out.h"
 
 namespace sanso::diagnose {
 namespace {
 
 constexpr double kShotSeconds = 2.0;
+constexpr double kFloatingShotSeconds = 1.0;   // a throw and its tumbling
 constexpr double kRowSeconds = 0.02;           // between two rows: as smooth as a film
 constexpr std::size_t kMostNumbers = 500'000;  // of all motions; 1 MB before it is packed
 
@@ -64,12 +66,51 @@ void add_shot(const Simulated& simulated, const Shot& shot, const std::vector<in
   }
 }
 
-void put_base(const WholeRecording& r, std::size_t k, std::vector<double>& row) {
-  if (r.position)
-    for (int i = 0; i < 3; ++i) put(row[static_cast<std::size_t>(1 + i)], r.p[k][i]);
-  if (!r.attitude || !r.R[k].allFinite()) return;
-  const Eigen::Quaterniond q(r.R[k]);
-  row[4] = q.w(), row[5] = q.x(), row[6] = q.y(), row[7] = q.z();
+/// `at`: where a base begins in the row.
+void put_base(const V3& p, const M3& R, std::size_t at, std::vector<double>& row) {
+  for (std::size_t i = 0; i < 3; ++i) put(row[at + i], p[static_cast<Eigen::Index>(i)]);
+  if (!R.allFinite()) return;
+  const Eigen::Quaterniond q(R);
+  row[at + 3] = q.w(), row[at + 4] = q.x(), row[at + 5] = q.y(), row[at + 6] = q.z();
+}
+
+/// Base motion over a whole recording: shots one after the other.
+BaseMotion rolled_out(const WholeRecording& r, const WholeBody& body) {
+  const BaseRollOut model(body, r);
+  BaseMotion out;
+  Span shot;
+  for (std::size_t k = 1; k <= r.rows(); ++k) {
+    if (k < r.rows() && r.piece[k] == r.piece[shot.first] &&
+        r.t[k] - r.t[shot.first] < kFloatingShotSeconds)
+      continue;
+    shot.last = k;
+    const BaseMotion part = model.from(shot);
+    out.p.insert(out.p.end(), part.p.begin(), part.p.end());
+    out.R.insert(out.R.end(), part.R.begin(), part.R.end());
+    shot.first = k;
+  }
+  return out;
+}
+
+ShownMotion floating_motion(const WholeRecording& r, const std::vector<BaseMotion>& simulated) {
+  const std::size_t stride = every(r.interval), joints = static_cast<std::size_t>(r.q.rows());
+  const std::size_t width = 7 + joints, figures = 1 + simulated.size();
+  ShownMotion motion{r.file, r.interval * static_cast<double>(stride), {}};
+  std::vector<double> row(1 + figures * width, 0.0);
+  for (std::size_t figure = 0; figure < figures; ++figure) row[4 + figure * width] = 1.0;
+  for (std::size_t k = 0; k < r.rows(); k += stride) {
+    row[0] = r.t[k];
+    put_base(r.position ? r.p[k] : V3(V3::Zero()), r.attitude ? r.R[k] : M3(M3::Identity()), 1,
+             row);
+    for (std::size_t i = 0; i < simulated.size(); ++i)
+      put_base(simulated[i].p[k], simulated[i].R[k], 1 + (i + 1) * width, row);
+    for (std::size_t figure = 0; figure < figures; ++figure)
+      for (std::size_t j = 0; j < joints; ++j)
+        put(row[8 + figure * width + j],
+            r.q(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)));
+    motion.numbers.insert(motion.numbers.end(), row.begin(), row.end());
+  }
+  return motion;
 }
 
 }  // namespace
@@ -111,24 +152,19 @@ std::vector<ShownMotion> shown_motions(const Simulated& simulated) {
   return out;
 }
 
-std::vector<ShownMotion> shown_motions(const std::vector<WholeRecording>& recordings) {
-  std::vector<ShownMotion> out;
+ShownMotions shown_motions(const std::vector<WholeRecording>& recordings, const WholeBody& nominal,
+                           const WholeBody& patched) {
+  ShownMotions out;
+  out.simulated = std::all_of(recordings.begin(), recordings.end(), [&](const WholeRecording& r) {
+    return BaseRollOut::possible(nominal, r);
+  });
   std::size_t numbers = 0;
   for (const WholeRecording& r : recordings) {
     if (numbers > kMostNumbers) break;
-    const std::size_t stride = every(r.interval);
-    ShownMotion motion{r.file, r.interval * static_cast<double>(stride), {}};
-    std::vector<double> row(8 + static_cast<std::size_t>(r.q.rows()), 0.0);
-    row[4] = 1.0;
-    for (std::size_t k = 0; k < r.rows(); k += stride) {
-      row[0] = r.t[k];
-      put_base(r, k, row);
-      for (Eigen::Index j = 0; j < r.q.rows(); ++j)
-        put(row[8 + static_cast<std::size_t>(j)], r.q(j, static_cast<Eigen::Index>(k)));
-      motion.numbers.insert(motion.numbers.end(), row.begin(), row.end());
-    }
-    numbers += motion.numbers.size();
-    out.push_back(std::move(motion));
+    std::vector<BaseMotion> simulated;
+    if (out.simulated) simulated = {rolled_out(r, nominal), rolled_out(r, patched)};
+    out.motions.push_back(floating_motion(r, simulated));
+    numbers += out.motions.back().numbers.size();
   }
   return out;
 }

@@ -61,7 +61,8 @@ std::string page_of(const WholeDiagnosis& d) {
     tell_refusal(page, v);
     return page.finish();
   }
-  if (d.patched) tell_robot(page, v, d.patched->model, shown_motions(d.recordings));
+  if (d.nominal && d.patched)
+    tell_robot(page, v, d.patched->model, shown_motions(d.recordings, *d.nominal, *d.patched));
   for (const Finding& f : v.findings) tell_finding(page, f);
   tell_scores(page, v);
   tell_limits(page, v);

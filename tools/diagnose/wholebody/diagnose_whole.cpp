@@ -150,7 +150,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   say_limits(data, body, answers);
   WholeDiagnosis out;
   out.verdict = verdict_of(answers, data, options.seed);
-  out.patched = patched(body, patch);
+  out.nominal = body, out.patched = patched(body, patch);
   out.log = answers.log;
   return out;
 }

@@ -20,7 +20,7 @@ struct WholeOptions {
 
 struct WholeDiagnosis {
   Verdict verdict;
-  std::optional<WholeBody> patched;
+  std::optional<WholeBody> nominal, patched;
   std::vector<std::string> log;
   std::vector<WholeRecording> recordings;  // what was asked; of the method that reads files
 };

@@ -67,4 +67,16 @@ M3 BodyKinematics::inertia() const {
   return sum;
 }
 
+V3 BodyKinematics::spin_to(const BodyKinematics& later) const {
+  const V3 c = com();
+  V3 sum = V3::Zero();
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const V3 here = p_[k] + R_[k] * bodies_[k].com;
+    const V3 there = later.p_[k] + later.R_[k] * bodies_[k].com;
+    sum += bodies_[k].mass * (here - c).cross(there - here) +
+           R_[k] * bodies_[k].inertia * turned(R_[k], later.R_[k]);
+  }
+  return sum;
+}
+
 }  // namespace sanso::diagnose

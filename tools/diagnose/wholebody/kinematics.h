@@ -34,6 +34,9 @@ class BodyKinematics {
   V3 com() const;
   /// Rotational inertia of the whole about its centre of mass, world axes.
   M3 inertia() const;
+  /// Angular momentum about the centre of mass of going from here to `later`, a moment after: times
+  /// the seconds between. World axes.
+  V3 spin_to(const BodyKinematics& later) const;
 
  private:
   static std::size_t index(int joint) { return static_cast<std::size_t>(joint + 1); }

@@ -89,7 +89,10 @@ TEST(ShownMotion, OfAFloatingBaseItIsTheRecordingAndWhatIsMissingRests) {
     r.q(0, k) = k == 4 ? NAN : k;
   }
   r.interval = 0.01;
-  const ShownMotion m = shown_motions(std::vector<WholeRecording>{r}).front();
+  const WholeBody shapeless;  // nothing of it could touch: nothing is simulated
+  const ShownMotions shown = shown_motions({r}, shapeless, shapeless);
+  EXPECT_FALSE(shown.simulated);
+  const ShownMotion& m = shown.motions.front();
   constexpr std::size_t kColumns = 9;
   ASSERT_EQ(m.numbers.size(), 3 * kColumns) << "every second row";
   const double* last = &m.numbers[2 * kColumns];

@@ -71,6 +71,13 @@ try {
   const floating = await open(browser, "floating.html", kPhone, complaints);
   const begin = await tips(floating, 0), end = await tips(floating, 2.9);
   assert.ok(end[0][0] - begin[0][0] > 0.5, `it stays where it is: ${begin[0]} ${end[0]}`);
+  assert.equal(end.length, 3, "recorded, nominal, patched");
+  assert.ok(far(end[0], end[2]) < 1e-4, "patched is as recorded here");
+  assert.ok(Math.abs(far(end[0], end[1]) - 0.05) < 1e-3, `nominal lies lower by 0.05: ${end}`);
+  await floating.evaluate(() => sansoMechanism.enlarge(3));
+  const lower = await tips(floating, 2.9);
+  assert.ok(Math.abs(far(lower[0], lower[1]) - 0.15) < 2e-3, `enlarged threefold: ${lower}`);
+  assert.match(await floating.textContent("#replay"), /base height/);
   const box = await floating.locator("#replay").boundingBox();
   assert.ok(box.x + box.width <= kPhone.width, "wider than the phone");
   await floating.close();

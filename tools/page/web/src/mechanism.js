@@ -35,6 +35,18 @@ class Layout {
   joint(row, figure, j) { return row[1 + figure * this.width + this.base + j]; }
 }
 
+/** The base of a figure, its difference from the recorded one enlarged. */
+function enlarged(recorded, base, factor) {
+  const turn = (b) => new THREE.Quaternion(b[4], b[5], b[6], b[3]).normalize();
+  const difference = turn(recorded).conjugate().multiply(turn(base));
+  if (difference.w < 0) difference.set(-difference.x, -difference.y, -difference.z, -difference.w);
+  const axis = new THREE.Vector3(difference.x, difference.y, difference.z), half = Math.atan2(axis.length(), difference.w);
+  const more = Math.min(2 * half * factor, Math.PI);
+  const q = turn(recorded);
+  if (half > 1e-9) q.multiply(new THREE.Quaternion().setFromAxisAngle(axis.normalize(), more));
+  return [0, 1, 2].map((i) => recorded[i] + factor * (base[i] - recorded[i])).concat([q.w, q.x, q.y, q.z]);
+}
+
 class Stage extends Room {
   constructor(holder, scene, layout) {
     const robots = scene.figures.map(() => new LinkRobot(scene.links));
@@ -106,9 +118,10 @@ class Stage extends Room {
         const recorded = this.layout.joint(row, 0, j);
         return recorded + factor * (this.layout.joint(row, figure, j) - recorded);
       });
-      robot.setState(q, this.names, this.layout.baseOf(row, figure));
-      const base = this.layout.baseOf(row, figure) ?? [0, 0, 0];
-      robot.root.position.set(base[0], base[1], base[2]).addScaledVector(this.way, this.offsets[figure]);
+      const recorded = this.layout.baseOf(row, 0);
+      const base = recorded && enlarged(recorded, this.layout.baseOf(row, figure), factor);
+      robot.setState(q, this.names, base);
+      robot.root.position.set(...(base ?? [0, 0, 0]).slice(0, 3)).addScaledVector(this.way, this.offsets[figure]);
     });
     this.dirty = true;
   }
@@ -169,14 +182,23 @@ class Mechanism {
       found.append(lit.text);
     }
   }
+  /** What can be drawn over time: of one that floats the way of its base first, joints move as recorded. */
+  curvesOf(scene) {
+    const base = ["height", "x", "y"].map((name, i) => ({ name: `base ${name}`, slides: true,
+      of: (row, figure) => this.layout.baseOf(row, figure)[(i + 2) % 3] }));
+    const joints = scene.joints.map((name, j) => ({ name, slides: scene.slides[j],
+      of: (row, figure) => this.layout.joint(row, figure, j) }));
+    return scene.floating ? base.concat(joints) : joints;
+  }
   addStrips(holder) {
     const bar = element("div", holder, { className: "choices" });
-    this.joint = element("select", bar, { ariaLabel: "joint of the curves" });
-    this.scene.joints.forEach((name, j) => this.joint.add(new Option(name, j)));
-    const lit = this.scene.joints.findIndex((name) => this.scene.lit.some((l) => l.joint === name));
+    this.joint = element("select", bar, { ariaLabel: "what the curves show" });
+    this.curves = this.curvesOf(this.scene);
+    this.curves.forEach(({ name }, i) => this.joint.add(new Option(name, i)));
+    const lit = this.curves.findIndex(({ name }) => this.scene.lit.some((l) => l.joint === name));
     this.joint.value = Math.max(0, lit);
     this.joint.addEventListener("change", () => this.fillStrips());
-    bar.hidden = this.scene.joints.length < 2;
+    bar.hidden = this.curves.length < 2;
     const strips = element("div", holder, { className: "replay-strips two" });
     const lines = this.scene.figures.map((name, i) => ({ name, color: i > 0 ? css(kColours[i]) : kTexts[0], text: kTexts[i] }));
     const open = { min: Infinity, max: -Infinity };
@@ -185,13 +207,13 @@ class Mechanism {
       this.strips.error = new Strip(strips, "simulated less recorded", { lines: lines.slice(1), ...open, digits: 2 });
   }
   fillStrips() {
-    if (this.scene.joints.length === 0) return;
-    const j = Number(this.joint.value), slides = this.scene.slides[j];
+    if (this.curves.length === 0) return;
+    const { slides, of } = this.curves[Number(this.joint.value)];
     this.strips.position.options.unit = slides ? "m" : "rad";
     if (this.strips.error) this.strips.error.options.unit = slides ? "mm" : "mrad";
     for (const strip of Object.values(this.strips)) strip.clear();
     this.trial.rows.forEach((row, k) => {
-      const all = this.scene.figures.map((_, figure) => this.layout.joint(row, figure, j));
+      const all = this.scene.figures.map((_, figure) => of(row, figure));
       this.strips.position.push(k * this.trial.dt, all);
       this.strips.error?.push(k * this.trial.dt, all.slice(1).map((v) => 1000 * (v - all[0])));
     });
@@ -207,7 +229,7 @@ class Mechanism {
   show(time) {
     this.stage.show(this.row(time), this.factor, this.visible);
     this.stage.drawIfNew();
-    if (this.scene.joints.length > 0)
+    if (this.curves.length > 0)
       for (const strip of Object.values(this.strips)) strip.draw(0, this.length, time);
   }
 }
