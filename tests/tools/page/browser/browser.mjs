@@ -1,4 +1,5 @@
 // Debian's chromium without a display, drawing by software; what it complains about is collected.
+import { spawn } from "node:child_process";
 import { chromium } from "playwright-core";
 
 export async function openBrowser() {
@@ -27,4 +28,19 @@ export async function openPage(browser, address, size, complaints) {
 
 export async function fits(page) {
   return page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth);
+}
+
+/** Starts a program that prints `page: ADDRESS`: the process, and a promise of the address. */
+export function serve(program, parameters) {
+  const child = spawn(program, parameters, { stdio: ["ignore", "pipe", "inherit"] });
+  let said = "";
+  const address = new Promise((found, lost) => {
+    child.stdout.on("data", (text) => {
+      said += text;
+      const match = /page: (\S+)/.exec(said);
+      if (match) found(match[1]);
+    });
+    child.on("exit", () => lost(new Error(`it ended before it served a page: ${said}`)));
+  });
+  return { child, address };
 }

@@ -3,31 +3,14 @@
 // get in without the token and from a foreign page.
 // Usage: node check_live.mjs SANSO SESSION-FOLDER SCREENSHOTS
 import { strict as assert } from "node:assert";
-import { spawn } from "node:child_process";
 import { createServer } from "node:http";
 import { join } from "node:path";
-import { fits, openBrowser, openPage } from "./browser.mjs";
+import { fits, openBrowser, openPage, serve } from "./browser.mjs";
 
 const [sanso, session, shots] = process.argv.slice(2);
 const kDesk = { width: 1180, height: 760 }, kPhone = { width: 390, height: 844 };
 const kPatience = { timeout: 300000 };
 const kRunning = 5, kFault = 7, kEmergencyStop = 42, kForbidden = 403;
-
-/** Starts the session; its page's address and the process. */
-function start() {
-  const child = spawn(sanso, ["learn", "--motion", "squat", "--iterations", "500", "--page", "0",
-    "--control", "--ground", "ramp", "--out", session], { stdio: ["ignore", "pipe", "inherit"] });
-  let said = "";
-  const address = new Promise((found, lost) => {
-    child.stdout.on("data", (text) => {
-      said += text;
-      const match = /page: (\S+)/.exec(said);
-      if (match) found(match[1]);
-    });
-    child.on("exit", () => lost(new Error(`sanso ended before it served a page: ${said}`)));
-  });
-  return { child, address };
-}
 
 const until = (page, condition, argument) => page.waitForFunction(condition, argument, kPatience);
 
@@ -97,7 +80,8 @@ async function withoutTheToken(browser, address) {
   await page.close();
 }
 
-const { child, address: promised } = start();
+const { child, address: promised } = serve(sanso, ["learn", "--motion", "squat", "--iterations",
+  "500", "--page", "0", "--control", "--ground", "ramp", "--out", session]);
 const browser = await openBrowser();
 try {
   const address = await promised, complaints = [];
