@@ -13,6 +13,11 @@ inline constexpr int kDone = 0;       // done, the answer is "good"
 inline constexpr int kBadAnswer = 1;  // the answer is "bad": a mismatch, a failed motion
 inline constexpr int kCouldNot = 2;   // no answer: bad input, missing file, full disk
 
+/// All commands of this program, and what it says when it is asked for none: all_commands.cpp, or
+/// demo_commands.cpp of the program that tools/demo builds.
+void add_commands(CLI::App& app, int& result);
+extern const char* const kNext;
+
 void add_demo(CLI::App& app, int& result);
 void add_conceal(CLI::App& app, int& result);
 void add_learn(CLI::App& app, int& result);
