@@ -84,14 +84,17 @@ std::string joint_class(const std::string& name) {
   return name;
 }
 
-/// One number can be meant for both: they turn or they slide, and are of one scale. A number
-/// without a scale (a delay, a share) can be meant for any joint: `scales` empty.
+/// One number can be meant for both: they turn or they slide, are driven alike or not at all, and
+/// are of one scale. A number without a scale (a delay, a share) can be meant for any joint:
+/// `scales` empty.
 bool alike(const Comparison& comparison, const std::vector<JointScale>& scales, std::size_t a,
            std::size_t b) {
   if (scales.empty()) return true;
-  const std::vector<TreeJoint>& tree = comparison.sources.front().nominal.tree.joints;
+  const SimParams& nominal = comparison.sources.front().nominal;
+  const std::vector<TreeJoint>& tree = nominal.tree.joints;
   const double x = scales[a].torque, y = scales[b].torque;
   return tree[a].prismatic == tree[b].prismatic &&
+         nominal.joints[a].nominal.actuator == nominal.joints[b].nominal.actuator &&
          std::max(x, y) <= comparison.settings.decisions.tied_drives * std::min(x, y);
 }
 

@@ -133,6 +133,21 @@ TEST(Library, OneNumberStandsForJointsOfOneKindAndScaleOnly) {
   EXPECT_TRUE(tied(model, "command_delay"));
 }
 
+TEST(Library, APassiveJointHasNoRotorAndNoNumberOfADrive) {
+  ModelFolder model = two_links(kNoisyServo);
+  model.joints[0].actuator = Actuator::passive;
+  const SmallComparison c(model, recordings_of(model, 1, 4.0, 1), noise_of(model),
+                          {"rotor_inertia", "coulomb_friction"});
+  for (const Candidate& candidate : c.library.candidates) {
+    EXPECT_EQ(candidate.joints.size(), 1U) << candidate.effect;
+    if (candidate.effect == "rotor_inertia") {
+      EXPECT_EQ(candidate.joints, std::vector<std::size_t>{1});
+    }
+  }
+  EXPECT_GE(c.of("rotor_inertia", {1}), 0);
+  EXPECT_GE(c.of("coulomb_friction", {0}), 0);
+}
+
 TEST(Library, WhatCannotBeTestedHereIsSaidWithAReason) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
   const Placement all = place_library(*c.problem, {});
