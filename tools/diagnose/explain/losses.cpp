@@ -178,7 +178,7 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   // what merely looks like holds shows in the worst shots already, and so do losses that no jump of
   // the command would show: no need to look through the rest
   LossScore worst = score_of(hunt, *candidate, losing);
-  if (worst.seen == 0 || worst.misfit > 2.0 * around.settings().decisions.standard_errors)
+  if (worst.unseen() || worst.misfit > 2.0 * around.settings().decisions.standard_errors)
     return worst;
   hunt.forget_nuisances();
   for (const std::size_t joint : losing) hunt.take_all(joint);

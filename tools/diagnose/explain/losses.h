@@ -30,6 +30,8 @@ struct LossScore {
   double energy = 0.0;
   // noise levels in the position error with the losses, see position_error_level
   double left = INFINITY;
+  /// Most of what was found no jump of its command would show: what merely looks like holds.
+  bool unseen() const { return 4 * static_cast<std::size_t>(seen) < lost.size(); }
   // error with the losses, starts taken out, in noise levels (Observed::floor)
   Eigen::VectorXd repaired;
 };
