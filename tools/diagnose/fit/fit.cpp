@@ -206,22 +206,28 @@ struct Point {
   bool converged = false;
 };
 
-/// One damped step from `at`, shorter until the objective falls; converged where it falls no more.
+/// One damped step from `at`, shorter until the objective falls; converged where it falls no more,
+/// or where the derivatives promise next to nothing. Where friction sticks they promise anything:
+/// the last attempts go a hundredth of the way.
 void take_step(const Surroundings& around, const Coordinates& c, const Normal& normal, Point& at) {
+  constexpr int kAttempts = 6;
+  const double least = 0.01 * around.settings().fitting.converged * normal.objective;
   bool improved = false;
-  for (int attempt = 0; attempt < 4 && !improved; ++attempt) {
+  for (int attempt = 0; attempt < kAttempts && !improved; ++attempt) {
     const Eigen::VectorXd trial = c.inside(at.x + step_inside(c, normal, at.x, at.damping));
-    const Eigen::VectorXd r_trial =
-        prediction_error(around.problem, *around.library, c.model(trial));
-    const double objective = objective_at(around, c, trial, r_trial);
+    const Eigen::VectorXd step = trial - at.x;
+    const double promised = -step.dot(2.0 * normal.g + normal.H * step);
+    if (attempt == 0 && promised >= 0.0 && promised < least) break;
+    Eigen::VectorXd r = prediction_error(around.problem, *around.library, c.model(trial));
+    const double objective = objective_at(around, c, trial, r);
     if (objective < normal.objective) {
       improved = true;
       at.converged = normal.objective - objective < around.settings().fitting.converged * objective;
       at.x = trial;
-      at.r = r_trial;
+      at.r = std::move(r);
       at.damping = std::max(at.damping * 0.2, 1e-6);
     } else {
-      at.damping = at.damping * 10.0 + 1e-3;
+      at.damping = at.damping * 10.0 + 1e-2;
     }
   }
   if (!improved) at.converged = true;
