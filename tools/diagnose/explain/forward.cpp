@@ -38,10 +38,11 @@ void say_judged(SearchState& state, int step, const Alternative& a, bool bounds_
       state.gain_of(a.fit.model.effects.back(), state.found.final_heldout, a.heldout);
   state.say(fmt::format(
       "step {}: {}: held-out gain {:.1f} % of the error (at least {:.1f}; bounded {:.1f}, at least "
-      "{:.1f}){}{}",
+      "{:.1f}; ranks {:.0f}, at least {:.0f}){}{}",
       step + 1, state.candidate(a.candidate).title(), 100 * gain.removed() / state.whole(),
       100 * gain.energy.lower / state.whole(), 100 * gain.bounded.total / gain.whole,
-      100 * gain.bounded.lower / gain.whole, bounds_allowed ? ", ends at a bound" : "",
+      100 * gain.bounded.lower / gain.whole, 100 * gain.ranks.total, 100 * gain.ranks.lower,
+      bounds_allowed ? ", ends at a bound" : "",
       refused.empty() ? ", accepted" : ", refused: " + refused));
 }
 

@@ -24,19 +24,6 @@ bool settles_its_event(const SearchState& state, const Alternative& a) {
   return energy(a.fit.r) <= state.decisions().minimum_share * energy(state.found.final.r);
 }
 
-/// A step asks as many candidates as are fitted, and the luckiest is accepted first: the level is
-/// theirs together (Bonferroni). The bootstrap's quantiles do not reach so far out; they are
-/// stretched as the normal's.
-bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain) {
-  const double asked = std::max(1, decisions.rivals + decisions.pairs);
-  const double level = 0.5 * decisions.gain_level;
-  const double stretch = normal_score(level / asked) / normal_score(level);
-  const auto sure = [stretch](const Paired& p) {
-    return p.total - stretch * (p.total - p.lower) > 0.0;
-  };
-  return sure(gain.energy) || sure(gain.bounded);
-}
-
 }  // namespace
 
 std::vector<std::size_t> SearchState::open() const {
@@ -108,6 +95,16 @@ HeldoutGain SearchState::gain_of(const Chosen& effect, const Eigen::VectorXd& wi
 
 std::string SearchState::residual_against(const FitResult& without, const FitResult& with) const {
   return refuted_by(incidence(*found.around, regimes, without, with));
+}
+
+bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain) {
+  const double asked = std::max(1, decisions.rivals + decisions.pairs);
+  const double level = decisions.gain_level / kGainMeasures;
+  const double stretch = normal_score(level / asked) / normal_score(level);
+  const auto sure = [stretch](const Paired& p) {
+    return p.total - stretch * (p.total - p.lower) > 0.0;
+  };
+  return sure(gain.energy) || sure(gain.bounded) || sure(gain.ranks);
 }
 
 std::string refused_by(const SearchState& state, const Alternative& a) {

@@ -61,6 +61,11 @@ struct SearchState {
   std::string residual_against(const FitResult& without, const FitResult& with) const;
 };
 
+/// A step asks as many candidates as are fitted, and the luckiest is accepted first: the level is
+/// theirs together (Bonferroni). The bootstrap's quantiles do not reach so far out; they are
+/// stretched as the normal's.
+bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain);
+
 /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
 std::string refused_by(const SearchState& state, const Alternative& a);
 

@@ -38,9 +38,8 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
   parallel_for(pairs.size(), [&](std::size_t i) {
     FittedPair& f = out[i];
     f.pair = pairs[i];
-    f.fit =
-        fit(around, best_start(around, state.found.final.model, pairs[i].first, pairs[i].second),
-            fitting.first_iterations);
+    f.fit = fit(around, best_start(around, state.found.final.model, pairs[i].first, pairs[i].second),
+                fitting.first_iterations);
   });
   double best = INFINITY;
   for (const FittedPair& f : out) best = std::min(best, f.fit.objective);
@@ -64,7 +63,8 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
 }
 
 /// Why the effect at place `i` of the pair's model is no part of it; empty: nothing. Its gain is
-/// that over the other one alone, everything refitted.
+/// that over the other one alone, everything refitted, and the luckiest of as many as for a single
+/// name.
 std::string refused_at(const SearchState& state, const FittedPair& f, std::size_t i) {
   const DecisionSettings& decisions = state.decisions();
   const std::string title = state.library[f.fit.model.effects[i]].title();
@@ -76,7 +76,8 @@ std::string refused_at(const SearchState& state, const FittedPair& f, std::size_
   const FitResult alone = fit(around, other, around.settings().fitting.iterations);
   const Eigen::VectorXd heldout = heldout_energy(around, alone);
   const HeldoutGain gain = state.gain_of(f.fit.model.effects[i], heldout, f.heldout);
-  const bool needed = gain.beyond_chance() && gain.removed() > state.practical() &&
+  const bool needed = beyond_chance_of_many(decisions, gain) &&
+                      gain.removed() > state.practical() &&
                       gain.removed() > decisions.minimum_share * heldout.sum();
   if (!needed) return title + " is not needed beside the other";
   return state.residual_against(alone, f.fit);

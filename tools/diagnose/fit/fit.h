@@ -104,23 +104,28 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& fit,
 /// two parameters that look alike.
 Eigen::VectorXd refitted_energy(const Surroundings& around, const FitResult& fit);
 
+/// Measures of a gain that are looked at: each at this share of gain_level.
+inline constexpr int kGainMeasures = 3;
+
 /// A gain summed over shots.
 struct Paired {
   double total = 0.0;
   double standard_error = 0.0;  // over shots, corrected for dependence between neighbours
-  double lower = 0.0;           // bound of `total` at half of gain_level, moving-block bootstrap
+  double lower = 0.0;           // bound of `total` at gain_level's share, moving-block bootstrap
 };
 
-/// Paired comparison of two models' held-out energies b (before) and a (after) by shot, in two
+/// Paired comparison of two models' held-out energies b (before) and a (after) by shot, in three
 /// measures. Where friction sticks or slips a few shots hold most of the energy, and a sum of
 /// squares has no power; where a small difference is everywhere, it has the most:
 ///
 ///   energy    b - a
 ///   bounded   k log((k + b) / (k + a)),   k = median of (b + a) / 2
+///   ranks     sign(b - a) rank(|b - a|) / sum of all ranks   (Wilcoxon 1945)
 ///
 /// Bounded is the fall of the likelihood when every shot's error has a scale of its own: b - a for
-/// shots like the others (half of it at k), saturated for those far above. Two looks share one
-/// level.
+/// shots like the others (half of it at k), saturated for those far above. Ranks ask how many
+/// shots agree: where one stretch of a recording holds the gain (a sweep through a resonance),
+/// resamples without that stretch leave no bound to a sum. Three looks share one level.
 ///
 /// Chance is what differs between the shots of one recording: recordings were chosen, and that a
 /// rotor shows in the fast one alone is no doubt about the rotor. Bounds are taken within
@@ -128,12 +133,14 @@ struct Paired {
 /// where the recordings agree about them, since what a simulation does wrong differs from one to
 /// the other.
 struct HeldoutGain {
-  Paired energy, bounded;
+  Paired energy, bounded, ranks;
   double whole = 0.0;          // bounded gain of a model that leaves nothing: a = 0
   double concentration = 0.0;  // share of the energy removed that the three best shots give
 
   double removed() const { return energy.total; }
-  bool beyond_chance() const { return energy.lower > 0.0 || bounded.lower > 0.0; }
+  bool beyond_chance() const {
+    return energy.lower > 0.0 || bounded.lower > 0.0 || ranks.lower > 0.0;
+  }
   /// The gain in standard errors, less a unit of log-likelihood: the more certain measure's.
   double certainty() const;
 };

@@ -246,14 +246,13 @@ std::vector<Values> by_recording(const DecisionSettings& settings,
   return out;
 }
 
-/// Two measures are looked at: each at half of the level.
 Paired paired(const DecisionSettings& settings, const std::vector<Values>& strata) {
   constexpr std::uint64_t kSeed = 4;  // the same comparison has the same bound
   Values all;
   for (const Values& x : strata) all.insert(all.end(), x.begin(), x.end());
   const double independent = static_cast<double>(all.size()) * autocorrelation_time(all);
   return {sum(all), standard_deviation(all) * std::sqrt(independent),
-          stratified_lower_bound(strata, 0.5 * settings.gain_level, settings.gain_draws,
+          stratified_lower_bound(strata, settings.gain_level / kGainMeasures, settings.gain_draws,
                                  Random(kSeed))};
 }
 
@@ -285,6 +284,22 @@ Values bounded_differences(const Eigen::VectorXd& before, const Eigen::VectorXd&
   Values out;
   for (Eigen::Index i = 0; i < before.size(); ++i)
     out.push_back(unit * std::log((unit + before[i]) / (unit + after[i])));
+  return out;
+}
+
+/// Signs of `x` times the ranks of their sizes, over the sum of all ranks.
+Values signed_ranks(const Values& x) {
+  std::vector<std::size_t> order(x.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return std::abs(x[a]) < std::abs(x[b]); });
+  const auto n = static_cast<double>(x.size());
+  Values out(x.size(), 0.0);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const double value = x[order[k]];
+    const double rank = (static_cast<double>(k) + 1.0) / (0.5 * n * (n + 1.0));
+    if (value != 0.0) out[order[k]] = std::copysign(rank, value);
+  }
   return out;
 }
 
@@ -325,6 +340,7 @@ HeldoutGain compare(const DecisionSettings& settings, const Eigen::VectorXd& bef
   HeldoutGain gain;
   gain.energy = paired(settings, removed, places);
   gain.bounded = paired(settings, bounded_differences(before, after, unit), places);
+  gain.ranks = paired(settings, signed_ranks(removed), places);
   gain.whole = bounded_energy(before, unit);
   gain.concentration = concentration(removed);
   return gain;

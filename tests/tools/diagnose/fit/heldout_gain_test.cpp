@@ -308,6 +308,45 @@ TEST(Measures, NothingInEveryRecordingStaysChance) {
   EXPECT_TRUE(compare(c.comparison, c.after, c.before).beyond_chance());
 }
 
+/// One recording of 60 shots that a cause moves alike, and ten in a row, a sweep through a
+/// resonance, far more. `agree`: the share of the other shots that it serves.
+HeldoutGain in_one_stretch(double agree) {
+  Comparison comparison;
+  comparison.shots.resize(60);
+  Eigen::VectorXd before(60), after(60);
+  Random random(23);
+  for (Eigen::Index s = 0; s < 60; ++s) {
+    const bool sweeps = s >= 20 && s < 30;
+    after[s] = 90.0 + 5.0 * random.normal();
+    const double helps = random.uniform() < agree ? 1.0 : -1.0;
+    before[s] = after[s] + (sweeps ? 150.0 * static_cast<double>(s - 19)
+                                   : helps * (5.0 + 10.0 * random.uniform()));
+  }
+  return compare(comparison, before, after);
+}
+
+TEST(Measures, AGainInOneStretchIsProvedByTheShotsAroundIt) {
+  // a sum has no bound without the stretch that holds it; that nearly every shot agrees has one
+  const HeldoutGain true_cause = in_one_stretch(0.95);
+  EXPECT_LT(true_cause.energy.lower, 0.0);
+  EXPECT_GT(true_cause.ranks.lower, 0.2);
+  EXPECT_TRUE(true_cause.beyond_chance());
+  // what serves the stretch and hurts elsewhere as often as it helps is proved by nothing
+  EXPECT_FALSE(in_one_stretch(0.5).beyond_chance());
+}
+
+TEST(Measures, RanksCountWhatIsNeitherHereNorThereAsNothing) {
+  const DecisionSettings decisions;
+  const Eigen::VectorXd before = Eigen::VectorXd::LinSpaced(40, 20.0, 90.0);
+  EXPECT_EQ(compare(decisions, before, before).ranks.total, 0.0);
+  EXPECT_NEAR(compare(decisions, before, 0.5 * before).ranks.total, 1.0, 1e-12);
+  EXPECT_NEAR(compare(decisions, 0.5 * before, before).ranks.total, -1.0, 1e-12);
+  // whatever the sizes
+  Eigen::VectorXd after = before.array() - 1.0;
+  after[39] = -1e6;
+  EXPECT_NEAR(compare(decisions, before, after).ranks.total, 1.0, 1e-12);
+}
+
 TEST(Measures, RecordingsOfAShotEachScatterTogether) {
   // alone they could not tell what is chance, and every sum would be certain
   Comparison comparison;
