@@ -78,13 +78,12 @@ class Judged {
     for (std::size_t i = 0; i < fitted_.size(); ++i) {
       if (at_bound(state_.library, fitted_[i]) != at_its_bound) continue;
       const auto [known, first_time] = objections_.try_emplace(fitted_[i].candidate);
-      if (first_time && fitted_[i].far_behind)
-        fitted_[i].heldout = heldout_energy(*state_.found.around, fitted_[i].fit);
-      if (first_time) known->second = objections_to(state_, fitted_[i], at_its_bound);
+      if (first_time) known->second = objections(fitted_[i], at_its_bound);
       const Objections& o = known->second;
       const std::string& refused = o.gate.empty() && refutable ? o.residual : o.gate;
       if (refused.empty()) return i;
-      if (first_time) say_judged(state_, step_, fitted_[i], at_its_bound, refused);
+      if (first_time && !hopeless(fitted_[i]))
+        say_judged(state_, step_, fitted_[i], at_its_bound, refused);
     }
     return std::nullopt;
   }
@@ -98,6 +97,27 @@ class Judged {
   std::vector<Alternative> take() { return std::move(fitted_); }
 
  private:
+  /// Of what is far behind only the energy of what it was fitted to is known. Where that falls by
+  /// less than a name has to remove, no group has to be left out.
+  bool hopeless(const Alternative& a) const {
+    const Surroundings& around = *state_.found.around;
+    const double seen = around.bounded(around.starts.energy_by_shot(state_.found.final.r)).sum() -
+                        around.bounded(around.starts.energy_by_shot(a.fit.r)).sum();
+    const double least = std::max(
+        state_.practical(), state_.decisions().minimum_share * state_.found.final_heldout.sum());
+    return a.far_behind && seen < least;
+  }
+
+  Objections objections(Alternative& a, bool at_its_bound) {
+    if (hopeless(a)) {
+      state_.say(fmt::format("step {}: {}: removes too little of what it was fitted to", step_ + 1,
+                             state_.candidate(a.candidate).title()));
+      return {"removes too little of what it was fitted to", ""};
+    }
+    if (a.far_behind) a.heldout = heldout_energy(*state_.found.around, a.fit);
+    return objections_to(state_, a, at_its_bound);
+  }
+
   SearchState& state_;
   int step_;
   std::vector<Alternative> fitted_;

@@ -59,6 +59,12 @@ const Alternative* find(const std::vector<Alternative>& all, std::size_t c) {
   return it == all.end() ? nullptr : &*it;
 }
 
+/// What happens at one instant shows in few shots.
+bool is_event(const Candidate& c) {
+  return std::any_of(c.parameters.begin(), c.parameters.end(),
+                     [](const CandidateParameter& p) { return p.role == Role::event; });
+}
+
 /// Of what is far behind: too good for it by what its fit has learned, and far behind even so.
 Eigen::VectorXd seen_energy(const Surroundings& around, const FitResult& fit) {
   return around.bounded(around.starts.energy_by_shot(fit.r));
@@ -193,6 +199,7 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  const Screening& screening, const std::vector<Alternative>& known,
                                  double beside) {
   std::vector<Alternative> out(which.size());
+  const Surroundings some = some_shots(around, base);
   parallel_for(which.size(), [&](std::size_t i) {
     Alternative& a = out[i];
     a.candidate = which[i];
@@ -207,7 +214,8 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
     if (before != nullptr) {
       start.effects.push_back(before->fit.model.effects.back());
     } else {
-      start = best_start(around, base, a.candidate, screening.best(a.candidate));
+      const Surroundings& where = is_event((*around.library)[a.candidate]) ? around : some;
+      start = best_start(where, base, a.candidate, screening.best(a.candidate));
     }
     a.fit = fit(around, start, around.settings().fitting.first_iterations);
   });

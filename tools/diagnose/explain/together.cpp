@@ -35,10 +35,12 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
   const Surroundings& around = *state.found.around;
   const FittingSettings& fitting = around.settings().fitting;
   std::vector<FittedPair> out(pairs.size());
+  if (pairs.empty()) return out;
+  const Surroundings some = some_shots(around, state.found.final.model);
   parallel_for(pairs.size(), [&](std::size_t i) {
     FittedPair& f = out[i];
     f.pair = pairs[i];
-    f.fit = fit(around, best_start(around, state.found.final.model, pairs[i].first, pairs[i].second),
+    f.fit = fit(around, best_start(some, state.found.final.model, pairs[i].first, pairs[i].second),
                 fitting.first_iterations);
   });
   double best = INFINITY;

@@ -226,6 +226,22 @@ bool has_places(const Candidate& effect) {
 
 }  // namespace
 
+Surroundings some_shots(const Surroundings& around, const Model& model) {
+  constexpr std::size_t kFewest = 60, kEvery = 3;
+  const Problem& problem = around.problem;
+  if (problem->shots.size() < kFewest) return around;
+  std::vector<std::size_t> kept;
+  for (std::size_t s = 1; s < problem->shots.size(); s += kEvery) kept.push_back(s);
+  const Problem few = with_shots(problem, kept);
+  Eigen::MatrixXd A(static_cast<Eigen::Index>(few->size), around.A.cols());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    block_of(A, few->shots[i], 0, few->channels.size()) =
+        block_of(around.A, problem->shots[kept[i]], 0, few->channels.size());
+  }
+  return {few, around.library, StartElimination(few, *around.library, model), std::move(A),
+          around.shot_scale};
+}
+
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe) {
   const Candidate& effect = (*around.library)[candidate];

@@ -8,6 +8,10 @@
 
 namespace sanso::diagnose {
 
+/// Every third shot of many, and everything fits need of them, linearised at `model`: enough to
+/// tell where a fit begins, which is most of the passes of a step. Few shots stay as they are.
+Surroundings some_shots(const Surroundings& around, const Model& model);
+
 /// `base` with `candidate` added, at the size that leaves the least error; nuisances at their null
 /// (one at the end of its tolerance, which stood in for the effect, would stay there). `probe`: its
 /// strongest probe; nullptr: the first one.
