@@ -20,6 +20,8 @@ constexpr double kStartSigma = 0.02;  // m and m/s: a robot at rest
 constexpr double kPoseJump_m = 0.15;
 // share of the tracker's height error removed at each sample while standing
 constexpr double kHeightFollow = 0.05;
+constexpr double kFree_m_s2 =
+    3.0;  // on the ground it is gravity, in a jolt for a tick perhaps less
 constexpr int kMaxExtrapolatedTicks = 3;  // beyond that a silent servo's angle is held
 
 Mat3 yaw_rotation(double yaw) {
@@ -93,11 +95,20 @@ void Estimator::judge_contacts() {
     corner_height_[i] = lowest_corner(sole_[i], up_in_base, foot_);
   const double ground = std::min(corner_height_[0], corner_height_[1]);
   height_ = -ground;
+  if (settings_.wheels && force_free()) {  // in the air; legs tell only which foot is lower
+    loaded_.fill(false);
+    return;
+  }
   for (std::size_t i = 0; i < 2; ++i) {
     // hysteresis: a loaded sole has to rise half as far again before it counts as lifted
     const double threshold = settings_.contact_height_m * (loaded_[i] ? 1.5 : 1.0);
     loaded_[i] = corner_height_[i] - ground < threshold;
   }
+}
+
+/// The IMU feels next to nothing.
+bool Estimator::force_free() const {
+  return (a_base_in_world_ + Vec3(0, 0, kGravity)).norm() < kFree_m_s2;
 }
 
 /// Of the base above the ground where the feet are [m], along world z.

@@ -61,6 +61,7 @@ class Estimator {
   void correct_by_legs();
   void correct_by_rolling(std::size_t foot, const Vec3& v_base);
   double height_by_legs() const;
+  bool force_free() const;
   void correct_by_pose(Nanoseconds now, const PoseSample& pose);
   void compose_state();
   Vec3 filter_position() const;

@@ -106,6 +106,32 @@ TEST(Estimator, WithoutAPoseSourceOnlyTheWayAlongTheWheelsIsLeftToTheImu) {
   EXPECT_LT(blind.velocity, 0.4);
 }
 
+TEST(Estimator, KnowsThatARobotInTheAirStandsOnNothing) {
+  Settings settings;
+  settings.estimator.wheels = true;
+  settings.estimator.flat_ground = false;
+  EmulatedController c("lab+jump_ramp+wheels", settings);
+  c.robot.lend_hand({0.5, 0.5});
+  ASSERT_TRUE(c.stand());
+  c.command(wire::CommandKind::start_trial, 1, 400, policy::LayerSwitches::kLower);
+  c.robot.push_off();
+  int airborne = 0, noticed = 0;
+  double worst_height_m = 0.0;
+  for (int k = 0; k < 250 && c.truth()[0] < 1.38; ++k) {
+    c.tick();
+    const auto contacts = c.robot.truth().foot_contacts;
+    if (contacts[0] + contacts[1] > 0) continue;
+    ++airborne;
+    noticed += c.seen().contact == 0 ? 1 : 0;
+    worst_height_m = std::max(worst_height_m, std::abs(c.seen().x[2] - c.truth()[2]));
+  }
+  std::printf("in the air for %d ticks, noticed in %d; height within %.1f mm\n", airborne, noticed,
+              1e3 * worst_height_m);
+  EXPECT_GE(airborne, 5);
+  EXPECT_GE(noticed, airborne / 2);  // a tick and the IMU's age late
+  EXPECT_LT(worst_height_m, 0.006);
+}
+
 TEST(Estimator, StartsEveryTrialAtTheOriginWithHeadingZero) {
   EmulatedController c("nominal");
   emulator::Placement away;
