@@ -295,6 +295,16 @@ double cross_drift_m(const MeasureInput& in) {
   });
 }
 
+double airborne_s(const MeasureInput& in) {
+  int run = 0, best = 0;
+  for (const EpisodeSample& s : in.episode.samples) {
+    if (std::isnan(s.foot_load_N[0] + s.foot_load_N[1])) return EpisodeSample::kUnknown;
+    run = s.foot_load_N[0] < kUnloaded_N && s.foot_load_N[1] < kUnloaded_N ? run + 1 : 0;
+    best = std::max(best, run);
+  }
+  return best * in.episode.dt_s;
+}
+
 /// Flights (both soles unloaded for 20 ms) over steps, in the window.
 double flight_share(const MeasureInput& in) {
   int flights = 0, run = 0;
@@ -348,6 +358,7 @@ const std::vector<Measure>& measures() {
       {"distance_share", "distance along the reference's travel over its own", distance_share},
       {"cross_drift_m", "largest deviation from the reference across its travel [m]",
        cross_drift_m},
+      {"airborne_s", "longest time both feet are loaded by less than 1 N [s]", airborne_s},
       {"flight_share", "flights of at least 20 ms per step", flight_share},
   };
   return kMeasures;

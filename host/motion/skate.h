@@ -12,6 +12,7 @@ struct Skate {
   double push_s = 0.5;          // within this time, then lets go
   double rolling = 0.015;       // friction of the wheels that the reference counts with
   double kappa = 0.9;           // leg length, of the straight leg
+  double lean_m = 0.0;          // centre of mass ahead of the wheels' middle
   double end_x_m = 1.5;         // the reference ends when the wheels are there
   double basis_per_second = 20.0;
 };
@@ -24,6 +25,7 @@ void visit_skate(S& s, Field&& field) {
   field("push_s", s.push_s);
   field("rolling", s.rolling);
   field("kappa", s.kappa);
+  field("lean_m", s.lean_m);
   field("end_x_m", s.end_x_m);
   field("basis_per_second", s.basis_per_second);
 }

@@ -112,7 +112,8 @@ void add_skate(CLI::App& motions) {
   auto options = std::make_shared<SkateOptions>();
   CLI::App* command = motions.add_subcommand(
       "skate", "make a motion on wheels from its ground profile and the law of energy");
-  command->add_option("NAME", options->name, "skate_slope, skate_ramp or skate_ramp_high")
+  command
+      ->add_option("NAME", options->name, "skate_slope, skate_ramp, skate_ramp_high or skate_jump")
       ->required();
   command->add_option("--out", options->out, "folder (default: the library)");
   command->callback([options] { make_skate(*options); });

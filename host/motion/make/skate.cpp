@@ -2,7 +2,10 @@
 // above them never changes.
 #include "host/motion/make/skate.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/balance.h"
@@ -19,6 +22,7 @@ using math::Vec3;
 constexpr double kTick_s = 0.01, kInner_s = 0.001;
 constexpr int kInnerSteps = 10, kTicksPerPlan = 6;
 constexpr double kLongest_s = 20.0;
+constexpr double kLeastDrop_m = 0.005;
 
 Clause at_least(const char* measure, double bound) { return {measure, bound, {}}; }
 Clause at_most(const char* measure, double bound) { return {measure, {}, bound}; }
@@ -74,12 +78,29 @@ Motion skate_ramp_high() {
   return entry("skate_ramp_high", "Rolling down a ramp 0.15 m high", s, 1.55);
 }
 
-using Maker = Motion (*)();
-const std::vector<std::pair<const char*, Maker>> kEntries = {
-    {"skate_slope", skate_slope}, {"skate_ramp", skate_ramp}, {"skate_ramp_high", skate_ramp_high}};
+Motion skate_jump() {
+  Skate s;
+  s.ground = "jump_ramp";
+  s.lean_m = 0.004;  // the bend before the kicker throws it back
+  s.push_m_s = 0.5;
+  s.end_x_m = 2.3;
+  Motion m = entry("skate_jump", "Jumping from a kicker", s, 1.85);
+  std::erase_if(m.success, [](const Clause& c) {
+    return c.measure == "both_feet_loaded_share" || c.measure == "speed_share";
+  });
+  m.success.push_back(at_least("airborne_s", 0.055));
+  return m;
+}
 
-/// On level ground, the wheels' middle below the origin: knees bent, the centre of mass above.
-model::State posture(double kappa) {
+using Maker = Motion (*)();
+const std::vector<std::pair<const char*, Maker>> kEntries = {{"skate_slope", skate_slope},
+                                                             {"skate_ramp", skate_ramp},
+                                                             {"skate_ramp_high", skate_ramp_high},
+                                                             {"skate_jump", skate_jump}};
+
+/// On level ground, the wheels' middle below the origin: knees bent, the centre of mass `lean_m`
+/// ahead of it.
+model::State posture(double kappa, double lean_m) {
   const double ankle = -model::kSkates.height;
   model::State x = model::neutral_state();
   x.head<3>() = Vec3(0.0, 0.0, ankle + kappa * LegGeometry::kLength - LegGeometry::kHipZ);
@@ -92,9 +113,19 @@ model::State posture(double kappa) {
                     math::Mat3::Identity())
               .q;
     }
-    x[model::kXPos] -= body_points(x).centre_of_mass().x();
+    x[model::kXPos] += lean_m - body_points(x).centre_of_mass().x();
   }
   return x;
+}
+
+/// First lip at x or farther on, where the ground falls away; infinity: none.
+double next_lip(const model::Ground& ground, double x) {
+  for (int i = 1; i < ground.num_segments; ++i) {
+    const double at = ground.segment[i].x_start;
+    if (at >= x && ground_height(ground, at) < ground_height(ground, at - 1e-9) - kLeastDrop_m)
+      return at;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 /// Where the middle between the axles' contacts is, and how the line through them leans.
@@ -106,41 +137,114 @@ struct Footing {
 Footing footing(const model::Ground& ground, double x) {
   const double slope = ground_slope(ground, x);
   const double half = model::kSkates.half_length / std::sqrt(1.0 + slope * slope);
+  if (x + half >= next_lip(ground, x))  // the front axle hangs free, the rear one still rolls
+    return {Vec3(x, 0.0, ground_height(ground, x)), -std::atan(slope)};
   const double back = ground_height(ground, x - half), front = ground_height(ground, x + half);
   return {Vec3(x, 0.0, 0.5 * (back + front)), std::atan2(back - front, 2.0 * half)};
 }
 
-model::State standing_at(const model::State& posture, const model::Ground& ground, double x) {
-  const Footing foot = footing(ground, x);
-  const math::Quat turned = math::quat_exp({0.0, foot.pitch, 0.0});
+math::Mat3 turned_by(double pitch) {
+  return math::rotation_matrix(math::quat_exp({0.0, pitch, 0.0}));
+}
+
+/// The posture above `foot`, with its trunk at another pitch than the feet: in the air.
+model::State standing_on(const model::State& posture, const Footing& foot, double trunk_pitch) {
   model::State out = posture;
-  out.head<3>() =
-      foot.p_world_middle + math::rotation_matrix(turned) * model::base_position(posture);
-  out.segment<4>(model::kXQuat) = turned;
+  out.head<3>() = foot.p_world_middle + turned_by(foot.pitch) * model::base_position(posture);
+  out.segment<4>(model::kXQuat) = math::quat_exp({0.0, trunk_pitch, 0.0});
+  if (trunk_pitch == foot.pitch) return out;
+  for (const int side : {kRight, kLeft}) {
+    const Vec3 p_middle_foot(-model::kSoleCentreX, side_sign(side) * LegGeometry::kHipY,
+                             -model::kSkates.height);
+    out.segment<6>(model::kXJoint + 6 * side) =
+        solve_leg(side, model::base_position(out), turned_by(trunk_pitch),
+                  foot.p_world_middle + turned_by(foot.pitch) * p_middle_foot,
+                  turned_by(foot.pitch))
+            .q;
+  }
   return out;
 }
+
+model::State standing_at(const model::State& posture, const model::Ground& ground, double x) {
+  const Footing foot = footing(ground, x);
+  return standing_on(posture, foot, foot.pitch);
+}
+
+/// A flight from the lip to the ground behind it. The base flies as a thrown stone; the feet come
+/// level and under it, and of the pitch that the kicker gave the trunk keeps a share.
+class Flight {
+ public:
+  Flight(const model::State& posture, const model::Ground& ground, double lip, double v)
+      : posture_(posture), take_off_(std::atan(ground_slope(ground, lip - 1e-6))) {
+    const Footing foot{Vec3(lip, 0.0, ground_height(ground, lip - 1e-6)), -take_off_};
+    from_ = standing_on(posture, foot, foot.pitch).head<3>();
+    velocity_ = v * Vec3(std::cos(take_off_), 0.0, std::sin(take_off_));
+    const double level = ground_height(ground, lip + 1e-6) + posture[model::kXPos + 2];
+    const double up = velocity_.z();
+    duration_ = (up + std::sqrt(up * up + 2 * kGravity * (from_.z() - level))) / kGravity;
+  }
+  double duration_s() const { return duration_; }
+  double speed() const { return velocity_.x(); }
+  /// At `t` since take-off: until the landing, and until the trunk is upright again.
+  model::State at(double t, const model::Ground& ground) const {
+    const double u = minimum_jerk(t / duration_);
+    if (t < duration_) {
+      Footing foot{{}, -take_off_ * (1.0 - u)};
+      const Vec3 base = from_ + t * velocity_ - Vec3(0, 0, 0.5 * kGravity * t * t);
+      foot.p_world_middle = base - turned_by(foot.pitch) * model::base_position(posture_);
+      return standing_on(posture_, foot, -take_off_ * (1.0 - (1.0 - kKept) * u));
+    }
+    const double x = from_.x() + duration_ * velocity_.x() - posture_[model::kXPos] +
+                     (t - duration_) * velocity_.x();
+    const double left = 1.0 - minimum_jerk((t - duration_) / kUpright_s);
+    return standing_on(posture_, footing(ground, x), -take_off_ * kKept * left);
+  }
+  double landing_x() const {
+    return from_.x() + duration_ * velocity_.x() - posture_[model::kXPos];
+  }
+
+ private:
+  static double minimum_jerk(double t) {
+    const double u = std::clamp(t, 0.0, 1.0);
+    return u * u * u * (10.0 + u * (-15.0 + 6.0 * u));
+  }
+  static constexpr double kKept = 0.5, kUpright_s = 0.3;
+  model::State posture_;
+  double take_off_;  // rad, upwards
+  Vec3 from_, velocity_;
+  double duration_;
+};
 
 }  // namespace
 
 Trajectory roll(const Skate& skate, const model::Ground& ground) {
-  const model::State x_posture = posture(skate.kappa);
+  const model::State x_posture = posture(skate.kappa, skate.lean_m);
   double x = 0.0, v = 0.0;
   for (int pass = 0; pass < 3; ++pass) x -= standing_at(x_posture, ground, x)[model::kXPos];
   Trajectory out;
   out.dt_s = kTick_s;
+  std::optional<Flight> flight;
+  double since_lip = 0.0;
+  const double lip = next_lip(ground, x);
   for (int tick = 0;; ++tick) {
-    out.x.push_back(standing_at(x_posture, ground, x));
+    out.x.push_back(flight ? flight->at(since_lip, ground) : standing_at(x_posture, ground, x));
     if (x >= skate.end_x_m && tick % kTicksPerPlan == 0) break;
     if (tick * kTick_s > kLongest_s)
       throw MotionError("skate: the reference does not arrive; raise push_m_s or lower rolling");
     for (int k = 1; k <= kInnerSteps; ++k) {
       const double t = tick * kTick_s + k * kInner_s, slope = ground_slope(ground, x);
+      if (flight) {
+        since_lip += kInner_s;
+        x += kInner_s * flight->speed();
+        continue;
+      }
       const double cosine = 1.0 / std::sqrt(1.0 + slope * slope);
       if (t <= skate.push_s)
         v = skate.push_m_s * t / skate.push_s;
       else
         v = std::max(0.0, v - kInner_s * kGravity * cosine * (slope + skate.rolling));
       x += kInner_s * v * cosine;
+      if (x >= lip) flight.emplace(x_posture, ground, lip, v);
     }
   }
   differentiate_poses(out);

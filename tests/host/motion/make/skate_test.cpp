@@ -15,6 +15,28 @@
 namespace sanso::motion {
 namespace {
 
+/// Of all wheels at x [m].
+struct Clearance {
+  double lowest = 1.0, highest = -1.0;
+};
+
+Clearance above_ground(const model::State& x, const model::Ground& ground) {
+  Clearance clear;
+  const BodyPoints points = body_points(x);
+  for (const int side : {kRight, kLeft}) {
+    for (const double along : {-1.0, 1.0}) {
+      const math::Vec3 p = points.p_world_foot[side] +
+                           points.R_world_foot[side] *
+                               math::Vec3(model::kSoleCentreX + along * model::kSkates.half_length,
+                                          0.0, model::kSkates.height);
+      const double above = p.z() - ground_height(ground, p.x());
+      clear.lowest = std::min(clear.lowest, above);
+      clear.highest = std::max(clear.highest, above);
+    }
+  }
+  return clear;
+}
+
 class SkateMotion : public ::testing::TestWithParam<std::string> {
  protected:
   Motion motion_ = MotionLibrary().load(GetParam());
@@ -34,23 +56,31 @@ TEST_P(SkateMotion, StartsAtRestWhereTheProfileBegins) {
   EXPECT_LT(x_.front().tail<model::kNv>().norm(), 0.05);
 }
 
-TEST_P(SkateMotion, KeepsAllWheelsOnTheSurface) {
+TEST_P(SkateMotion, StaysWithinTheServosAndTheJoints) {
   for (const model::State& x : x_) {
-    const BodyPoints points = body_points(x);
-    for (const int side : {kRight, kLeft}) {
-      for (const double along : {-1.0, 1.0}) {
-        const math::Vec3 p =
-            points.p_world_foot[side] +
-            points.R_world_foot[side] *
-                math::Vec3(model::kSoleCentreX + along * model::kSkates.half_length, 0.0,
-                           model::kSkates.height);
-        ASSERT_NEAR(p.z(), ground_height(ground_, p.x()), 0.0015) << p.x();
-      }
+    for (int j = 0; j < model::kNumJoints; ++j) {
+      ASSERT_LT(std::abs(x[model::kXJointRate + j]), kMaxReferenceSpeed) << model::kJoints[j].name;
+      ASSERT_GT(x[model::kXJoint + j], model::kJoints[j].lower_rad) << model::kJoints[j].name;
+      ASSERT_LT(x[model::kXJoint + j], model::kJoints[j].upper_rad) << model::kJoints[j].name;
     }
   }
 }
 
-TEST_P(SkateMotion, KeepsItsPostureAndStandsAlongTheNormal) {
+TEST_P(SkateMotion, KeepsItsWheelsOutOfTheGround) {
+  for (const model::State& x : x_) ASSERT_GT(above_ground(x, ground_).lowest, -0.004) << x[0];
+}
+
+/// Those that never leave the ground.
+class RollingMotion : public SkateMotion {};
+
+TEST_P(RollingMotion, KeepsAllWheelsOnTheSurface) {
+  for (const model::State& x : x_) {
+    ASSERT_GT(above_ground(x, ground_).lowest, -0.0015) << x[0];
+    ASSERT_LT(above_ground(x, ground_).highest, 0.0015) << x[0];
+  }
+}
+
+TEST_P(RollingMotion, KeepsItsPostureAndStandsAlongTheNormal) {
   for (const model::State& x : x_) {
     ASSERT_LT((model::joints(x) - model::joints(x_.front())).cwiseAbs().maxCoeff(), 0.002);
     const math::Vec3 up = math::rotation_matrix(model::base_quat(x)).col(2);
@@ -60,7 +90,7 @@ TEST_P(SkateMotion, KeepsItsPostureAndStandsAlongTheNormal) {
   }
 }
 
-TEST_P(SkateMotion, GainsWhatItsHeightGivesLessWhatRollingTakes) {
+TEST_P(RollingMotion, GainsWhatItsHeightGivesLessWhatRollingTakes) {
   const Skate& skate = *motion_.skate;
   // the wheels are so fast as the law says; their middle is height_ below the base, normal to it
   const Trajectory wanted = roll(skate, ground_);
@@ -86,7 +116,8 @@ TEST_P(SkateMotion, AnEpisodeThatIsTheReferenceSucceeds) {
   for (const model::State& x : x_) {
     EpisodeSample sample;
     sample.x = x;
-    sample.foot_load_N = {15.0, 15.0};
+    const double load = above_ground(x, ground_).lowest > 0.002 ? 0.0 : 15.0;
+    sample.foot_load_N = {load, load};
     episode.samples.push_back(sample);
   }
   for (const auto& result : evaluate(motion_, episode).clauses)
@@ -97,6 +128,32 @@ TEST_P(SkateMotion, AnEpisodeThatIsTheReferenceSucceeds) {
 
 INSTANTIATE_TEST_SUITE_P(Library, SkateMotion, ::testing::ValuesIn(skate_names()),
                          [](const auto& suite) { return suite.param; });
+
+INSTANTIATE_TEST_SUITE_P(Library, RollingMotion,
+                         ::testing::Values("skate_slope", "skate_ramp", "skate_ramp_high"),
+                         [](const auto& suite) { return suite.param; });
+
+TEST(SkateJump, FliesAsAStoneWouldFromTheLipToALandingOnAllWheels) {
+  const Motion motion = MotionLibrary().load("skate_jump");
+  const model::Ground ground = motion.ground();
+  const Trajectory wanted = roll(*motion.skate, ground);
+  const auto second = [&](std::size_t k, int axis) {
+    return (wanted.x[k + 1][axis] - 2 * wanted.x[k][axis] + wanted.x[k - 1][axis]) / 1e-4;
+  };
+  std::vector<std::size_t> falling;
+  for (std::size_t k = 1; k + 1 < wanted.x.size(); ++k)
+    if (std::abs(second(k, 2) + 9.81) < 0.1 && std::abs(second(k, 0)) < 0.1) falling.push_back(k);
+  ASSERT_GT(falling.size(), 4u);
+  EXPECT_EQ(falling.back() - falling.front() + 1, falling.size());  // one flight
+  const model::State& first = wanted.x[falling.front()];
+  const double up = (wanted.x[falling.front() + 1][2] - wanted.x[falling.front() - 1][2]) / 0.02;
+  const double above = first[2] - wanted.x.back()[2];
+  const double stone_s = (up + std::sqrt(up * up + 2 * 9.81 * above)) / 9.81;
+  EXPECT_NEAR(wanted.dt_s * static_cast<double>(falling.size()), stone_s, 0.02);
+  const model::State& last = wanted.x.back();
+  EXPECT_LT(std::abs(above_ground(last, ground).lowest), 0.001);
+  EXPECT_LT(std::abs(above_ground(last, ground).highest), 0.001);
+}
 
 TEST(Skate, AnUnknownNameIsToldWithThoseThereAre) {
   try {
