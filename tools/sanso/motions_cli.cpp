@@ -174,25 +174,22 @@ void add_motions(CLI::App& app, int& result) {
       "Examples:\n  sanso motions\n  sanso motions import clips/squat.bvh --as my_squat --like "
       "squat --out my_motions\n"
       "SANSO_MOTIONS names another folder of motions than the shipped one.");
-  CLI::App* import = command->add_subcommand(
+  CLI::App* clip = command->add_subcommand(
       "import", "retarget a clip (BVH or DeepMimic), check it, write motion and page");
-  import->add_option("CLIP", options->request.clip, "the clip")
-      ->required()
-      ->check(CLI::ExistingFile);
-  import->add_option("--as", options->request.name, "name of the motion")->required();
-  import->add_option("--like", options->request.like,
-                     "motion whose figures are used (default: the one of that name)");
-  import->add_option("--set", options->request.figures,
-                     "a figure of the retargeting, KEY=VALUE (docs/motions.md)");
-  import->add_option("--out", options->out, "folder (default: the library)");
-  import->callback([options] { import_clip(*options);
-});
-add_new(*command);
-add_skate(*command);
-command->callback([json, command, &result] {
-  if (command->get_subcommands().empty()) list_motions(*json);
-  result = kDone;
-});
-}  // namespace sanso::cli
+  clip->add_option("CLIP", options->request.clip, "the clip")->required()->check(CLI::ExistingFile);
+  clip->add_option("--as", options->request.name, "name of the motion")->required();
+  clip->add_option("--like", options->request.like,
+                   "motion whose figures are used (default: the one of that name)");
+  clip->add_option("--set", options->request.figures,
+                   "a figure of the retargeting, KEY=VALUE (docs/motions.md)");
+  clip->add_option("--out", options->out, "folder (default: the library)");
+  clip->callback([options] { import_clip(*options); });
+  add_new(*command);
+  add_skate(*command);
+  command->callback([json, command, &result] {
+    if (command->get_subcommands().empty()) list_motions(*json);
+    result = kDone;
+  });
+}
 
 }  // namespace sanso::cli
