@@ -71,7 +71,7 @@ std::string diagnosis_report(const Diagnosis& d) {
     tell_refusal(page, v);
     return page.finish();
   }
-  if (d.patched) tell_robot(page, v, *d.patched, {d.motions, true});
+  if (d.patched) tell_robot(page, v, *d.patched, {d.motions, true, {}});
   const bool finished = v.status != VerdictStatus::unfinished;
   if (finished) tell_where(page, d);
   for (const Finding& f : v.findings) tell_finding(page, f);

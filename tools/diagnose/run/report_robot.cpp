@@ -70,6 +70,7 @@ void tell_robot(report::HtmlPage& page, const Verdict& v, const ModelFolder& mod
   const RobotTree& tree = model.tree;
   scene["floating"] = model.floating;
   scene["figures"] = shown.simulated ? json{"recorded", "nominal", "patched"} : json{"recorded"};
+  if (shown.ground) scene["ground"] = *shown.ground;
   scene["joints"] = scene["slides"] = json::array();
   for (const TreeJoint& joint : tree.joints) {
     scene["joints"].push_back(joint.name);

@@ -158,6 +158,8 @@ ShownMotions shown_motions(const std::vector<WholeRecording>& recordings, const 
   out.simulated = std::all_of(recordings.begin(), recordings.end(), [&](const WholeRecording& r) {
     return BaseRollOut::possible(nominal, r);
   });
+  if (out.simulated && !recordings.empty())
+    out.ground = BaseRollOut(nominal, recordings.front()).ground();
   std::size_t numbers = 0;
   for (const WholeRecording& r : recordings) {
     if (numbers > kMostNumbers) break;

@@ -2,6 +2,7 @@
 // fitted.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct ShownMotion {
 struct ShownMotions {
   std::vector<ShownMotion> motions;
   bool simulated = true;
+  std::optional<double> ground;  // height of what a floating base moves over, m
 };
 
 /// Held-out recordings with two models' predictions of them: shots of 2 s from the measured state.

@@ -25,6 +25,8 @@ class BaseRollOut {
 
   /// From the recorded state of the shot's first row. Rows of a shot belong to one piece.
   BaseMotion from(const Span& shot) const;
+  /// Of the ground, in the recording's axes and lengths, m.
+  double ground() const { return known_.pose_scale * ground_; }
 
  private:
   struct State;

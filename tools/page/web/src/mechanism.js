@@ -67,16 +67,17 @@ class Stage extends Room {
     const lit = new Set(scene.lit.map((l) => l.name));
     robots.forEach((robot, figure) => robot.dress(size, figure > 0 ? kColours[figure] : undefined, lit));
     for (const robot of robots) this.scene.add(robot.root);
-    this.addFloor();
+    this.addFloor(scene.ground);
     this.arrange(false);
     this.open();
   }
-  addFloor() {
+  /** `height`: of the ground, where it is known. */
+  addFloor(height) {
     const span = 40 * this.size, tile = this.size > 1.5 ? 1 : this.size > 0.15 ? 0.1 : 0.01;
     const floor = new THREE.Mesh(new THREE.PlaneGeometry(span, span),
       new THREE.MeshStandardMaterial({ color: 0xe4e8ec, roughness: 0.95, map: tiles(Math.round(span / tile)) }));
     const middle = this.box.getCenter(new THREE.Vector3());
-    floor.position.set(middle.x, middle.y, this.box.min.z - 0.08 * this.size);
+    floor.position.set(middle.x, middle.y, height ?? this.box.min.z - 0.08 * this.size);
     floor.receiveShadow = true;
     this.scene.add(floor);
   }
