@@ -163,7 +163,9 @@ std::string preview_markup(const std::vector<model::State>& reference) {
     for (std::size_t i = 0; i < shown.size(); ++i)
       shown[i] = static_cast<float>(x[static_cast<int>(i)]);
   }
-  ReplayData data(page::scene_of(plant::load_world("nominal")).dump(), kStride);
+  json scene = page::scene_of(plant::load_world("nominal"));
+  scene["preview"] = true;
+  ReplayData data(scene.dump(), kStride);
   data.add({}, episode);
   return page::embedded("replay", page::gzip(data.pack(0, -1)));
 }

@@ -30,6 +30,9 @@ try {
   const low = Math.min(...heights), stands = heights[0];
   assert.ok(stands - low > 0.01, `the example's trunk does not go down: ${heights}`);
   assert.ok(Math.abs(heights.at(-1) - stands) < 0.005, `it does not end standing: ${heights}`);
+  assert.equal(await page.locator(".side:visible").count(), 1, "one motion, one picture");
+  assert.equal(await page.locator(".side select:visible").count(), 0, "no trial to choose");
+  await page.evaluate(() => document.getElementById("replay").scrollIntoView());
   await page.screenshot({ path: join(shots, "preview.png") });
   assert.deepEqual(complaints, [], "the browser complains");
   console.log(`preview: as expected; picture in ${shots}`);

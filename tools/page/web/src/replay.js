@@ -49,6 +49,7 @@ class Replay {
     strips.className = "replay-strips";
     holder.append(strips);
     this.strips = makeStrips(strips);
+    if (scene.trials.length < 2) this.showOneAlone(sides);
     this.strips.height.options.lines = [{ name: "1st", color: "#0072b2" },
       { name: "ref", color: "#e69f00", text: "#8a5f00" }, { name: "2nd", color: "#d55e00" }];
     this.choose(0, scene.first);
@@ -56,6 +57,12 @@ class Replay {
     this.transport.start();
   }
 
+  /** There is nothing to choose: one trial, or the preview of a motion that nobody has tried yet. */
+  showOneAlone(sides) {
+    sides.classList.add("alone");
+    this.sides[1].root.hidden = true;
+    for (const side of this.sides) side.select.hidden = this.scene.preview === true;
+  }
   get time() { return this.transport.time; }
   get length() { return this.transport.length; }
   play(on) { this.transport.play(on); }
