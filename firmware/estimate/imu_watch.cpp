@@ -24,6 +24,15 @@ constexpr double kLeanMean_s = 3.0, kEnoughLean_rad = 0.012;
 // because the trunk rocks back looks like a turned sensor: nothing is concluded until torque is off
 constexpr double kOnItsSoles_rad = 0.035;
 constexpr double kAgreement = 0.8;
+// what it is compared with is the lean of a robot that stood: between two steps soles lie on one
+// plane for less, and then for a moment only nearly so
+constexpr double kStood_s = 0.4, kSettlingMean_s = 0.1;
+// rates of one direction vouch for the sensor: turned by a right angle it shows none along theirs.
+// A trunk whose gears have play leans a degree another way than its joints say, but turns with them
+constexpr double kVouches = 0.5, kVouchingMotion = 0.0004;  // correlation; rad^2/s
+constexpr double kProves = 0.8, kProvingMotion = 0.001;
+// of the lean: legs that tell of it less alike are not on the ground both
+constexpr double kOneLifts = 0.5;
 // soles that lie on one plane
 constexpr double kParallel_rad = 0.06, kLevel_m = 0.006;
 // the legs turn the trunk alike while both soles stand: a sole that slips or lifts says otherwise
@@ -97,6 +106,12 @@ bool ImuWatch::legs_contradict(double dt, const ImuSample& imu, const Estimator&
   return contradicting_ticks_ >= kContradictingTicks;
 }
 
+/// Whether the trunk has just turned as the legs turned it.
+bool ImuWatch::rates_agree(double correlation, double motion) const {
+  return legs_legs_ > motion && imu_imu_ > motion &&
+         legs_imu_ > correlation * std::sqrt(legs_legs_ * imu_imu_);
+}
+
 /// Which way the trunk leans on soles that lie on the ground, told by the legs and by the IMU. Does
 /// not ask the estimator which soles are loaded: it asks the IMU.
 bool ImuWatch::leans_another_way(double dt, const ImuSample& imu, const Estimator& estimator) {
@@ -111,25 +126,34 @@ bool ImuWatch::leans_another_way(double dt, const ImuSample& imu, const Estimato
     return false;
   }
   const Eigen::Vector2d by_legs = 0.5 * (up_right + up_left).head<2>();
+  const Eigen::Vector2d between_legs = (up_right - up_left).head<2>();
   const math::Mat3 R_world_base = math::rotation_matrix(math::quat_normalized(imu.quat_world_base));
   const Eigen::Vector2d by_imu = R_world_base.row(2).head<2>().transpose();
   if (!lean_.begun) {
     lean_.begun = true;
     lean_.mean_by_legs = by_legs;
     lean_.mean_by_imu = by_imu;
+    lean_.mean_between_legs = between_legs;
   }
-  lean_.mean_by_legs += (by_legs - lean_.mean_by_legs) * (dt / kLeanMean_s);
-  lean_.mean_by_imu += (by_imu - lean_.mean_by_imu) * (dt / kLeanMean_s);
+  lean_.stood_s += dt;
+  const bool stood = lean_.stood_s > kStood_s;
+  const double share = dt / std::max(dt, stood ? kLeanMean_s : kSettlingMean_s);
+  lean_.mean_by_legs += (by_legs - lean_.mean_by_legs) * share;
+  lean_.mean_by_imu += (by_imu - lean_.mean_by_imu) * share;
+  lean_.mean_between_legs += (between_legs - lean_.mean_between_legs) * share;
   const Eigen::Vector2d legs = by_legs - lean_.mean_by_legs, sensor = by_imu - lean_.mean_by_imu;
   const double size = legs.norm(), other = sensor.norm();
   if (std::max(size, other) > kOnItsSoles_rad) rocked_ = true;
-  const bool telling =
-      size > kEnoughLean_rad && other > size / kLikeAmounts && other < size * kLikeAmounts;
+  const bool one_lifts = (between_legs - lean_.mean_between_legs).norm() > kOneLifts * size;
+  const bool telling = size > kEnoughLean_rad && !one_lifts && other > size / kLikeAmounts &&
+                       other < size * kLikeAmounts;
   const double agreement = telling ? legs.dot(sensor) / (size * other) : 0.0;
   const bool agrees = agreement > kAgreement;
   lean_.agreeing_ticks = agrees ? lean_.agreeing_ticks + 1 : 0;
-  mounting_known_ = lean_.agreeing_ticks >= kContradictingTicks;
-  const bool contradicts = telling && agreement < kLeastCorrelation;
+  mounting_known_ =
+      lean_.agreeing_ticks >= kContradictingTicks || rates_agree(kProves, kProvingMotion);
+  const bool contradicts =
+      telling && stood && agreement < kLeastCorrelation && !rates_agree(kVouches, kVouchingMotion);
   lean_.contradicting_ticks = contradicts ? lean_.contradicting_ticks + 1 : 0;
   return lean_.contradicting_ticks >= kContradictingTicks;
 }

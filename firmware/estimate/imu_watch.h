@@ -31,6 +31,7 @@ class ImuWatch {
   bool gravity_wrong(double dt, const ImuSample& imu);
   bool rate_wrong(double dt, const ImuSample& imu);
   bool legs_contradict(double dt, const ImuSample& imu, const Estimator& estimator);
+  bool rates_agree(double correlation, double motion) const;
   bool leans_another_way(double dt, const ImuSample& imu, const Estimator& estimator);
 
   ImuSettings settings_;
@@ -45,7 +46,9 @@ class ImuWatch {
   /// Two accounts of the lean since the soles lie on one plane: x and y of the vertical, base axes.
   struct Lean {
     bool begun = false;
+    double stood_s = 0;  // on one plane without a break
     Eigen::Vector2d mean_by_legs = Eigen::Vector2d::Zero(), mean_by_imu = Eigen::Vector2d::Zero();
+    Eigen::Vector2d mean_between_legs = Eigen::Vector2d::Zero();  // how they differ about it
     int agreeing_ticks = 0, contradicting_ticks = 0;
   };
   Lean lean_;

@@ -167,6 +167,7 @@ struct Accounts {
   Estimator estimator{EstimatorSettings{}};
   ImuSample sample;
   double by_legs = 0, by_sensor = 0;  // rad
+  double right_knee = 0;              // bent further: its sole leaves the other's plane  rad
   /// Both go to these values in equal steps, then stay; the last reason that was seen.
   ImuWatch::Reason go(double legs, double sensor, int ticks, bool standing = true) {
     ImuWatch::Reason seen = ImuWatch::kPlausible;
@@ -175,7 +176,8 @@ struct Accounts {
       by_legs += legs_step;
       by_sensor += step;
       ServoReadings servos;
-      const model::Input q = leaning(by_legs);
+      model::Input q = leaning(by_legs);
+      q[3] += right_knee;
       for (int j = 0; j < model::kNumJoints; ++j) {
         servos.servo[static_cast<std::size_t>(j)].position_rad = q[j];
         servos.servo[static_cast<std::size_t>(j)].known = true;
@@ -206,6 +208,36 @@ TEST(ImuWatch, LegsAndSensorThatLeanOppositeWaysContradictEachOther) {
     EXPECT_EQ(good.go(way * kSmall_rad, way * kSmall_rad, 40), ImuWatch::kPlausible);
     EXPECT_EQ(good.go(way * kSmall_rad, -way * kSmall_rad, 40), ImuWatch::kPlausible)
         << "the two have agreed: a screw does not turn a sensor later";
+  }
+}
+
+/// Gears with play: the trunk settles by more than a degree and the joints do not say so. Then both
+/// turn alike, which a sensor that is turned by a right angle cannot.
+TEST(ImuWatch, RatesThatAgreeVouchForTheSensor) {
+  for (const double way : {1.0, -1.0}) {
+    Accounts a;
+    EXPECT_EQ(a.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(0, -way * 0.025, 100), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(way * 0.014, -way * 0.011, 10), ImuWatch::kPlausible);
+  }
+}
+
+/// Between two steps the soles lie on one plane for a moment, not all of them on the ground.
+TEST(ImuWatch, NothingIsConcludedBetweenTwoSteps) {
+  for (const double way : {1.0, -1.0}) {
+    Accounts a;
+    for (int step = 0; step < 5; ++step) {
+      a.right_knee = 0.3;
+      EXPECT_EQ(a.go(0, 0, 20), ImuWatch::kPlausible);
+      a.right_knee = 0;
+      EXPECT_EQ(a.go(way * kSmall_rad, -way * kSmall_rad, 20), ImuWatch::kPlausible);
+    }
+    a.right_knee = 0.3;
+    EXPECT_EQ(a.go(0, 0, 20), ImuWatch::kPlausible);
+    a.right_knee = 0;
+    EXPECT_EQ(a.go(0, 0, 50), ImuWatch::kPlausible);
+    EXPECT_EQ(a.go(way * kSmall_rad, -way * kSmall_rad, 20), ImuWatch::kAgainstLegs)
+        << "it stands: now it tells";
   }
 }
 
