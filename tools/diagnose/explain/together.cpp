@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/explain/steps.h"
@@ -64,28 +65,52 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
   return out;
 }
 
+/// The pair less the effect at place `i`, everything refitted from where the pair has it.
+Alternative alone(const SearchState& state, const FittedPair& f, std::size_t i) {
+  const Surroundings& around = *state.found.around;
+  Model other = f.fit.model;
+  other.effects.erase(other.effects.begin() + static_cast<std::ptrdiff_t>(i));
+  Alternative out;
+  out.candidate = other.effects.back().candidate;
+  out.fit = fit(around, other, around.settings().fitting.iterations);
+  out.heldout = heldout_energy(around, out.fit);
+  return out;
+}
+
+/// No gate and no residual speaks against a single name.
+bool stands(const SearchState& state, const Alternative& a) {
+  return !at_bound(state.library, a) && refused_by(state, a).empty() &&
+         state.residual_against(state.found.final, a.fit).empty();
+}
+
 /// Why the effect at place `i` of the pair's model is no part of it; empty: nothing. Its gain is
-/// that over the other one alone, everything refitted, and the luckiest of as many as for a single
-/// name.
-std::string refused_at(const SearchState& state, const FittedPair& f, std::size_t i) {
+/// that over the other one alone (`other`), and the luckiest of as many as for a single name.
+std::string refused_at(const SearchState& state, const FittedPair& f, std::size_t i,
+                       const Alternative& other) {
   const DecisionSettings& decisions = state.decisions();
   const std::string title = state.library[f.fit.model.effects[i]].title();
   if (at_bound(state.library, f.fit, i)) return title + " ends at a bound";
   if (!leaves_null(decisions, state.library, f.fit, i)) return title + " may be nothing";
-  Model other = f.fit.model;
-  other.effects.erase(other.effects.begin() + static_cast<std::ptrdiff_t>(i));
-  const Surroundings& around = *state.found.around;
-  const FitResult alone = fit(around, other, around.settings().fitting.iterations);
-  const Eigen::VectorXd heldout = heldout_energy(around, alone);
-  const HeldoutGain gain = state.gain_of(f.fit.model.effects[i], heldout, f.heldout);
+  const HeldoutGain gain = state.gain_of(f.fit.model.effects[i], other.heldout, f.heldout);
   const bool needed = beyond_chance_of_many(decisions, gain) &&
                       gain.removed() > state.practical() &&
-                      gain.removed() > decisions.minimum_share * heldout.sum();
+                      gain.removed() > decisions.minimum_share * other.heldout.sum();
   if (!needed) return title + " is not needed beside the other";
-  return state.residual_against(alone, f.fit);
+  return state.residual_against(other.fit, f.fit);
 }
 
-std::string refused_by(const SearchState& state, const FittedPair& f) {
+/// Its own fit, among `singles`, ended in another hollow, far above where the pair has it.
+bool was_lost(const Alternative& a, const std::vector<Alternative>& singles) {
+  return std::any_of(singles.begin(), singles.end(), [&a](const Alternative& own) {
+    return own.candidate == a.candidate && own.fit.objective > a.fit.objective + kNoiseUnit;
+  });
+}
+
+/// `single`: one of them alone, where its own fit was lost and it stands by itself after all.
+/// Whether the other is missing too is asked of the step after.
+std::string refused_by(const SearchState& state, const FittedPair& f,
+                       const std::vector<Alternative>& singles,
+                       std::optional<Alternative>& single) {
   const std::size_t last = f.fit.model.effects.size() - 1;
   Alternative both;
   both.candidate = f.fit.model.effects[last].candidate;
@@ -95,7 +120,11 @@ std::string refused_by(const SearchState& state, const FittedPair& f) {
   if (std::string residual = state.residual_against(state.found.final, f.fit); !residual.empty())
     return residual;
   for (const std::size_t i : {last - 1, last}) {
-    if (std::string why = refused_at(state, f, i); !why.empty()) return why;
+    Alternative other = alone(state, f, i);
+    if (std::string why = refused_at(state, f, i, other); !why.empty()) return why;
+    const bool better = !single || bounded_energy(other.heldout, typical_energy(f.heldout)) <
+                                       bounded_energy(single->heldout, typical_energy(f.heldout));
+    if (better && was_lost(other, singles) && stands(state, other)) single = std::move(other);
   }
   return "";
 }
@@ -113,6 +142,16 @@ void accept(SearchState& state, FittedPair f) {
   state.relinearise();
 }
 
+void accept_single(SearchState& state, const FittedPair& f, Alternative single) {
+  Accepted entry;
+  entry.candidate = single.candidate;
+  entry.p_family = f.pair.p;
+  state.say(state.candidate(entry.candidate).title() + " stands alone from where the pair has it");
+  state.found.accepted.push_back(std::move(entry));
+  state.found.final = std::move(single.fit);
+  state.relinearise();
+}
+
 }  // namespace
 
 bool accept_pair(SearchState& state, int step, const Screening& screening,
@@ -122,7 +161,8 @@ bool accept_pair(SearchState& state, int step, const Screening& screening,
   const std::vector<CandidatePair> promising =
       promising_pairs(state.problem->settings, state.library, screening, least_energy);
   for (FittedPair& f : fit_pairs(state, promising, singles)) {
-    const std::string refused = refused_by(state, f);
+    std::optional<Alternative> single;
+    const std::string refused = refused_by(state, f, singles, single);
     const HeldoutGain gain = compare(*state.problem, state.found.final_heldout, f.heldout);
     state.say(fmt::format(
         "step {}: {} and {} together: held-out gain {:.1f} % of the error (at least {:.1f}; "
@@ -133,7 +173,10 @@ bool accept_pair(SearchState& state, int step, const Screening& screening,
         100 * gain.bounded.lower / gain.whole,
         refused.empty() ? ", accepted" : ", refused: " + refused));
     if (!refused.empty()) continue;
-    accept(state, std::move(f));
+    if (single)
+      accept_single(state, f, std::move(*single));
+    else
+      accept(state, std::move(f));
     return true;
   }
   return false;

@@ -1,6 +1,7 @@
 // Names that leave, names that are exchanged, and the simpler of two that explain the same.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -249,6 +250,21 @@ TEST(Beaten, NeedsToBeSureAndToMatter) {
   EXPECT_TRUE(beaten(decisions, behind, 90.0)) << "nor does the other have to be";
   behind.energy.total = -100.0;
   EXPECT_FALSE(beaten(decisions, behind, 0.0)) << "who predicts better is not beaten";
+}
+
+TEST(Pair, OneWhoseOwnFitWasLostIsAcceptedByItself) {
+  // both are missing, and each would have been named alone, had its fit not ended elsewhere: the
+  // other is asked of the step after
+  Standing s({kRubbing, kSpring}, {}, {"coulomb_friction", "cable_spring"});
+  std::vector<Alternative> lost(2);
+  lost[0].candidate = s.c.of("coulomb_friction"), lost[1].candidate = s.c.of("cable_spring");
+  for (Alternative& a : lost) a.fit.objective = INFINITY;
+  ASSERT_TRUE(accept_pair(s.state, 0, s.state.found.first, lost, s.state.practical()));
+  EXPECT_EQ(s.names().size(), 1U);
+  ASSERT_EQ(forward(s.state, 1), Forward::found);
+  std::vector<std::string> both = s.names();
+  std::sort(both.begin(), both.end());
+  EXPECT_EQ(both, (std::vector<std::string>{"cable_spring", "coulomb_friction"}));
 }
 
 TEST(Forward, WhatIsAcceptedWasHeldAgainstAllThatItStoodFor) {
