@@ -3,7 +3,7 @@
 // Usage: node check_watch.mjs SANSO FIRMWARE EMULATOR STORED-SESSION FOLDER SCREENSHOTS
 import { strict as assert } from "node:assert";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -96,5 +96,6 @@ try {
   console.log(`watch: as expected; picture in ${shots}`);
 } finally {
   for (const child of [watches, ...children]) child.kill("SIGKILL");
+  rmSync(robot, { recursive: true, force: true });
   await browser.close();
 }
