@@ -79,11 +79,12 @@ inline SettingChange multiplied(std::vector<double JointSettings::*> keys,
 
 /// Parameters change by `parameters` for one unit, at every joint.
 inline auto everywhere(std::vector<double> parameters) {
-  return [=](const SimParams&, std::size_t) { return parameters; };
+  return [parameters = std::move(parameters)](const SimParams&, std::size_t) { return parameters; };
 }
 /// The same at the joints of some actuators.
 inline auto driven_by(std::vector<Actuator> actuators, std::vector<double> parameters) {
-  return [=](const SimParams& p, std::size_t j) {
+  return [actuators = std::move(actuators), parameters = std::move(parameters)](const SimParams& p,
+                                                                                std::size_t j) {
     const Actuator here = p.joints[j].nominal.actuator;
     const bool listed = std::find(actuators.begin(), actuators.end(), here) != actuators.end();
     return listed ? parameters : std::vector<double>{};

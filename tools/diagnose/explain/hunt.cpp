@@ -77,6 +77,7 @@ std::vector<std::size_t> Hunt::outstanding(std::size_t joint) const {
   std::stable_sort(excess.begin(), excess.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::size_t> out;
+  out.reserve(excess.size());
   for (const auto& e : excess) out.push_back(e.second);
   return out;
 }
@@ -158,6 +159,7 @@ void Hunt::note_responses(std::size_t joint, std::size_t source, const std::vect
 std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hunted,
                                 std::vector<char>& moved) {
   std::vector<std::vector<Change>> of;
+  of.reserve(hunted.size());
   for (const Hunted& h : hunted) {
     of.push_back(h.promising.empty() ? all_changes(problem_->shots[h.shot], joint) : h.promising);
   }
@@ -186,6 +188,7 @@ std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hu
 /// many shots had one.
 std::size_t Hunt::take(std::size_t joint, const std::vector<std::size_t>& shots) {
   std::vector<Hunted> hunted;
+  hunted.reserve(shots.size());
   for (const std::size_t s : shots) hunted.push_back({s});
   std::set<std::size_t> with;
   for (int n = 0; n < problem_->settings.chance.loss_changes && !hunted.empty(); ++n) {

@@ -31,6 +31,7 @@ Expected scatter_of(const Surroundings& around, const Model& model, std::size_t 
   theta.front() = size;
   with.effects.push_back({candidate, std::move(theta)});
   std::vector<std::uint64_t> seeds;
+  seeds.reserve(static_cast<std::size_t>(draws));
   for (int m = 0; m < draws; ++m) seeds.push_back(random.bits() | 1U);
   std::vector<VectorXd> rough(seeds.size()), whole(seeds.size());
   parallel_for(draws, [&](std::size_t m) {
