@@ -66,9 +66,10 @@ ShownMotion waves(const std::string& name, bool floating, std::size_t joints) {
 void write(const std::filesystem::path& file, const Verdict& v, const ModelFolder& model) {
   report::HtmlPage page("The robot of a diagnosis");
   const auto joints = model.tree.joints.size();
-  tell_robot(
-      page, v, model,
-      {{waves("first.csv", model.floating, joints), waves("second.csv", model.floating, joints)}});
+  ShownMotions shown;
+  for (const char* recording : {"first.csv", "second.csv"})
+    shown.motions.push_back(waves(recording, model.floating, joints));
+  tell_robot(page, v, model, shown);
   std::ofstream(file) << page.finish();
 }
 
