@@ -12,10 +12,11 @@ namespace {
 constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kMinLength = 3;  // instruction and CRC
 
-/// Copies instruction-and-parameter bytes without the FD that follows every FF FF FD.
-void unstuff(std::span<const std::uint8_t> body,
+/// Copies parameter bytes without the FD that follows every FF FF FD; the instruction counts as the
+/// first of the three.
+void unstuff(std::uint8_t instruction, std::span<const std::uint8_t> body,
              FixedVector<std::uint8_t, kMaxParameters + 1>& plain) {
-  int matched = 0;
+  int matched = instruction == 0xFF ? 1 : 0;
   for (std::size_t i = 0; i < body.size(); ++i) {
     plain.try_push(body[i]);
     if (matched == 2 && body[i] == 0xFD) {
@@ -106,8 +107,7 @@ ParseEvent PacketParser::next(Packet& packet) {
     if (is_fast_reply(frame)) {
       plain.try_append(body);
     } else {
-      // stuffing counts from the instruction byte on, which is never FF in a valid packet
-      unstuff(body, plain);
+      unstuff(head[kInstructionOffset], body, plain);
     }
     auto parameters = plain.view();
     if (packet.is_status() && !is_fast_reply(frame)) {

@@ -59,6 +59,18 @@ TEST(Parser, KeepsDataThatOnlyLooksStuffed) {
   EXPECT_EQ(hex(packet.parameters.view()), "74 00 FF FF FD FD");
 }
 
+/// No instruction is FF, but a foreign master may send one: both sides count it alike.
+TEST(Parser, AnInstructionOfOnesIsPartOfWhatIsStuffed) {
+  PacketBuffer wire;
+  const std::uint8_t data[] = {0xFF, 0xFD, 0x00, 0x0C};
+  ASSERT_EQ(encode(wire, 1, static_cast<Instruction>(0xFF), data), Status::ok);
+  PacketParser parser;
+  parser.feed(wire.view());
+  Packet packet;
+  ASSERT_EQ(parser.next(packet), ParseEvent::packet);
+  EXPECT_EQ(hex(packet.parameters.view()), "FF FD 00 0C");
+}
+
 TEST(Parser, FindsThePacketBehindGarbage) {
   PacketParser parser;
   parser.feed(bytes("00 FF FF FF FD FD 12 FF FF FD FF"));
