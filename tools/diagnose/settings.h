@@ -185,6 +185,9 @@ struct ChanceSettings {
   int promising = 12;
   int loss_refits = 3;
   int loss_runs = 4;
+  double loss_wrong = 0.1;
+  double loss_seen = 0.25;
+  double loss_doubted = 2.0;
   int draws = 24;
   int least_draws = 8;
   int all_draws = 240;
@@ -206,6 +209,12 @@ struct ChanceSettings {
           "of the nuisances, which took up what the losses do on average");
     field("loss_runs", loss_runs, "lengths", 1, 10,
           "of commands lost in a row that are tried at once: 1, 2, 4, ...; others grow");
+    field("loss_wrong", loss_wrong, "relative", 0.001, 1.0,
+          "of what a loss changes, in a tolerated model: gain, lag, mass and friction together");
+    field("loss_seen", loss_seen, "share", 0.0, 1.0,
+          "of the losses found that a jump of the command shows, at least, or they are none");
+    field("loss_doubted", loss_doubted, "factor", 0.1, 100.0,
+          "times what a misfit may be: from here the worst shots tell enough");
     field(
         "draws", draws, "draws", 2, 10000,
         "of an effect at one size: variances of a row to 30 %, and thousands of rows are compared");

@@ -2,9 +2,11 @@
 //
 //   size    = lost / commands, among the commands whose loss would show; Wilson's interval, with as
 //             many events as independent runs of losses
-//   misfit  = median over losses of |theta - 1| sqrt(made), theta the share of the loss that the
-//             data want: with e = r'Mr, e(theta) is a parabola of curvature `made` through e(0) and
-//             e(1), so that theta = (1 - (e(0) - e(1)) / made) / 2
+//   misfit  = median over losses of |theta - 1| / sqrt(1 / made + wrong^2), theta the share of the
+//             loss that the data want: with e = r'Mr, e(theta) is a parabola of curvature `made`
+//             through e(0) and e(1), so that theta = (1 - (e(0) - e(1)) / made) / 2. Noise alone
+//             would make its deviation 1 / sqrt(made), a thousandth where a loss shows well; what
+//             such a loss changes is known only as well as the model (`loss_wrong`)
 //   blind     whether commands whose loss shows little are lost as often: chance does not choose
 #include "tools/diagnose/explain/losses.h"
 
@@ -83,12 +85,14 @@ double run_effect(const std::vector<LostCommand>& lost) {
 /// A command is lost or it is not; what merely looks like holds wants a little more here and half
 /// as much there.
 double misfit(const Hunt& hunt, const std::vector<std::size_t>& losing) {
+  const double wrong = hunt.problem()->settings.chance.loss_wrong;
   std::vector<double> out;
   for (const std::size_t joint : losing) {
     for (const std::vector<Change>& of_shot : hunt.taken_back(joint)) {
       for (const Change& c : of_shot) {
+        const double theta = 0.5 * (1.0 - c.energy / c.made);
         if (c.made > hunt.price().first)
-          out.push_back(std::abs(0.5 * (1.0 - c.energy / c.made) - 1.0) * std::sqrt(c.made));
+          out.push_back(std::abs(theta - 1.0) / std::hypot(1.0 / std::sqrt(c.made), wrong));
       }
     }
   }
@@ -139,6 +143,7 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   count(hunt, library[candidate].joints, showing, hidden);
   out.seen = showing.lost;
   out.visible = showing.commands;
+  out.unseen = out.seen < problem->settings.chance.loss_seen * static_cast<double>(out.lost.size());
   const Interval interval = showing.interval(run_effect(out.lost));
   out.size = static_cast<double>(out.seen) / std::max(1, out.visible);
   out.low = interval.low;
@@ -178,8 +183,9 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   // what merely looks like holds shows in the worst shots already, and so do losses that no jump of
   // the command would show: no need to look through the rest
   LossScore worst = score_of(hunt, *candidate, losing);
-  if (worst.unseen() || worst.misfit > 2.0 * around.settings().decisions.standard_errors)
-    return worst;
+  const double doubted =
+      around.settings().chance.loss_doubted * around.settings().decisions.standard_errors;
+  if (worst.unseen || worst.misfit > doubted) return worst;
   hunt.forget_nuisances();
   for (const std::size_t joint : losing) hunt.take_all(joint);
   for (int pass = 0; pass < around.settings().chance.loss_refits; ++pass) {

@@ -22,7 +22,9 @@ struct LossScore {
   double size = 0.0, low = 0.0, high = 0.0;
   // no larger share is lost among the commands whose loss shows little
   bool blind = false;
-  // standard errors between a typical loss and a whole one, see losses.cpp
+  // most of what was found no jump of its command would show: what merely looks like holds
+  bool unseen = false;
+  // standard errors between a typical loss and a whole one, the model's own included: losses.cpp
   double misfit = INFINITY;
   // of the clearest loss, times the number of commands tried
   double p_family = 1.0;
@@ -30,8 +32,6 @@ struct LossScore {
   double energy = 0.0;
   // noise levels in the position error with the losses, see position_error_level
   double left = INFINITY;
-  /// Most of what was found no jump of its command would show: what merely looks like holds.
-  bool unseen() const { return 4 * static_cast<std::size_t>(seen) < lost.size(); }
   // error with the losses, starts taken out, in noise levels (Observed::floor)
   Eigen::VectorXd repaired;
 };
