@@ -19,7 +19,10 @@ motion::EpisodeSample sample_at(const model::State& x, const learn::TrueSample* 
     sample.foot_clearance_m[s] =
         std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
     sample.foot_m[s] = points.p_world_foot[s].head<2>();
-    if (truth) sample.foot_load_N[s] = static_cast<double>(truth->foot_load_N[s]);
+    if (!truth) continue;
+    sample.foot_load_N[s] = static_cast<double>(truth->foot_load_N[s]);
+    // the floor may lean, and a foot may stand on a plate
+    sample.foot_clearance_m[s] = static_cast<double>(truth->foot_clearance_m[s]);
   }
   return sample;
 }

@@ -28,6 +28,7 @@ json truth_json(const Truth& t) {
           {"torque_on", t.torque_on},
           {"foot_force_in_world", t.foot_force_in_world},
           {"foot_contacts", t.foot_contacts},
+          {"foot_clearance_m", t.foot_clearance_m},
           {"other_contacts", t.other_contacts},
           {"supply_V", t.supply_V},
           {"leg_state", t.leg_state()}};

@@ -317,6 +317,7 @@ Truth EmulatedRobot::truth() const {
   for (std::size_t side = 0; side < 2; ++side) {
     t.foot_force_in_world[side] = feet[side].force_in_world;
     t.foot_contacts[side] = feet[side].contacts;
+    t.foot_clearance_m[side] = feet[side].clearance_m;
   }
   t.other_contacts = body.other_contacts();
   t.supply_V = body.supply_V();

@@ -40,6 +40,8 @@ struct Truth {
   std::array<bool, kNumServos> torque_on{};          // as the servo's register says
   std::array<plant::Vec3, 2> foot_force_in_world{};  // ground on foot, right then left, N
   std::array<int, 2> foot_contacts{};                // touching sole points, right then left
+  // m, of the lowest sole point from what is below it, right then left
+  std::array<double, 2> foot_clearance_m{};
   // anything but feet on the ground: a fallen robot has some
   int other_contacts = 0;
   double supply_V = 0;

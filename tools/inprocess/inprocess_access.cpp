@@ -70,7 +70,8 @@ void InProcessAccess::add_measurements(learn::Episode& episode) {
     while (k + 1 < seen.size() && seen[k].trial_tick < o.trial_tick) ++k;
     const emulator::Truth& truth = seen[k].truth;
     episode.truth.push_back(frame.sample(
-        truth.leg_state(), {truth.foot_force_in_world[0][2], truth.foot_force_in_world[1][2]}));
+        truth.leg_state(), {truth.foot_force_in_world[0][2], truth.foot_force_in_world[1][2]},
+        truth.foot_clearance_m));
   }
 }
 

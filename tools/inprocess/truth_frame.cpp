@@ -19,15 +19,18 @@ TruthFrame::TruthFrame(const std::array<double, model::kNx>& first,
 }
 
 learn::TrueSample TruthFrame::sample(const std::array<double, model::kNx>& world,
-                                     const std::array<double, 2>& foot_load_N) const {
+                                     const std::array<double, 2>& foot_load_N,
+                                     const std::array<double, 2>& foot_clearance_m) const {
   const math::Mat3 R_ref_world = math::rotation_matrix(quat_ref_world_);
   learn::TrueSample out;
   out.x = Eigen::Map<const State>(world.data());
   out.x.segment<3>(model::kXPos) = p_ref_world_ + R_ref_world * model::base_position(out.x);
   out.x.segment<4>(model::kXQuat) = math::quat_multiply(quat_ref_world_, model::base_quat(out.x));
   out.x.segment<3>(model::kXVel) = R_ref_world * out.x.segment<3>(model::kXVel);
-  for (std::size_t foot = 0; foot < 2; ++foot)
+  for (std::size_t foot = 0; foot < 2; ++foot) {
     out.foot_load_N[foot] = static_cast<float>(foot_load_N[foot]);
+    out.foot_clearance_m[foot] = static_cast<float>(foot_clearance_m[foot]);
+  }
   return out;
 }
 

@@ -14,9 +14,11 @@ class TruthFrame {
   /// trial.
   TruthFrame(const std::array<double, model::kNx>& first,
              const std::array<float, model::kNx>& first_reference);
-  /// The true state in the reference's frame, with the normal forces under right and left foot [N].
+  /// The true state in the reference's frame, with the normal forces under right and left foot [N]
+  /// and how far their soles are from the ground below [m].
   learn::TrueSample sample(const std::array<double, model::kNx>& world,
-                           const std::array<double, 2>& foot_load_N) const;
+                           const std::array<double, 2>& foot_load_N,
+                           const std::array<double, 2>& foot_clearance_m) const;
 
  private:
   math::Quat quat_ref_world_ = math::quat_identity();

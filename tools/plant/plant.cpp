@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "tools/plant/body_data.h"
 #include "tools/plant/mjcf.h"
@@ -58,6 +59,7 @@ struct Plant::Impl {
       const char* name = mj_id2name(model.get(), mjOBJ_GEOM, g);
       const bool sole = name && std::strstr(name, "_sole") != nullptr;
       geom_foot.push_back(!sole ? -1 : name[0] == 'r' ? 0 : 1);
+      if (model->geom_contype[g] == 1 && model->geom_conaffinity[g] == 0) ground.push_back(g);
     }
     supply = world.supply.voltage_V;
   }
@@ -161,6 +163,7 @@ struct Plant::Impl {
   std::array<double, kNumServos> duty{};
   std::array<bool, kNumServos> powered{};
   std::vector<int> geom_foot;  // by geom: 0 right sole, 1 left sole, -1 else
+  std::vector<int> ground;     // geoms that one can stand on
   std::array<int, 2> foot{};
   int torso = 0;
   double supply = 12;
@@ -259,6 +262,24 @@ double Plant::link_rate(int servo) const { return impl_->data->qvel[impl_->dof[s
 const GearTrain& Plant::gear(int servo) const { return impl_->gears[servo]; }
 double Plant::supply_V() const { return impl_->supply; }
 
+namespace {
+
+/// Between a ball and the top of a ground geom [m]; infinite where the ball is not above it.
+double gap_above(const mjModel& m, const mjData& d, int ground, int ball) {
+  const double* R = d.geom_xmat + 9 * ground;
+  const double* size = m.geom_size + 3 * ground;
+  const double radius = m.geom_size[3 * ball];
+  Vec3 local{};
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i)
+      local[axis] += R[3 * i + axis] * (d.geom_xpos[3 * ball + i] - d.geom_xpos[3 * ground + i]);
+  if (m.geom_type[ground] == mjGEOM_PLANE) return local[2] - radius;
+  const bool above = std::abs(local[0]) < size[0] + radius && std::abs(local[1]) < size[1] + radius;
+  return above ? local[2] - size[2] - radius : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
 std::array<FootLoad, 2> Plant::feet() const {
   const mjModel* m = impl_->model.get();
   const mjData* d = impl_->data.get();
@@ -277,6 +298,14 @@ std::array<FootLoad, 2> Plant::feet() const {
         loads[side].force_in_world[i] += sign * force[axis] * contact.frame[3 * axis + i];
     }
     ++loads[side].contacts;
+  }
+  for (FootLoad& load : loads) load.clearance_m = std::numeric_limits<double>::infinity();
+  for (int ball = 0; ball < m->ngeom; ++ball) {
+    const int side = impl_->geom_foot[ball];
+    if (side < 0) continue;
+    double& lowest = loads[side].clearance_m;
+    for (const int ground : impl_->ground)
+      lowest = std::min(lowest, gap_above(*m, *d, ground, ball));
   }
   return loads;
 }

@@ -24,6 +24,8 @@ struct BaseMotion {
 struct FootLoad {
   Vec3 force_in_world{};  // ground on foot, N
   int contacts = 0;       // touching sole points
+  // m, of the lowest sole point from the floor, plate or profile below it; negative: pressed in
+  double clearance_m = 0.0;
 };
 
 class Plant {

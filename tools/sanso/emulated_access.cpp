@@ -90,7 +90,8 @@ void EmulatedAccess::add_measurements(learn::Episode& episode) {
                                     episode.reference.front());
   for (const wire::Observation& o : episode.ticks) {
     const TruthSampler::Sample sample = nearest(o.time);
-    episode.truth.push_back(frame.sample(sample.leg_state, sample.foot_load_N));
+    episode.truth.push_back(
+        frame.sample(sample.leg_state, sample.foot_load_N, sample.foot_clearance_m));
   }
 }
 

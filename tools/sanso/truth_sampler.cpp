@@ -40,6 +40,7 @@ void TruthSampler::run() {
       sample.leg_state = answer.at("leg_state").get<std::array<double, 37>>();
       for (std::size_t foot = 0; foot < 2; ++foot)
         sample.foot_load_N[foot] = answer.at("foot_force_in_world").at(foot).at(2);
+      sample.foot_clearance_m = answer.at("foot_clearance_m").get<std::array<double, 2>>();
       const std::lock_guard lock(mutex_);
       samples_.push_back(sample);
       latest_ = sample;

@@ -21,6 +21,7 @@ class TruthSampler {
     Nanoseconds time = 0;
     std::array<double, 37> leg_state{};   // order of the state layout, world frame
     std::array<double, 2> foot_load_N{};  // right, left
+    std::array<double, 2> foot_clearance_m{};
   };
 
   explicit TruthSampler(std::string robot_directory);

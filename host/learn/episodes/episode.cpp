@@ -9,7 +9,7 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kMagic[] = "SANSOEPI";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 
 /// One list of the fields for both directions: `io` is called with every field in the stored order.
 void visit_fields(auto& o, auto&& io) {
@@ -124,7 +124,8 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
     put_plan(out, p);
     out.put(p.update_ms);
   });
-  put_all(out, episode.truth, [&](const TrueSample& s) { put(s.x), put(s.foot_load_N); });
+  put_all(out, episode.truth,
+          [&](const TrueSample& s) { put(s.x), put(s.foot_load_N), put(s.foot_clearance_m); });
   put_all(out, episode.reference, put);
   put_all(out, episode.before, [&](const wire::Observation& o) {
     put_observation(out, o);
@@ -151,7 +152,7 @@ Episode load_episode(const std::filesystem::path& path) {
     in.get(episode.plans.back().update_ms);
   }
   episode.truth.resize(read_count(in));
-  for (TrueSample& s : episode.truth) get(s.x), get(s.foot_load_N);
+  for (TrueSample& s : episode.truth) get(s.x), get(s.foot_load_N), get(s.foot_clearance_m);
   episode.reference.resize(read_count(in));
   for (auto& v : episode.reference) get(v);
   episode.before.resize(read_count(in));

@@ -44,6 +44,8 @@ struct TrueSample {
   // in the frame of the reference (as it stood when the trial began)
   model::State x = model::neutral_state();
   std::array<float, 2> foot_load_N{};  // normal force, right and left
+  // of the lowest sole point from the ground below it, which may lean and have plates
+  std::array<float, 2> foot_clearance_m{};
 };
 
 struct Episode {

@@ -38,6 +38,32 @@ TEST(Plant, ZeroPoseHasTheMakersHeightAndCentreOfMass) {
   EXPECT_NEAR(com[2], -0.00484, 1e-4);
 }
 
+/// On a floor that leans and has plates, wherever the robot was put.
+TEST(Plant, ASoleThatTouchesHasNoClearanceOnAnyFloor) {
+  World world = load_world("nominal");
+  world.ground.tilt_roll_rad = 0.015, world.ground.tilt_pitch_rad = -0.012;
+  world.ground.plates = 150;
+  Plant plant(world);
+  double standing_lowest = 0.0, highest = 0.0;
+  for (int place = 0; place < 12; ++place) {
+    const double x = 0.13 * place - 0.7, y = 0.9 - 0.15 * place;
+    plant.place(crouched(), x, y, 0.3 * place);
+    for (int k = 0; k < 40; ++k) {
+      run(plant, crouched(), 0.01);
+      const auto feet = plant.feet();
+      for (const FootLoad& foot : feet) {
+        if (foot.contacts > 0) {
+          EXPECT_LT(foot.clearance_m, 1e-9) << place;
+        }
+        standing_lowest = std::min(standing_lowest, foot.clearance_m);
+        highest = std::max(highest, foot.clearance_m);
+      }
+    }
+  }
+  EXPECT_GT(standing_lowest, -0.006);  // no deeper than a plate's edge beside the sole
+  EXPECT_GT(highest, 0.001);
+}
+
 TEST(Plant, FallsFreelyAndKeepsItsAngularMomentumWhileTheServosFight) {
   Plant plant(load_world("nominal"));
   plant.place(crouched(), 0, 0, 0);

@@ -37,7 +37,7 @@ Episode example() {
             .plans = {},
             .before = {},
             .quiet_at_start = false,
-            .truth = {{.foot_load_N = {1.5f, 2.5f}}}};
+            .truth = {{.foot_load_N = {1.5f, 2.5f}, .foot_clearance_m = {0.01f, -0.0002f}}}};
   wire::Observation o;
   o.trial_tick = 12;
   o.x[3] = 1.0 / 3.0;
@@ -78,6 +78,7 @@ TEST_F(EpisodeStore, GivesBackTheSameBits) {
   EXPECT_EQ(r.plans[0].policy.first_tick, 18);
   ASSERT_EQ(r.truth.size(), 1u);
   EXPECT_EQ(r.truth[0].foot_load_N, e.truth[0].foot_load_N);
+  EXPECT_EQ(r.truth[0].foot_clearance_m, e.truth[0].foot_clearance_m);
 }
 
 TEST_F(EpisodeStore, EveryTruncationAndEveryFlippedByteIsRefused) {
