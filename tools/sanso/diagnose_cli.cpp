@@ -4,6 +4,7 @@
 
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/predict_effort.h"
+#include "tools/diagnose/run/session_recordings.h"
 #include "tools/sanso/commands.h"
 
 namespace sanso::cli {
@@ -13,12 +14,18 @@ void add_diagnose(CLI::App& app, int& result) {
   auto predict = std::make_shared<std::string>("motion");
   CLI::App* command = app.add_subcommand(
       "diagnose", "find where simulation and recording part, and name the missing physics");
-  command->add_option("--model", options->model, "model folder: robot.urdf and model.toml")
-      ->required();
+  auto session = std::make_shared<std::string>();
+  CLI::Option* const model =
+      command->add_option("--model", options->model, "model folder: robot.urdf and model.toml");
+  CLI::Option* const recordings = command->add_option(
+      "--recordings", options->recordings,
+      "recordings (CSV, plain or gzip; .mcap and .db3 of ros2 bag), one or more");
   command
-      ->add_option("--recordings", options->recordings,
-                   "recordings (CSV, plain or gzip; .mcap and .db3 of ros2 bag), one or more")
-      ->required();
+      ->add_option("--session", *session,
+                   "instead of both: folder of `sanso learn --out`; its trials against the "
+                   "planner's model")
+      ->excludes(model)
+      ->excludes(recordings);
   command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")
       ->required();
   command
@@ -53,8 +60,13 @@ void add_diagnose(CLI::App& app, int& result) {
       "Ctrl-C, SIGTERM and --time-limit write an UNFINISHED verdict of what was found so far.\n"
       "Example:\n  sanso diagnose "
       "--model my_robot --recordings walk_1.csv walk_2.csv --out result\n"
-      "  sanso diagnose --predict effort --model my_arm --recordings run.csv --out friction");
-  command->callback([options, predict, &result] {
+      "  sanso diagnose --predict effort --model my_arm --recordings run.csv --out friction\n"
+      "  sanso diagnose --session runs/squat --out found");
+  command->callback([options, predict, session, &result] {
+    if (!session->empty())
+      diagnose::use_session(*session, *options);
+    else if (options->model.empty() || options->recordings.empty())
+      throw CLI::RequiredError("--session or both --model and --recordings");
     result = *predict == "effort" ? diagnose::run_predict_effort(*options)
                                   : diagnose::run_diagnose(*options);
   });
