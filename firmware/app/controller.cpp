@@ -66,6 +66,7 @@ void Controller::read_sensors(Nanoseconds now) {
     const bool legs_only = state == SupervisorState::run || state == SupervisorState::hold ||
                            state == SupervisorState::soft_stop;
     const Nanoseconds asked = clock_.now();
+    bus_.expect_torque(torque_ != Torque::off);
     bus_.read_feedback(legs_only ? model::kNumJoints : kNumServos, servos_);
     handover_.times.reply.add(clock_.now() - asked);
     fresh_ticks_ = servos_.answered == kNumServos ? std::min(fresh_ticks_ + 1, 1000) : 0;

@@ -24,7 +24,8 @@ inline constexpr std::array kFaultWords{
         Fault::servo_silent,
         "One leg servo has been silent for `bus.silent_ticks` ticks while others answer; "
         "during stand-up, one of arms and head too. A reply that cannot be true (error byte, "
-        "a jump of more than 0.5 rad in a tick, an angle outside the encoder) counts as none."
+        "a jump of more than 0.5 rad in a tick, an angle outside the encoder) counts as none; "
+        "without torque a joint that stays where it jumped to is believed after five readings."
         " Detail: its id.",
         "the plug of that servo and of the one before it in the chain; a servo that reboots "
         "by itself has a supply problem."},

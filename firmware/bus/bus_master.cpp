@@ -21,6 +21,8 @@ constexpr double kMaxAngle_rad = model::kPi + 0.01;
 // silent for longer, a joint may be anywhere: its next reading is believed again. A servo that goes
 // on saying what cannot be is not silent
 constexpr std::uint16_t kForgottenTicks = 10;
+// fewer than the silent ticks of F11, so that a robot that is put elsewhere raises nothing
+constexpr std::uint8_t kSettledReads = 5;
 // id, error and CRC around the data of one servo in a merged reply
 constexpr std::size_t kBlockOverhead = 4;
 // the line counts as free after this much silence; who still talks then is waited for no longer
@@ -231,6 +233,19 @@ int BusMaster::read_block(std::uint16_t address, std::uint16_t bytes, ServoBlock
 
 // --- cyclic read ---------------------------------------------------------------------------------
 
+/// Whether this reading is too far from the last good one to be believed.
+bool BusMaster::jumped(std::size_t s, double position_rad, const ServoReading& last) {
+  if (!last.known || silent_ticks_[s] >= kForgottenTicks ||
+      std::abs(position_rad - last.position_rad) <= kMaxJump_rad)
+    return false;
+  silent_ticks_[s] = 0;
+  const bool agrees = settled_[s] > 0 && std::abs(position_rad - refused_rad_[s]) <= kMaxJump_rad;
+  if (!agrees) settled_[s] = 0;
+  if (settled_[s] < kSettledReads) ++settled_[s];
+  refused_rad_[s] = position_rad;
+  return torque_expected_ || settled_[s] < kSettledReads;
+}
+
 void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
                       ServoReadings& readings) {
   const auto s = static_cast<std::size_t>(slot);
@@ -242,10 +257,7 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   const std::int32_t position_raw = joint_raw(slot, raw.position_raw);
   const double position_rad = bus::position_rad(position_raw);
   const bool refused = (error & ~bus::kAlertBit) != 0;
-  const bool jumped = reading.known && silent_ticks_[s] < kForgottenTicks &&
-                      std::abs(position_rad - reading.position_rad) > kMaxJump_rad;
-  if (jumped) silent_ticks_[s] = 0;
-  if (refused || jumped || std::abs(position_rad) > kMaxAngle_rad) {
+  if (refused || std::abs(position_rad) > kMaxAngle_rad || jumped(s, position_rad, reading)) {
     ++counters_.implausible;
     return;
   }
@@ -254,6 +266,7 @@ void BusMaster::store(int slot, std::uint8_t error, std::span<const std::uint8_t
   reading.position_rad = position_rad;
   reading.velocity_rad_s = bus::velocity_rad_s(raw.velocity_raw);
   reading.known = true;
+  settled_[s] = 0;
   reading.age_ticks = silent_ticks_[s] = 0;
   ++readings.answered;
   got_[s] = true;

@@ -85,6 +85,9 @@ class BusMaster {
   /// Fast sync read from now on (all servos are known to understand it).
   void use_fast_read(bool on) { fast_ = on; }
   bool fast_read() const { return fast_; }
+  /// Without torque a joint may be put elsewhere by hand, or the whole robot: readings that jump
+  /// but agree with each other are believed after five of them. With torque they never are.
+  void expect_torque(bool on) { torque_expected_ = on; }
   const BusCounters& counters() const { return counters_; }
   /// Asks whether a lost port is back; opening it is not the tick's work.
   Status ready() { return port_.ready(); }
@@ -106,6 +109,7 @@ class BusMaster {
   Status read_many(int slots, std::uint16_t address, std::uint16_t bytes, OnBlock&& on_block);
   template <class OnBlock>
   void take_fast_reply(int slots, std::size_t bytes, OnBlock&& on_block);
+  bool jumped(std::size_t s, double position_rad, const ServoReading& last);
   void store(int slot, std::uint8_t error, std::span<const std::uint8_t> data,
              ServoReadings& readings);
   void age_the_silent(int slots, ServoReadings& readings);
@@ -128,6 +132,9 @@ class BusMaster {
   std::array<std::uint8_t, kNumServos> order_{};  // slots in the order of asking
   std::array<bool, kNumServos> got_{};
   std::array<std::uint16_t, kNumServos> silent_ticks_{};  // without even a reply that cannot be
+  bool torque_expected_ = true;
+  std::array<double, kNumServos> refused_rad_{};    // position of the last reading that jumped
+  std::array<std::uint8_t, kNumServos> settled_{};  // refused readings in a row that agree
   std::array<std::int32_t, kNumServos> offset_raw_{};
   BusCounters counters_;
 };

@@ -138,6 +138,21 @@ TEST(ArmingGate, RefusesWithANumberWhatItCannotKnow) {
   }
 }
 
+/// A person lifts the robot that has been lowered, or a session puts it back for the next trial.
+TEST(ArmingGate, ARobotPutElsewhereWithoutTorqueIsNeitherAFaultNorLost) {
+  EmulatedController c("nominal");
+  be_held_in_crouch(c);
+  ASSERT_TRUE(c.run_until(SupervisorState::idle, 10));
+  c.robot.place(emulator::with_legs({}));  // straight legs
+  c.robot.hold(true);
+  c.ticks(30);
+  EXPECT_EQ(c.controller->fault(), Fault::none);
+  EXPECT_LT((model::joints(c.seen().x) - model::joints(c.truth())).cwiseAbs().maxCoeff(), 0.05);
+  const Jerk jerk = arm_and_look(c);
+  EXPECT_TRUE(jerk.accepted) << jerk.reason;
+  expect_calm(jerk);
+}
+
 /// A servo whose supply of replies is fine and which yet will not take torque.
 TEST(ArmingGate, AServoThatShutsDownEndsTheArmingWithTorqueOffEverywhere) {
   EmulatedController c("nominal");

@@ -126,6 +126,27 @@ TEST_P(BusFaults, AJumpThatNoJointCanMakeIsNoReadingHoweverLongItLasts) {
   EXPECT_EQ(readings.servo[kKneeSlot].age_ticks, 0);
 }
 
+TEST_P(BusFaults, WithoutTorqueAJointThatStaysElsewhereIsBelieved) {
+  read({});
+  master.expect_torque(false);
+  for (int k = 1; k < 5; ++k) {
+    read({.odd_id = kKneeId, .odd_position_raw = 1000 + k});
+    ASSERT_EQ(readings.servo[kKneeSlot].position_raw, 2048) << k;
+  }
+  read({.odd_id = kKneeId, .odd_position_raw = 1005});
+  EXPECT_EQ(readings.servo[kKneeSlot].position_raw, 1005) << "sooner than a servo counts as silent";
+  EXPECT_EQ(readings.servo[kKneeSlot].age_ticks, 0);
+}
+
+TEST_P(BusFaults, WithoutTorqueAJointThatIsElsewhereEachTimeIsNot) {
+  read({});
+  master.expect_torque(false);
+  for (int k = 1; k < 300; ++k) {
+    read({.odd_id = kKneeId, .odd_position_raw = k % 2 == 0 ? 200 : 1000});
+    ASSERT_EQ(readings.servo[kKneeSlot].position_raw, 2048) << k;
+  }
+}
+
 TEST_P(BusFaults, AfterATenthOfASecondOfSilenceAJointMayBeAnywhere) {
   read({});
   for (int k = 0; k < 10; ++k) read({.dead_id = kKneeId});
