@@ -62,6 +62,21 @@ TEST(Rescue, ASessionThatOnlyFallsLearnsAfterThreeTrials) {
   EXPECT_GT(learn::load_episode(settings.out / "trial_0001.episode").before.size(), 40u);
 }
 
+/// Highest that each sole was above the floor [m].
+std::array<float, 2> risen(const learn::Episode& episode) {
+  std::array<float, 2> most{};
+  for (const learn::TrueSample& truth : episode.truth)
+    for (const std::size_t foot : {0, 1})
+      most[foot] = std::max(most[foot], truth.foot_clearance_m[foot]);
+  return most;
+}
+
+TEST(Rescue, BothFeetOfASoftRobotLeaveTheFloorInItsFirstTrial) {
+  Loop loop("sidestep", "honest:102");  // servos of 0.57 of the stiffness believed, with play
+  const std::array<float, 2> feet = risen(loop.run(1));
+  for (const float highest : feet) EXPECT_GT(highest, 0.010F);  // what one_leg calls lifted
+}
+
 TEST(Rescue, ARobotStandsInEveryWorldBeforeItHasLearnedAnything) {
   for (const char* world : {"nominal", "lab", "hard", "back", "worst"}) {
     Loop loop("walk_forward", world);
