@@ -106,6 +106,7 @@ const std::vector<Profile>& profiles() {
         {"mpc.one_step_prediction=true", "x_k is f(x_k-1, u_k-1), one step"},
         {"bring_up.on=false", "initial parameters are \"from CAD or by hand\""},
         {"session.learn_model_every=10", "\"trained every 10 iterations\""},
+        {"session.learn_first_after=0", "no other occasion is printed"},
         {"session.learn_after_failures=0", "no other occasion is printed"},
         {"model.newest_episodes=1000000", "data \"are added to the motion dataset\": all of them"},
         {"model.tilt_limit_rad=3.2", "all of them: falls too"},

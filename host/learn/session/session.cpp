@@ -35,11 +35,11 @@ fs::path episode_file(const fs::path& out, std::uint32_t trial) {
 /// What must agree between the run that began a session and the one that continues it.
 std::string identity_of(const Task& task, const SessionSettings& s) {
   return fmt::format(
-      "motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {}{}{}{}", task.name,
-      s.seed, s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
+      "motion {} seed {} world {} layers {}{}{} middle {} {} {} {} {} model {} {} {}{}{}{}",
+      task.name, s.seed, s.world, s.layers.mask(), s.layers.residual ? "" : " no-residual",
       s.layers.stochastic ? "" : " no-stochastic", s.middle.learning_rate,
       s.middle.gain_rate_factor, s.middle.forgetting_rate, s.middle.max_gain_norm,
-      s.middle.start_at_reference, s.learn_model_every, s.learn_after_failures,
+      s.middle.start_at_reference, s.learn_model_every, s.learn_first_after, s.learn_after_failures,
       s.bring_up.on ? " bring-up" : "", s.changed.empty() ? "" : " set " + s.changed,
       s.adopted.empty() ? "" : " adopted " + s.adopted);
 }
@@ -282,11 +282,12 @@ Episode Session::run_episode(link::RobotLink& link, const TrialSetup& setup) {
   }
 }
 
-/// After every tenth trial, and after every third failure in a row.
+/// After the third trial, every tenth, and every third failure in a row.
 bool Session::time_to_learn_model() const {
   const int every = settings_.learn_model_every, failures = settings_.learn_after_failures;
   if (every <= 0) return false;
   if (state_->next_trial % static_cast<std::uint32_t>(every) == 0) return true;
+  if (static_cast<int>(state_->next_trial) == settings_.learn_first_after) return true;
   int failed = 0;
   for (auto t = state_->history.rbegin(); t != state_->history.rend() && t->failed(); ++t) ++failed;
   return failures > 0 && failed > 0 && failed % failures == 0;

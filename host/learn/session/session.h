@@ -43,6 +43,7 @@ struct SessionSettings {
   std::string changed;  // "key=value ..." of settings that are not the defaults
   std::string adopted;  // what a diagnosis put into the model it begins with
   int learn_model_every = 10;
+  int learn_first_after = 3;
   int learn_after_failures = 3;
   ModelLearningSettings model;
   MiddleLayerSettings middle;
@@ -54,6 +55,8 @@ struct SessionSettings {
   constexpr void visit(auto&& field) {
     field("learn_model_every", learn_model_every, "trials", 0, 1000000,
           "from round to round of model learning (paper: 10); 0: the model stays as it is");
+    field("learn_first_after", learn_first_after, "trials", 0, 1000000,
+          "a round of its own: what a robot lacks most is seen in its first trials; 0: no (paper)");
     field("learn_after_failures", learn_after_failures, "trials", 0, 1000000,
           "failed in a row bring a round of their own, and again after as many: a robot that falls "
           "at once would repeat a bad plan ten times; 0: never (paper)");

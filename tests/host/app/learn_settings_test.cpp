@@ -97,6 +97,7 @@ TEST(LearnSettings, ThePapersProfileSaysWhatThePaperSays) {
   EXPECT_TRUE(s.mpc.one_noise_channel);
   EXPECT_TRUE(s.mpc.noise_over_root_dt);
   EXPECT_EQ(s.session.learn_after_failures, 0);
+  EXPECT_EQ(s.session.learn_first_after, 0);
   EXPECT_EQ(s.session.profile, "paper");
   EXPECT_NE(changed_settings({}, s), "");
   LearnSettings ours;

@@ -62,6 +62,33 @@ TEST(Rescue, ASessionThatOnlyFallsLearnsAfterThreeTrials) {
   EXPECT_GT(learn::load_episode(settings.out / "trial_0001.episode").before.size(), 40u);
 }
 
+/// Rounds of model learning after each trial of a session that stands and never fails.
+std::vector<std::uint32_t> rounds_of_standing(int first_after, int trials) {
+  const test::TempFolder temporary;
+  const motion::Motion stand = motion::MotionLibrary().load("stand");
+  learn::Task task{"stand", stand.primitives, stand.weights, {}};
+  inprocess::InProcessAccess robot("lab");
+  mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
+  learn::SessionSettings settings;
+  settings.iterations = trials;
+  settings.bring_up.on = false;
+  settings.learn_first_after = first_after;
+  settings.model.identify.search.generations = 2;  // whether, not how well
+  settings.out = temporary.path() / "session";
+  learn::Session session(task, settings, robot, upper);
+  std::vector<std::uint32_t> rounds;
+  session.run([&](const learn::TrialSummary&) { rounds.push_back(session.state().model_rounds); });
+  for (const learn::TrialSummary& t : session.state().history) EXPECT_FALSE(t.failed());
+  return rounds;
+}
+
+/// A robot whose feet do not leave the floor completes its trials: only from outside they fail.
+TEST(Rescue, ARobotThatCompletesItsTrialsLearnsAfterTheFirstFew) {
+  EXPECT_EQ(rounds_of_standing(2, 3), (std::vector<std::uint32_t>{0, 1, 1}));
+  EXPECT_EQ(rounds_of_standing(0, 3), (std::vector<std::uint32_t>{0, 0, 0}));
+  EXPECT_EQ(learn::SessionSettings{}.learn_first_after, 3);
+}
+
 /// Highest that each sole was above the floor [m].
 std::array<float, 2> risen(const learn::Episode& episode) {
   std::array<float, 2> most{};
