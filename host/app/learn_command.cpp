@@ -19,13 +19,16 @@
 namespace sanso::app {
 namespace {
 
-/// The planner's model with what a diagnosis confirmed; says what it took.
-std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model) {
+/// The planner's model with what a diagnosis confirmed, also for the learner to begin at; says what
+/// it took.
+std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model,
+                       learn::ModelLearningSettings& learning) {
   if (options.adopt.empty()) return {};
   model::ModelParameters theta =
       options.wheels ? model::skating_parameters() : model::nominal_parameters();
   const Adoption adoption = adopt(options.adopt, theta);
   model.analytical = model::make_step_model(theta);
+  learning.origin = theta;
   if (!options.quiet) fmt::print("{}", told(adoption));
   std::string names;
   for (const std::string& name : adoption.adopted) names += (names.empty() ? "" : "; ") + name;
@@ -145,7 +148,7 @@ int learn(const LearnOptions& given, const RobotFactory& make_robot) {
   LearnSettings settings = settings_of(options, motion, robot->real_time());
   host::AugmentedModel model;
   if (options.wheels) model.analytical = model::make_step_model(model::skating_parameters());
-  settings.session.adopted = adopt_into(options, model);
+  settings.session.adopted = adopt_into(options, model, settings.session.model);
   model.ground = grounds::load_ground(options.ground);
   mpc::UpperLayer upper(settings.mpc, model);
   learn::Session session(task_of(motion), settings.session, *robot, upper, model);

@@ -38,8 +38,9 @@ ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tan
       weights_(weights),
       settings_(settings),
       seed_(seed),
-      map_(initial.analytical.foot.wheels ? model::skating_parameters()
-                                          : model::nominal_parameters()),
+      map_(settings.origin                  ? *settings.origin
+           : initial.analytical.foot.wheels ? model::skating_parameters()
+                                            : model::nominal_parameters()),
       z_(Eigen::VectorXd::Zero(map_.size())) {}
 
 host::AugmentedModel ModelLearner::current() const {

@@ -34,6 +34,8 @@ struct ModelLearningSettings {
   bool failures_teach = true;
   bool held_out_decides = true;
   bool trust_by_trials = true;
+  // of the initial model, around which is identified; nothing: the planner's own figures
+  std::optional<model::ModelParameters> origin;
 
   ModelLearningSettings() {
     identify.search.population = 48;

@@ -23,6 +23,26 @@ TEST(ModelLearner, LowersTheLossOfAnUnseenTrial) {
   EXPECT_LT(learner.sigma(), kSigmaStart);
 }
 
+/// What a diagnosis found is where identification begins, not what it forgets.
+TEST(ModelLearner, IdentifiesAroundTheModelThatItWasGiven) {
+  ModelLearningSettings settings;
+  settings.origin = model::nominal_parameters();
+  for (auto& servo : settings.origin->servo) servo.stiffness *= 0.7, servo.coulomb = 0.1;
+  host::AugmentedModel initial;
+  initial.analytical = model::make_step_model(*settings.origin);
+  ModelLearner learner(initial, weights(), settings, kSeed);
+  const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(learner.parameters().size());
+  const model::ModelParameters begun = learner.parameters().parameters(nothing);
+  for (int j = 0; j < model::kNumJoints; ++j) {
+    EXPECT_DOUBLE_EQ(begun.servo[j].stiffness, settings.origin->servo[j].stiffness);
+    EXPECT_DOUBLE_EQ(begun.servo[j].coulomb, 0.1);
+  }
+  // no step away from it is a step back to the nominal model
+  const auto windows = learner.learning_windows(episode_of_world(3));
+  const ModelLearner::Start start = learner.begin_at(nothing, windows);
+  EXPECT_NEAR(start.loss, start.loss_initial, 1e-9 * start.loss_initial);
+}
+
 TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
   constexpr double kOffset = 0.05;
   ModelLearner learner({}, weights(), {}, kSeed);
