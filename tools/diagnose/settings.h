@@ -72,6 +72,14 @@ struct DecisionSettings {
   int bootstrap = 199;
   double shot_outlier = 3.0;
   int tolerance_draws = 12;
+  double nearly_strongest = 0.8;
+  double known_first = 0.5;
+  double promised = 5.0;
+  double promised_share = 0.02;
+  double happened_least = 0.5;
+  double happened_most = 2.0;
+  double predictable = 0.1;
+  double missing_effort = 1.5;
   template <class Field>
   void visit(Field&& field) {
     field("family_wise", family_wise, "probability", 1e-06, 0.5, "level of every naming decision");
@@ -120,6 +128,23 @@ struct DecisionSettings {
           "times the median shot's RMS error: from there a shot's weight falls");
     field("tolerance_draws", tolerance_draws, "draws", 1, 1000,
           "of a tolerated model, whose largest scatter is no event: one shot in thirteen is above");
+    field(
+        "nearly_strongest", nearly_strongest, "share", 0.1, 2.0,
+        "of the score of its cluster's strongest: the simplest member that has it speaks for all");
+    field("known_first", known_first, "correlation", 0.0, 2.0,
+          "that a documented look-alike counts for more when replacements are chosen");
+    field("promised", promised, "noise levels", 0.5, 100.0,
+          "that an effect promises to change a residual by: from here on it is held to it");
+    field("promised_share", promised_share, "share", 0.0001, 0.5,
+          "of all that it promises, the least of one residual that counts");
+    field("happened_least", happened_least, "share", 0.05, 1.0,
+          "of what was promised: surely less contradicts a name");
+    field("happened_most", happened_most, "factor", 1.0, 20.0,
+          "times what was promised: surely more contradicts a name");
+    field("predictable", predictable, "share", 0.001, 0.9,
+          "of the missing effort, from the joint's state: less says nothing");
+    field("missing_effort", missing_effort, "noise levels", 0.1, 100.0,
+          "of an effort that is missing at all");
   }
 };
 

@@ -23,6 +23,13 @@ struct FittingSettings {
   int pursuit = 5;
   int identify_rounds = 6;
   double identify_settled = 0.1;
+  int attempts = 6;
+  int thinned_from = 60;
+  int thinned_every = 3;
+  int steps_anew = 3;
+  int steps_without = 4;
+  double farthest_start = 3.0;
+  double beyond_orders = 1.5;
   template <class Field>
   void visit(Field&& field) {
     field(
@@ -57,6 +64,20 @@ struct FittingSettings {
           "of a fit around its own answer; most settle after two");
     field("identify_settled", identify_settled, "objective", 1e-06, 10.0,
           "decrease that ends these rounds: a third of a deviation of one parameter");
+    field("attempts", attempts, "attempts", 1, 100,
+          "of a step, each ten times shorter: where friction sticks derivatives promise anything");
+    field("thinned_from", thinned_from, "shots", 2, 1000000,
+          "from here on the place where a fit begins is looked for on some of them");
+    field("thinned_every", thinned_every, "shots", 1, 1000,
+          "one of which is kept then: twenty tell where a fit begins");
+    field("steps_anew", steps_anew, "steps", 1, 1000,
+          "of a fit where starts and tolerances were linearised once more");
+    field("steps_without", steps_without, "steps", 1, 1000,
+          "of a fit without one of the effects: it begins near its end");
+    field("farthest_start", farthest_start, "probes", 0.1, 100.0,
+          "from the null, at most, where a fit begins: the screening is linear");
+    field("beyond_orders", beyond_orders, "factor", 1.0, 100.0,
+          "times the highest order that was probed: no higher one is tried");
   }
 };
 
@@ -79,6 +100,7 @@ struct ChanceSettings {
   double beyond = 1.5;
   double capped_share = 0.02;
   double margin = 1.2;
+  double smallest = 12.0;
   template <class Field>
   void visit(Field&& field) {
     field("worst_shots", worst_shots, "shots", 1, 10000,
@@ -104,7 +126,7 @@ struct ChanceSettings {
           "where many joints share the time, at least");
     field("all_draws", all_draws, "draws", 2, 100000, "of all joints together");
     field("sizes", sizes, "sizes", 2, 100,
-          "between a twelfth of the largest and the largest, evenly in the logarithm");
+          "between the smallest and the largest, evenly in the logarithm");
     field("parametric_draws", parametric_draws, "draws", 19, 100000,
           "of the null law in which readings alone scatter: p resolves to 0.003");
     field("steps_anew", steps_anew, "steps", 1, 100,
@@ -115,6 +137,8 @@ struct ChanceSettings {
           "of a channel's rows from above: no single row decides");
     field("margin", margin, "factor", 0.5, 10.0,
           "on what may be left, for what few draws get wrong");
+    field("smallest", smallest, "factor", 1.5, 1000.0,
+          "between the largest size of a chance that is simulated and the smallest");
   }
 };
 
@@ -124,12 +148,22 @@ struct RegimeSettings {
   double standstill = 0.1;
   double breakaway = 0.06;
   double after_step = 0.15;
+  double standing = 0.03;
+  double saturated = 0.9;
+  double near_limit = 0.03;
+  double step = 6.0;
   template <class Field>
   void visit(Field&& field) {
     field("reversal", reversal, "s", 0.001, 1.0, "around a change of direction");
     field("standstill", standstill, "s", 0.001, 5.0, "shorter rests are none");
     field("breakaway", breakaway, "s", 0.001, 1.0, "after a standstill");
     field("after_step", after_step, "s", 0.001, 2.0, "after a command step");
+    field("standing", standing, "share of the fastest", 0.0001, 0.5,
+          "slower, a joint stands: the 99th percentile of its speed is the whole");
+    field("saturated", saturated, "duty", 0.05, 2.0, "from here on a drive gives what it can");
+    field("near_limit", near_limit, "share of the range", 0.0, 0.45, "of a joint, at either end");
+    field("step", step, "factor", 1.0, 100.0,
+          "times the 95th percentile of its changes: a command that changes more jumps");
   }
 };
 

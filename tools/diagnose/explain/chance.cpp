@@ -50,7 +50,7 @@ void accept_random(SearchState& state, const ScatterScore& score) {
   model.effects.push_back({score.candidate, theta});
   state.problem = resmoothed(state.problem, jitter_of(*state.problem, state.library, model));
   found.around = make_surroundings(state.problem, state.library, model);
-  found.final = fit(*found.around, model, 4);
+  found.final = fit(*found.around, model, state.problem->settings.fitting.steps_without);
   found.final_heldout = heldout_energy(*found.around, found.final);
   drop_stand_ins(state, own);
   Accepted entry;

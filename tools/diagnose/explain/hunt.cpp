@@ -223,7 +223,7 @@ void Hunt::refit() {
   const Problem known = with_lost(problem_, state_.lost);
   Surroundings around = make_surroundings(known, library_, model_);
   around.set_shot_scale(around.starts.energy_by_shot(prediction_error(known, library_, model_)));
-  model_ = fit(around, model_, 3).model;
+  model_ = fit(around, model_, around.settings().fitting.steps_anew).model;
   starts_ = StartElimination(problem_, library_, model_);
   state_.r = prediction_error(known, library_, model_);
 }

@@ -155,30 +155,32 @@ std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& r
   Eigen::VectorXd d = around.starts.project(without.r - with.r);
   judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model),
                                        with.model, r, d);
+  const DecisionSettings& decisions = around.settings().decisions;
   const Table table = sums_of(*around.problem, regimes, r, d);
   std::vector<IncidenceRow> out;
   for (const auto& [name, sums] : table.residuals) {
     const IncidenceRow row = row_of(sums);
     // the servo's law is trusted to its channel's floor only: less than that a row on average is no
     // promise
-    const double least = is_effort(sums.residual.signal) ? sums.rows : 0.02 * table.total;
-    const bool told = row.predicted > 5.0 && row.predicted * row.predicted > least;
+    const double least =
+        is_effort(sums.residual.signal) ? sums.rows : decisions.promised_share * table.total;
+    const bool told = row.predicted > decisions.promised && row.predicted * row.predicted > least;
     if (told) out.push_back(row);
   }
   return out;
 }
 
-std::string refuted_by(const std::vector<IncidenceRow>& rows) {
+std::string refuted_by(const std::vector<IncidenceRow>& rows, const DecisionSettings& decisions) {
   if (rows.empty()) return "";
   // of twenty true promises one lies outside its 95 %: the intervals are widened until all of them
   // hold together
   const double widened =
       std::max(1.0, normal_score(0.025 / static_cast<double>(rows.size())) / kNormal95);
   for (const IncidenceRow& row : rows) {
-    if (row.slope + widened * (row.high - row.slope) < 0.5)
+    if (row.slope + widened * (row.high - row.slope) < decisions.happened_least)
       return fmt::format("{}: {:.0f} % of the promised change happened", to_string(row.residual),
                          100 * row.slope);
-    if (row.slope + widened * (row.low - row.slope) > 2.0)
+    if (row.slope + widened * (row.low - row.slope) > decisions.happened_most)
       return fmt::format("{}: {:.1f} times the promised change happened", to_string(row.residual),
                          row.slope);
   }

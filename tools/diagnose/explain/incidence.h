@@ -38,8 +38,8 @@ struct IncidenceRow {
 std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes,
                                     const FitResult& without, const FitResult& with);
 
-/// The first row that refutes; empty: none. A row refutes when its whole interval is below 0.5 or
-/// above 2: the interval that holds for all rows together with 95 %.
-std::string refuted_by(const std::vector<IncidenceRow>& rows);
+/// The first row that refutes; empty: none. A row refutes when its whole interval is below
+/// happened_least or above happened_most: the interval that holds for all rows together with 95 %.
+std::string refuted_by(const std::vector<IncidenceRow>& rows, const DecisionSettings& decisions);
 
 }  // namespace sanso::diagnose

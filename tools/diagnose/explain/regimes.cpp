@@ -60,13 +60,13 @@ class JointRegimes {
       set("forwards", k, moving && r.dq > 0);
       set("backwards", k, moving && r.dq < 0);
       set("torque off", k, off);
-      set("saturated", k, !off && std::abs(r.duty) > 0.9);
+      set("saturated", k, !off && std::abs(r.duty) > settings_.saturated);
       set("driving", k, !off && moving && r.torque * r.dq > 0);
       set("back-driven", k, !off && moving && r.torque * r.dq < 0);
       set("low load", k, std::abs(r.torque) <= scale.low_load);
       set("high load", k, std::abs(r.torque) > scale.high_load);
       if (joint.lower < joint.upper) {
-        const double margin = 0.03 * (joint.upper - joint.lower);
+        const double margin = settings_.near_limit * (joint.upper - joint.lower);
         set("near a limit", k, r.q < joint.lower + margin || r.q > joint.upper - margin);
       }
       set("low voltage", k, scale.low_volt < scale.high_volt && r.volt <= scale.low_volt);
@@ -120,7 +120,8 @@ class JointRegimes {
       changes.push_back(std::abs(rows_[k].command - rows_[k - 1].command));
     const double usual = quantile(changes, 0.95);
     for (std::size_t k = 1; k < rows_.size(); ++k) {
-      if (!(std::abs(rows_[k].command - rows_[k - 1].command) > 6.0 * usual + 1e-6)) continue;
+      if (!(std::abs(rows_[k].command - rows_[k - 1].command) > settings_.step * usual + 1e-6))
+        continue;
       for (std::size_t i = k; i < rows_.size() && rows_[i].t - rows_[k].t < settings_.after_step;
            ++i)
         set("after a command step", i, true);
@@ -133,7 +134,7 @@ class JointRegimes {
   std::vector<Row> rows_;
 };
 
-JointScale scale_of(const std::vector<JointRegimes>& recordings) {
+JointScale scale_of(const std::vector<JointRegimes>& recordings, const RegimeSettings& settings) {
   std::vector<double> speed, load, volt, temp;
   for (const JointRegimes& joint : recordings) {
     for (const Row& r : joint.rows()) {
@@ -142,7 +143,7 @@ JointScale scale_of(const std::vector<JointRegimes>& recordings) {
     }
   }
   JointScale s;
-  s.rest_speed = 0.03 * quantile(speed, 0.99);
+  s.rest_speed = settings.standing * quantile(speed, 0.99);
   std::vector<double> moving;
   for (double v : speed) {
     if (v > s.rest_speed) moving.push_back(v);
@@ -177,7 +178,7 @@ Regimes find_regimes(const Comparison& comparison) {
     for (std::size_t s = 0; s < sources; ++s)
       recordings.emplace_back(comparison.sources[s], joint, torques[s],
                               comparison.settings.regimes);
-    const JointScale scale = scale_of(recordings);
+    const JointScale scale = scale_of(recordings, comparison.settings.regimes);
     for (std::size_t s = 0; s < sources; ++s)
       recordings[s].fill(scale, out.mask[s][joint], out.names);
   });

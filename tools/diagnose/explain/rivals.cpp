@@ -138,7 +138,8 @@ std::vector<std::size_t> rivals(const Settings& settings, const Library& library
     std::size_t simplest = leader;
     for (const std::size_t c : significant) {
       const bool member = screening.similarity(c, leader) > decisions.same_signature;
-      const bool nearly = screening.best(c)->score > 0.8 * screening.best(leader)->score;
+      const bool nearly =
+          screening.best(c)->score > decisions.nearly_strongest * screening.best(leader)->score;
       if (member && nearly && free_parameters(library[c]) < free_parameters(library[simplest]))
         simplest = c;
     }
@@ -182,7 +183,7 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
     const bool known = same_place && std::find(own.confounders.begin(), own.confounders.end(),
                                                other.effect) != own.confounders.end();
     if (similarity > settings.same_signature || known || find(fitted, c) != nullptr)
-      order.emplace_back(similarity + (known ? 0.5 : 0.0), c);
+      order.emplace_back(similarity + (known ? settings.known_first : 0.0), c);
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });

@@ -149,8 +149,8 @@ class Judge {
     Sized out;
     const int sizes = chance().sizes;
     for (int i = 0; i < sizes; ++i) {
-      out.sizes.push_back(largest *
-                          std::pow(12.0, static_cast<double>(i - sizes + 1) / (sizes - 1)));
+      out.sizes.push_back(
+          largest * std::pow(chance().smallest, static_cast<double>(i - sizes + 1) / (sizes - 1)));
       const Expected e =
           scatter_of(around, final.model, candidate, out.sizes.back(), draws, Random(key));
       out.share.push_back(scatter_share(*around.problem, pieces_, squares, e.rough, draws));

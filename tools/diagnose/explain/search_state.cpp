@@ -55,7 +55,7 @@ void SearchState::relinearise() {
   found.around = make_surroundings(problem, library, found.final.model);
   found.around->set_shot_scale(
       found.around->starts.energy_by_shot(prediction_error(problem, library, found.final.model)));
-  found.final = fit(*found.around, found.final.model, 3);
+  found.final = fit(*found.around, found.final.model, problem->settings.fitting.steps_anew);
   found.nominal = found.accepted.empty()
                       ? found.final
                       : fit(*found.around, Model{{}, found.nominal.model.nuisance}, 1);
@@ -66,7 +66,7 @@ void SearchState::relinearise() {
 FitResult SearchState::without(std::size_t index) const {
   Model model = found.final.model;
   model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(index));
-  return fit(*found.around, model, 4);
+  return fit(*found.around, model, problem->settings.fitting.steps_without);
 }
 
 void SearchState::drop(std::size_t index, FitResult reduced) {
@@ -94,7 +94,7 @@ HeldoutGain SearchState::gain_of(const Chosen& effect, const Eigen::VectorXd& wi
 }
 
 std::string SearchState::residual_against(const FitResult& without, const FitResult& with) const {
-  return refuted_by(incidence(*found.around, regimes, without, with));
+  return refuted_by(incidence(*found.around, regimes, without, with), decisions());
 }
 
 bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain) {

@@ -210,10 +210,9 @@ struct Point {
 /// or where the derivatives promise next to nothing. Where friction sticks they promise anything:
 /// the last attempts go a hundredth of the way.
 void take_step(const Surroundings& around, const Coordinates& c, const Normal& normal, Point& at) {
-  constexpr int kAttempts = 6;
   const double least = 0.01 * around.settings().fitting.converged * normal.objective;
   bool improved = false;
-  for (int attempt = 0; attempt < kAttempts && !improved; ++attempt) {
+  for (int attempt = 0; attempt < around.settings().fitting.attempts && !improved; ++attempt) {
     const Eigen::VectorXd trial = c.inside(at.x + step_inside(c, normal, at.x, at.damping));
     const Eigen::VectorXd step = trial - at.x;
     const double promised = -step.dot(2.0 * normal.g + normal.H * step);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/gate/checks.h"
@@ -60,7 +61,8 @@ Model best_size(const Surroundings& around, const Model& base, std::size_t candi
                 const std::vector<double>& probe, double amount) {
   const Candidate& effect = (*around.library)[candidate];
   const double share = around.settings().fitting.inside_bound;
-  std::vector<double> factors{std::clamp(amount, -3.0, 3.0)};
+  const double farthest = around.settings().fitting.farthest_start;
+  std::vector<double> factors{std::clamp(amount, -farthest, farthest)};
   for (const double f : {0.3, 0.6, 1.0, 1.4, 1.8, 2.4, 3.2})
     factors.push_back(std::copysign(f, amount));
   Model best;
@@ -73,17 +75,19 @@ Model best_size(const Surroundings& around, const Model& base, std::size_t candi
   return best;
 }
 
-/// Orders around the probed one, up to the next ones that were probed; at most `steps` in between.
+/// Orders around the probed one, up to the next ones that were probed; at most `order_steps`
+/// between.
 std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order,
-                                int steps) {
+                                const FittingSettings& settings) {
   double below = effect.parameters[index].low, above = effect.parameters[index].high;
   for (const std::vector<double>& probe : effect.probes) {
     if (probe[index] < order) below = std::max(below, probe[index]);
     if (probe[index] > order) above = std::min(above, probe[index]);
   }
-  above = std::min(above, 1.5 * order);  // beyond the last probe
+  above = std::min(above, settings.beyond_orders * order);  // beyond the last probe
   const double unit = effect.parameters[index].typical;
-  const double step = unit * std::max(1.0, std::ceil((above - below) / (unit * steps)));
+  const double step =
+      unit * std::max(1.0, std::ceil((above - below) / (unit * settings.order_steps)));
   std::vector<double> out;
   for (double o = order - step; o > below; o -= step) out.push_back(o);
   for (double o = order + step; o < above; o += step) out.push_back(o);
@@ -108,8 +112,8 @@ Model best_value(const Surroundings& around, const Model& model, std::size_t ind
 /// fitted further.
 Model with_best_order(const Surroundings& around, const Model& model, std::size_t index) {
   const Candidate& effect = (*around.library)[model.effects.back().candidate];
-  const std::vector<double> near = orders_near(effect, index, model.effects.back().theta[index],
-                                               around.settings().fitting.order_steps);
+  const std::vector<double> near =
+      orders_near(effect, index, model.effects.back().theta[index], around.settings().fitting);
   const Model coarse = best_value(around, model, index, near, 1);
   const double order = coarse.effects.back().theta[index], unit = effect.parameters[index].typical;
   return best_value(around, coarse, index, {order - unit, order + unit},
@@ -227,11 +231,12 @@ bool has_places(const Candidate& effect) {
 }  // namespace
 
 Surroundings some_shots(const Surroundings& around, const Model& model) {
-  constexpr std::size_t kFewest = 60, kEvery = 3;
+  const FittingSettings& fitting = around.settings().fitting;
   const Problem& problem = around.problem;
-  if (problem->shots.size() < kFewest) return around;
+  if (std::cmp_less(problem->shots.size(), fitting.thinned_from)) return around;
   std::vector<std::size_t> kept;
-  for (std::size_t s = 1; s < problem->shots.size(); s += kEvery) kept.push_back(s);
+  const auto every = static_cast<std::size_t>(fitting.thinned_every);
+  for (std::size_t s = every / 2; s < problem->shots.size(); s += every) kept.push_back(s);
   const Problem few = with_shots(problem, kept);
   Eigen::MatrixXd A(static_cast<Eigen::Index>(few->size), around.A.cols());
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -254,11 +259,13 @@ Model best_start(const Surroundings& around, const Model& base, const ProbeScore
                  const ProbeScore& b) {
   const Library& library = *around.library;
   const double share = around.settings().fitting.inside_bound;
+  const double farthest = around.settings().fitting.farthest_start;
   const bool a_first = !has_places(library[a.candidate]);
   const ProbeScore &first = a_first ? a : b, &second = a_first ? b : a;
   const auto at = [&](const ProbeScore& p, double factor) {
     const Candidate& effect = library[p.candidate];
-    return scaled(effect, effect.probes[p.probe], factor * std::clamp(p.amount, -3.0, 3.0), share);
+    return scaled(effect, effect.probes[p.probe],
+                  factor * std::clamp(p.amount, -farthest, farthest), share);
   };
   Model best;
   double least = std::numeric_limits<double>::infinity();

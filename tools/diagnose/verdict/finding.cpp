@@ -75,7 +75,8 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
       (selection.nominal_heldout.sum() - a.heldout.sum()) / energy_to_explain(selection);
   rival.behind_in_se = a.behind.certainty();
   rival.similarity = a.similarity;
-  rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit));
+  rival.said_wrong = refuted_by(incidence(*selection.around, regimes, entry.without, a.fit),
+                                selection.around->settings().decisions);
   return rival;
 }
 

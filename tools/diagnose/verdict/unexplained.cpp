@@ -76,7 +76,9 @@ const Predictability* most_predictable(const std::vector<Predictability>& left,
   for (const Predictability& p : left) {
     // p resolves to 1 / (bootstrap + 1); with many joints the smallest p is all one can ask for
     const bool significant = p.p <= std::max(level, 1.0 / (decisions.bootstrap + 1.0) + 1e-12);
-    if (!significant || p.explained < 0.1 || p.torque_rms < 1.5 * p.noise_rms) continue;
+    if (!significant || p.explained < decisions.predictable ||
+        p.torque_rms < decisions.missing_effort * p.noise_rms)
+      continue;
     if (best == nullptr || p.explained > best->explained) best = &p;
   }
   return best;

@@ -80,7 +80,8 @@ TEST_F(EffortLaw, AWrongGainIsContradictedWhereItsDutyDidNotChange) {
   const Surroundings around = make_surroundings(problem_, library_, Model{});
   const FitResult nominal = fit(around, Model{}, 0),
                   gain = fit(around, with("servo_p_gain", {0.6}), 0);
-  const std::string said = refuted_by(incidence(around, find_regimes(*problem_), nominal, gain));
+  const std::string said =
+      refuted_by(incidence(around, find_regimes(*problem_), nominal, gain), DecisionSettings{});
   EXPECT_NE(said, "");
   EXPECT_LT(std::abs(promised_duty(with("servo_p_gain", {0.6}))), 0.3);
 }

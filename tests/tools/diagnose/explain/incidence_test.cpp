@@ -72,7 +72,7 @@ TEST(Incidence, TheTrueEffectKeepsItsPromiseInEveryResidual) {
     EXPECT_LE(r.low, 1.05) << to_string(r.residual);
     EXPECT_GE(r.high, 0.95) << to_string(r.residual);
   }
-  EXPECT_EQ(refuted_by(rows), "");
+  EXPECT_EQ(refuted_by(rows, DecisionSettings{}), "");
 }
 
 TEST(Incidence, WhatDidNotHappenHasNoSlopeAndIsRefuted) {
@@ -80,7 +80,8 @@ TEST(Incidence, WhatDidNotHappenHasNoSlopeAndIsRefuted) {
   const std::vector<IncidenceRow> rows = b.promised(kHidden);
   ASSERT_FALSE(rows.empty());
   for (const IncidenceRow& r : rows) EXPECT_NEAR(r.slope, 0.0, 0.05) << to_string(r.residual);
-  EXPECT_NE(refuted_by(rows).find("% of the promised change happened"), std::string::npos);
+  EXPECT_NE(refuted_by(rows, DecisionSettings{}).find("% of the promised change happened"),
+            std::string::npos);
 }
 
 TEST(Incidence, ASmallerPromiseHappenedSeveralTimesOver) {
@@ -92,7 +93,8 @@ TEST(Incidence, ASmallerPromiseHappenedSeveralTimesOver) {
     EXPECT_NEAR(slope * share, 1.0, 0.25) << share;
     before = slope;
   }
-  EXPECT_NE(refuted_by(b.promised(0.25 * kHidden)).find("times the promised"), std::string::npos);
+  EXPECT_NE(refuted_by(b.promised(0.25 * kHidden), DecisionSettings{}).find("times the promised"),
+            std::string::npos);
 }
 
 TEST(Incidence, TheIntervalIsThatOfSlopesWithoutOneShot) {
@@ -123,17 +125,18 @@ TEST(RefutedBy, OneOfManyPromisesMayMissByChanceAndNotByFar) {
     return row;
   };
   const IncidenceRow barely = of(0.3, 0.15), never = of(0.0, 0.1), kept = of(1.0, 0.1);
-  EXPECT_EQ(refuted_by({}), "");
-  EXPECT_NE(refuted_by({barely}), "");
+  EXPECT_EQ(refuted_by({}, DecisionSettings{}), "");
+  EXPECT_NE(refuted_by({barely}, DecisionSettings{}), "");
   std::vector<IncidenceRow> many(19, kept);
-  EXPECT_EQ(refuted_by(many), "");
+  EXPECT_EQ(refuted_by(many, DecisionSettings{}), "");
   many.push_back(barely);
-  EXPECT_EQ(refuted_by(many), "") << "one of twenty true ones lies outside its 95 %";
+  EXPECT_EQ(refuted_by(many, DecisionSettings{}), "")
+      << "one of twenty true ones lies outside its 95 %";
   many.push_back(never);
-  EXPECT_NE(refuted_by(many), "");
+  EXPECT_NE(refuted_by(many, DecisionSettings{}), "");
   std::vector<IncidenceRow> several(19, kept);
   several.push_back(of(3.0, 0.3));
-  EXPECT_NE(refuted_by(several), "");
+  EXPECT_NE(refuted_by(several, DecisionSettings{}), "");
 }
 
 TEST(Incidence, AShotThatHoldsThePromiseIsNotCertainOfIt) {
@@ -187,22 +190,24 @@ TEST(Incidence, RegimesAreJudgedApart) {
   const std::vector<IncidenceRow> rows = b.of_errors(there, promise);
   EXPECT_LT(row(rows, Signal::q, "reversal").slope, 0.3);
   EXPECT_GT(row(rows, Signal::q).slope, 0.7);
-  EXPECT_EQ(refuted_by(rows).rfind("position, reversal: ", 0), 0U) << refuted_by(rows);
+  EXPECT_EQ(refuted_by(rows, DecisionSettings{}).rfind("position, reversal: ", 0), 0U)
+      << refuted_by(rows, DecisionSettings{});
 }
 
 TEST(Incidence, WordsSayWhichResidualAndHowMuch) {
   const IncidenceRow kept{{Signal::q, ""}, 20.0, 1.0, 0.9, 1.1},
       missing{{Signal::q, "reversal"}, 20.0, 0.1, 0.0, 0.3},
       often{{Signal::pwm, ""}, 20.0, 3.0, 2.5, 3.5};
-  EXPECT_EQ(refuted_by({}), "");
-  EXPECT_EQ(refuted_by({kept}), "");
-  EXPECT_EQ(refuted_by({kept, missing, often}),
+  EXPECT_EQ(refuted_by({}, DecisionSettings{}), "");
+  EXPECT_EQ(refuted_by({kept}, DecisionSettings{}), "");
+  EXPECT_EQ(refuted_by({kept, missing, often}, DecisionSettings{}),
             "position, reversal: 10 % of the promised change happened");
-  EXPECT_EQ(refuted_by({kept, often, missing}), "duty: 3.0 times the promised change happened");
+  EXPECT_EQ(refuted_by({kept, often, missing}, DecisionSettings{}),
+            "duty: 3.0 times the promised change happened");
   // an interval that touches the limit refutes nothing
-  EXPECT_EQ(refuted_by({{{Signal::q, ""}, 20.0, 0.3, 0.1, 0.5}}), "");
-  EXPECT_EQ(refuted_by({{{Signal::q, ""}, 20.0, 2.5, 2.0, 3.0}}), "");
-  EXPECT_NE(refuted_by({{{Signal::tau, ""}, 20.0, -1.0, -1.2, -0.8}}), "");
+  EXPECT_EQ(refuted_by({{{Signal::q, ""}, 20.0, 0.3, 0.1, 0.5}}, DecisionSettings{}), "");
+  EXPECT_EQ(refuted_by({{{Signal::q, ""}, 20.0, 2.5, 2.0, 3.0}}, DecisionSettings{}), "");
+  EXPECT_NE(refuted_by({{{Signal::tau, ""}, 20.0, -1.0, -1.2, -0.8}}, DecisionSettings{}), "");
 }
 
 TEST(Incidence, EffortsAreJudgedAtTheMeasuredMotion) {

@@ -121,7 +121,7 @@ TEST_F(OneHidden, WhatItPromisesHappenedOnce) {
     EXPECT_LE(row.low, row.slope);
     EXPECT_GE(row.high, row.slope);
   }
-  EXPECT_EQ(refuted_by(rows), "");
+  EXPECT_EQ(refuted_by(rows, DecisionSettings{}), "");
 }
 
 TEST_F(OneHidden, APromiseOfTheOppositeIsRefuted) {
@@ -130,7 +130,7 @@ TEST_F(OneHidden, APromiseOfTheOppositeIsRefuted) {
   with.r = 2.0 * without.r - with.r;
   const auto rows =
       incidence(*selection().around, find_regimes(*shared_->c.problem), without, with);
-  EXPECT_NE(refuted_by(rows), "");
+  EXPECT_NE(refuted_by(rows, DecisionSettings{}), "");
 }
 
 TEST_F(OneHidden, IsFoundTheSameAgain) {

@@ -70,18 +70,21 @@ IncidenceRow row(Signal signal, const char* regime, double low, double high) {
 }
 
 TEST(Refutation, NeedsTheWholeIntervalOutside) {
-  EXPECT_EQ(refuted_by({row(Signal::q, "", 0.3, 0.8)}), "");
-  EXPECT_EQ(refuted_by({row(Signal::q, "", 1.2, 2.8)}), "");
-  EXPECT_NE(refuted_by({row(Signal::q, "", -0.3, 0.49)}), "") << "it did not happen";
-  EXPECT_NE(refuted_by({row(Signal::q, "", 2.01, 4.0)}), "") << "it happened several times over";
+  EXPECT_EQ(refuted_by({row(Signal::q, "", 0.3, 0.8)}, DecisionSettings{}), "");
+  EXPECT_EQ(refuted_by({row(Signal::q, "", 1.2, 2.8)}, DecisionSettings{}), "");
+  EXPECT_NE(refuted_by({row(Signal::q, "", -0.3, 0.49)}, DecisionSettings{}), "")
+      << "it did not happen";
+  EXPECT_NE(refuted_by({row(Signal::q, "", 2.01, 4.0)}, DecisionSettings{}), "")
+      << "it happened several times over";
 }
 
 TEST(Refutation, NamesTheFirstRowThatDoes) {
   const std::string why =
       refuted_by({row(Signal::q, "", 0.9, 1.1), row(Signal::q, "reversal", -0.1, 0.1),
-                  row(Signal::pwm, "", -0.1, 0.1)});
+                  row(Signal::pwm, "", -0.1, 0.1)},
+                 DecisionSettings{});
   EXPECT_TRUE(why.starts_with(to_string(ErrorPart{Signal::q, "reversal"}) + ":")) << why;
-  EXPECT_EQ(refuted_by({}), "");
+  EXPECT_EQ(refuted_by({}, DecisionSettings{}), "");
 }
 
 TEST(ErrorPart, ReadsAsTheFileHasIt) {
