@@ -109,7 +109,7 @@ bool judge_losses(SearchState& state) {
 
 /// What makes readings scatter: of those measured, the one that brings what is left closest to
 /// noise alone. A chance that would scatter more than was seen is none either.
-void judge_readings(SearchState& state) {
+bool judge_readings(SearchState& state) {
   constexpr std::uint64_t kStream = 1000;
   const std::vector<ScatterScore> scores =
       judge_scatter(*state.found.around, state.found.final, state.practical(),
@@ -128,15 +128,16 @@ void judge_readings(SearchState& state) {
     const double from_noise = std::abs(std::log(std::max(left, 1e-3)));
     if (measured && one.low > 0.0 && from_noise < closest) best = &one, closest = from_noise;
   }
-  if (best != nullptr && closest <= std::log(state.decisions().adequate))
-    accept_random(state, *best);
+  if (best == nullptr || closest > std::log(state.decisions().adequate)) return false;
+  accept_random(state, *best);
+  return true;
 }
 
 }  // namespace
 
-void judge_chance(SearchState& state) {
-  if (judge_losses(state)) return;
-  if (state.left_level({}) > state.decisions().adequate) judge_readings(state);
+bool judge_chance(SearchState& state) {
+  if (judge_losses(state)) return true;
+  return state.left_level({}) > state.decisions().adequate && judge_readings(state);
 }
 
 }  // namespace sanso::diagnose

@@ -170,7 +170,7 @@ Forward forward(SearchState& state, int step) {
   Selection& found = state.found;
   Screening screening = step == 0
                             ? found.first
-                            : screen(*found.around, found.final.model, found.final.r, state.open(),
+                            : screen(*found.around, found.final.model, found.final.r, state.asked(),
                                      Random(state.options.seed, 10 + step), &found.first,
                                      found.final.J.leftCols(found.final.parameters));
   if (step > 0) state.calibrate(screening);

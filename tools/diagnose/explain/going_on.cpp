@@ -82,6 +82,7 @@ void describe_what_going_on_beats(SearchState& state) {
   Selection& found = state.found;
   for (std::size_t i = 0; i < found.accepted.size(); ++i) {
     Accepted& entry = found.accepted[i];
+    if (state.accepted(i).random) continue;
     std::vector<std::size_t> joints = state.accepted(i).joints;
     if (joints.empty()) {
       joints.resize(state.problem->joints.size());

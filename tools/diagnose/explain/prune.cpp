@@ -70,6 +70,10 @@ void untie(SearchState& state) {
 void drop_refuted(SearchState& state) {
   Selection& found = state.found;
   for (std::size_t i = 0; i < found.accepted.size();) {
+    if (state.accepted(i).random) {  // it promises scatter, and no change of a residual
+      ++i;
+      continue;
+    }
     FitResult reduced = state.without(i);
     const std::string refuted = state.residual_against(reduced, found.final);
     if (refuted.empty()) {
@@ -87,6 +91,7 @@ void drop_refuted(SearchState& state) {
     }
     state.say("refuted: " + title + ", " + refuted);
     found.refuted.push_back(title + " (" + refuted + ")");
+    state.given_up.push_back(found.accepted[i].candidate);
     state.drop(i, std::move(reduced));
     for (Accepted& entry : found.accepted) entry.contradicted.clear();
     i = 0;

@@ -34,6 +34,14 @@ std::vector<std::size_t> SearchState::open() const {
   return out;
 }
 
+std::vector<std::size_t> SearchState::asked() const {
+  std::vector<std::size_t> out = open();
+  std::erase_if(out, [&](std::size_t c) {
+    return std::find(given_up.begin(), given_up.end(), c) != given_up.end();
+  });
+  return out;
+}
+
 double SearchState::whole() const { return std::max(found.nominal_heldout.sum(), 1e-9); }
 
 double SearchState::left_level(const Eigen::VectorXd& scatter) const {
@@ -46,6 +54,11 @@ void SearchState::say(const std::string& text) {
 }
 
 void SearchState::calibrate(const Screening& screening) {
+  if (found.expected_scatter.size() > 0) {  // squares, in the units of the scales
+    const Eigen::VectorXd spread = found.expected_scatter.cwiseSqrt();
+    found.expected_scatter =
+        rescaled(*problem, spread, problem.scales, screening.scales).cwiseAbs2();
+  }
   problem.scales = screening.scales;
   relinearise();
 }

@@ -26,6 +26,7 @@ struct SearchState {
   const SelectOptions& options;
   const Regimes regimes;  // of the recorded motion
   Selection found;
+  std::vector<std::size_t> given_up;  // candidates that their own residual contradicted
 
   const DecisionSettings& decisions() const { return problem->settings.decisions; }
   const Candidate& candidate(std::size_t i) const { return library[i]; }
@@ -33,6 +34,8 @@ struct SearchState {
   const Candidate& accepted(std::size_t i) const { return candidate(found.accepted[i].candidate); }
   /// Candidates that the model does not have.
   std::vector<std::size_t> open() const;
+  /// Of these, those that were not given up: what a step asks.
+  std::vector<std::size_t> asked() const;
 
   /// Energy that an effect of the smallest size that matters removes.
   double practical() const { return practical_energy(*problem); }

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "tools/diagnose/explain/steps.h"
 
 namespace sanso::diagnose {
@@ -50,6 +52,31 @@ double left_over(const SearchState& state) {
       .mean_square();
 }
 
+/// Steps forward as long as a name passes; `step` counts all of them. True: one did.
+bool go_forward(SearchState& state, int& step) {
+  const int before = step, most = state.decisions().maximum_effects;
+  while (step < before + most && std::cmp_less(state.found.accepted.size(), most)) {
+    const Forward went = forward(state, step++);
+    if (went == Forward::none) return step > before + 1;
+    if (state.found.accepted.size() > 1) backward(state, 1);
+    untie(state);
+    state.options.reached(state.found);
+    if (went == Forward::ended) break;
+  }
+  return step > before;
+}
+
+/// Names against what else could stand in their places, and against their own residuals. True: one
+/// took another's place.
+bool settle(SearchState& state) {
+  one_for_two(state);
+  const bool swapped = swap_for_better(state);
+  drop_refuted(state);
+  describe_what_going_on_beats(state);
+  state.options.reached(state.found);
+  return swapped;
+}
+
 /// Intervals of the final model, and every effect's gain with all others in place.
 void finish(SearchState& state) {
   Selection& found = state.found;
@@ -77,20 +104,15 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
   SearchState state(problem, library, options);
   start(state);
   options.reached(state.found);
-  for (int step = 0; step < problem->settings.decisions.maximum_effects; ++step) {
-    const Forward went = forward(state, step);
-    if (went == Forward::none) break;
-    if (state.found.accepted.size() > 1) backward(state, 1);
-    untie(state);
-    options.reached(state.found);
-    if (went == Forward::ended) break;
+  int step = 0;
+  go_forward(state, step);
+  // a name that took another's place leaves something else
+  if (settle(state) && go_forward(state, step)) settle(state);
+  // chance scatters what the other names were judged by, and hid smaller ones
+  if (judge_chance(state)) {
+    go_forward(state, step);
+    settle(state);
   }
-  one_for_two(state);
-  swap_for_better(state);
-  drop_refuted(state);
-  describe_what_going_on_beats(state);
-  options.reached(state.found);
-  judge_chance(state);
   finish(state);
   return std::move(state.found);
 }

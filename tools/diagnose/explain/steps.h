@@ -36,8 +36,8 @@ void untie(SearchState& state);
 void one_for_two(SearchState& state);
 
 /// Every accepted effect against its rivals, everything else refitted; the better one stays, the
-/// others are kept as rivals.
-void swap_for_better(SearchState& state);
+/// others are kept as rivals. True: one was replaced.
+bool swap_for_better(SearchState& state);
 
 /// With everything else refitted, an effect whose own residual contradicts it is no explanation.
 /// One without which predictions would be far worse stays as a description of the data.
@@ -49,7 +49,7 @@ void describe_what_going_on_beats(SearchState& state);
 
 /// Effects that are chance, by the scatter that everything else leaves. Asked only where more than
 /// noise is left, and named only where no more than noise is left with it: an explanation that is
-/// complete, or none.
-void judge_chance(SearchState& state);
+/// complete, or none. True: one was named.
+bool judge_chance(SearchState& state);
 
 }  // namespace sanso::diagnose

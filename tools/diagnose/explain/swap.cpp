@@ -90,10 +90,12 @@ std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
 
 }  // namespace
 
-void swap_for_better(SearchState& state) {
+bool swap_for_better(SearchState& state) {
   Selection& found = state.found;
+  bool swapped = false;
   for (std::size_t i = 0; i < found.accepted.size(); ++i) {
     Accepted& entry = found.accepted[i];
+    if (state.accepted(i).random) continue;  // its rivals would be judged by a mean that it has not
     Model base = found.final.model;
     base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
     const std::vector<std::size_t> which =
@@ -105,9 +107,13 @@ void swap_for_better(SearchState& state) {
     const Alternative self{entry.candidate, found.final, found.final_heldout};
     tried.push_back(self);
     rank(state.library, state.problem, tried);
-    if (better(state, tried, self)) take_place(state, i, tried.front());
+    if (better(state, tried, self)) {
+      take_place(state, i, tried.front());
+      swapped = true;
+    }
     entry.alternatives = behind_it(state, i, std::move(tried));
   }
+  return swapped;
 }
 
 }  // namespace sanso::diagnose

@@ -64,6 +64,7 @@ std::vector<Untied> untied(const Library& library, const Model& model, std::size
   std::vector<Untied> out;
   for (std::size_t t = 0; t < model.effects.size(); ++t) {
     const Candidate& tied = library[model.effects[t]];
+    if (tied.random) continue;
     Untied u;
     u.model.nuisance = model.nuisance;
     for (std::size_t i = 0; i < model.effects.size(); ++i) {

@@ -107,6 +107,30 @@ TEST(Prune, OfARobotAsItsModelNothingStays) {
 const std::vector<std::string> kOfLoad{"gear_efficiency", "load_friction",
                                        "directional_load_friction", "coulomb_friction"};
 
+TEST(State, WhatChanceExplainsIsTheSameInOtherUnits) {
+  Standing s({}, {});
+  s.state.found.expected_scatter = Eigen::VectorXd::Ones(s.state.found.final.r.size());
+  Screening louder;
+  louder.scales = s.state.problem.scales;
+  for (double& sigma : louder.scales.sigma) sigma *= 2.0;
+  s.state.calibrate(louder);
+  EXPECT_NEAR(s.state.found.expected_scatter.minCoeff(), 0.25, 1e-12);
+  EXPECT_NEAR(s.state.found.expected_scatter.maxCoeff(), 0.25, 1e-12);
+}
+
+TEST(State, WhatWasContradictedIsNotAskedAgain) {
+  Standing s({}, {"viscous_friction"});
+  const std::size_t spring = s.c.of("cable_spring");
+  const auto holds = [spring](const std::vector<std::size_t>& all) {
+    return std::count(all.begin(), all.end(), spring) == 1;
+  };
+  EXPECT_TRUE(holds(s.state.asked()));
+  s.state.given_up.push_back(spring);
+  EXPECT_FALSE(holds(s.state.asked()));
+  EXPECT_TRUE(holds(s.state.open()));
+  EXPECT_EQ(s.state.asked().size() + 1, s.state.open().size());
+}
+
 TEST(OneForTwo, OneFrictionOfTwoNumbersTakesThePlaceOfTwoOfOne) {
   Standing s({hidden("directional_load_friction", "a", {{"drive", 0.3}, {"backdrive", 0.05}})},
              {"gear_efficiency", "load_friction"}, kOfLoad);
