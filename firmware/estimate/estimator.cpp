@@ -95,7 +95,7 @@ void Estimator::judge_contacts() {
     corner_height_[i] = lowest_corner(sole_[i], up_in_base, foot_);
   const double ground = std::min(corner_height_[0], corner_height_[1]);
   height_ = -ground;
-  if (settings_.wheels && force_free()) {  // in the air; legs tell only which foot is lower
+  if (force_free()) {  // in the air; legs tell only which foot is lower
     loaded_.fill(false);
     return;
   }

@@ -132,6 +132,31 @@ TEST(Estimator, KnowsThatARobotInTheAirStandsOnNothing) {
   EXPECT_LT(worst_height_m, 0.006);
 }
 
+/// Thrown straight up from its soles: what is lower of the two feet stands on nothing either.
+TEST(Estimator, BothSolesOfAThrownRobotAreFree) {
+  EmulatedController c("lab");
+  ASSERT_TRUE(c.stand());
+  c.command(wire::CommandKind::start_trial, 1, 200, policy::LayerSwitches::kLower);
+  const Nanoseconds now = c.robot.now();
+  c.robot.push({0.0, 0.0, 90.0}, {0, 0, 0}, now + 100 * kMillisecond, now + 160 * kMillisecond);
+  int airborne = 0, noticed = 0;
+  double worst_height_m = 0.0, worst_velocity = 0.0;
+  for (int k = 0; k < 40; ++k) {
+    c.tick();
+    const auto contacts = c.robot.truth().foot_contacts;
+    if (contacts[0] + contacts[1] > 0 || c.robot.now() < now + 180 * kMillisecond) continue;
+    ++airborne;
+    noticed += c.seen().contact == 0 ? 1 : 0;
+    worst_height_m = std::max(worst_height_m, std::abs(c.seen().x[2] - c.truth()[2]));
+    worst_velocity = std::max(worst_velocity,
+                              std::abs(c.seen().x[model::kXVel + 2] - c.truth()[model::kXVel + 2]));
+  }
+  std::printf("in the air for %d ticks, noticed in %d; height within %.1f mm, velocity %.0f mm/s\n",
+              airborne, noticed, 1e3 * worst_height_m, 1e3 * worst_velocity);
+  EXPECT_GE(airborne, 5);
+  EXPECT_GE(noticed, airborne / 2);  // a tick and the IMU's age late
+}
+
 TEST(Estimator, StartsEveryTrialAtTheOriginWithHeadingZero) {
   EmulatedController c("nominal");
   emulator::Placement away;
