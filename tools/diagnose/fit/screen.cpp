@@ -285,6 +285,7 @@ std::vector<std::size_t> Screening::ranking() const {
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<std::size_t> out;
+  out.reserve(order.size());
   for (const auto& [score, candidate] : order) out.push_back(candidate);
   return out;
 }

@@ -132,6 +132,7 @@ std::vector<RecordingScore> score_files(const std::string& model_folder,
                                         const Settings& settings) {
   const ModelFolder model = read_model_folder(model_folder);
   std::vector<RecordingScore> scores;
+  scores.reserve(files.size());
   for (const std::string& file : files)
     scores.push_back(score(model, recording::read_recording(file), settings));
   return scores;

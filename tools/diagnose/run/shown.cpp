@@ -76,6 +76,7 @@ std::vector<RollOut> roll_outs(const Simulated& simulated, const std::vector<std
 std::vector<std::vector<ShapeCurve>> curves_of(const std::vector<TorqueSample>& missing,
                                                const std::vector<std::size_t>& joints) {
   std::vector<std::vector<ShapeCurve>> out;
+  out.reserve(joints.size());
   for (const std::size_t j : joints) out.push_back(shape_curves(missing, j));
   return out;
 }

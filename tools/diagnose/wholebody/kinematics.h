@@ -39,7 +39,7 @@ class BodyKinematics {
   V3 spin_to(const BodyKinematics& later) const;
 
  private:
-  static std::size_t index(int joint) { return static_cast<std::size_t>(joint + 1); }
+  static std::size_t index(int joint) { return static_cast<std::size_t>(joint) + 1; }
 
   struct Body {
     int parent = -1;
