@@ -76,7 +76,7 @@ struct FittingSettings {
           "of a fit without one of the effects: it begins near its end");
     field("farthest_start", farthest_start, "probes", 0.1, 100.0,
           "from the null, at most, where a fit begins: the screening is linear");
-    field("beyond_orders", beyond_orders, "factor", 1.0, 100.0,
+    field("beyond_orders", beyond_orders, "factor", 0.5, 100.0,
           "times the highest order that was probed: no higher one is tried");
   }
 };
