@@ -12,7 +12,7 @@
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/stats/smoother.h"
-#include "tools/diagnose/wholebody/imu_mount.h"
+#include "tools/diagnose/wholebody/imu_choice.h"
 #include "tools/diagnose/wholebody/questions.h"
 
 namespace sanso::diagnose {
@@ -89,12 +89,23 @@ void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow
 
 V3 rotation_vector(const M3& R) { return turned(M3::Identity(), R); }
 
-/// Standard deviations by resampling groups: of the turn, of the biases.
+/// Covariances by resampling groups: of the turn, of the biases. The axis about which the robot
+/// turns most is the one about which the mount is known least, so axes are not averaged.
 struct Spread {
-  double turn = 0.0, acc_bias = 0.0, gyro_bias = 0.0;
+  M3 turn = M3::Zero(), acc_bias = M3::Zero(), gyro_bias = M3::Zero();
 };
+
+V3 deviations_of(const M3& covariance) { return covariance.diagonal().cwiseSqrt(); }
+
+/// In the direction of x; of nothing the largest.
+double deviation_along(const M3& covariance, const V3& x) {
+  const double size = x.norm();
+  if (size <= 0.0) return deviations_of(covariance).maxCoeff();
+  return std::sqrt(std::max(0.0, x.dot(covariance * x))) / size;
+}
+
 Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
-                 const Asking& asking) {
+                 const ImuParts& parts, const Asking& asking) {
   std::vector<std::vector<const ImuWindow*>> groups;
   for (const ImuWindow& w : windows) {
     groups.resize(std::max(groups.size(), static_cast<std::size_t>(w.group) + 1));
@@ -111,21 +122,23 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
       for (const ImuWindow* w : groups[static_cast<std::size_t>(random.below(n))])
         drawn.push_back(*w);
     }
-    const ImuMount m = fit_mount(drawn, asking.settings);
-    out.turn += rotation_vector(m.turn * whole.turn.transpose()).squaredNorm();
-    out.acc_bias += (m.acc_bias - whole.acc_bias).squaredNorm();
-    out.gyro_bias += (m.gyro_bias - whole.gyro_bias).squaredNorm();
+    const ImuMount m = fit_mount(drawn, asking.settings, parts);
+    const V3 turn = rotation_vector(m.turn * whole.turn.transpose());
+    const V3 acc = m.acc_bias - whole.acc_bias, gyro = m.gyro_bias - whole.gyro_bias;
+    out.turn += turn * turn.transpose();
+    out.acc_bias += acc * acc.transpose(), out.gyro_bias += gyro * gyro.transpose();
   }
-  const double widen = static_cast<double>(n) / std::max(1, n - 1) / (3.0 * draws);
-  for (double* s : {&out.turn, &out.acc_bias, &out.gyro_bias}) *s = std::sqrt(*s * widen);
+  const double widen = static_cast<double>(n) / std::max(1, n - 1) / draws;
+  for (M3* s : {&out.turn, &out.acc_bias, &out.gyro_bias}) *s *= widen;
   return out;
 }
 
 /// Error on held-out groups with nothing changed, and with what the others say.
-FitScore held_out(const std::vector<ImuWindow>& windows, const Asking& asking) {
+FitScore held_out(const std::vector<ImuWindow>& windows, const ImuParts& parts,
+                  const Asking& asking) {
   std::vector<ImuWindow> fitted, left;
   for (const ImuWindow& w : windows) (w.group % 3 == 2 ? left : fitted).push_back(w);
-  const ImuMount m = fit_mount(fitted, asking.settings);
+  const ImuMount m = fit_mount(fitted, asking.settings, parts);
   FitScore s;
   s.nominal = acc_error(left, {}), s.patched = acc_error(left, m), s.noise = m.acc_rms;
   return s;
@@ -143,48 +156,62 @@ std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint, d
 }
 
 Finding vector_finding(const char* effect, const std::vector<std::string>& where,
-                       const std::vector<std::string>& names, const V3& value, double sigma,
+                       const std::vector<std::string>& names, const V3& value, const M3& covariance,
                        const std::string& unit, const FitScore& score, const Chance& chance) {
   Finding f;
   f.effect = effect, f.family = "sensor", f.where = where, f.regime = "everywhere";
   for (std::size_t i = 0; i < 3; ++i) {
-    const double x = value[static_cast<Eigen::Index>(i)];
-    f.parameters[names[i]] = {x, x - 1.96 * sigma, x + 1.96 * sigma, unit, false};
+    const auto axis = static_cast<Eigen::Index>(i);
+    const double x = value[axis], off = 1.96 * deviations_of(covariance)[axis];
+    f.parameters[names[i]] = {x, x - off, x + off, unit, false};
   }
   f.heldout_gain = score.nominal > 0.0
                        ? 1.0 - score.patched * score.patched / (score.nominal * score.nominal)
                        : 0.0;
-  f.p_family = chance.family_wise(value.norm() / std::max(sigma, 1e-300));
+  f.p_family =
+      chance.family_wise(value.norm() / std::max(deviation_along(covariance, value), 1e-300));
   f.one_of = {effect};
   return f;
 }
 
-double rms_turning(const std::vector<ImuWindow>& windows) {
+/// Across an axis, rad/s RMS: turning about the axis of a turn says nothing of it.
+double rms_turning_across(const V3& axis, const std::vector<ImuWindow>& windows) {
   double sum = 0.0;
-  for (const ImuWindow& w : windows) sum += w.with_gyro ? w.gyro_predicted.squaredNorm() : 0.0;
+  for (const ImuWindow& w : windows)
+    sum += w.with_gyro ? axis.cross(w.gyro_predicted).squaredNorm() : 0.0;
   return std::sqrt(sum / static_cast<double>(windows.size()));
 }
 
 struct Judged {
   const std::vector<ImuWindow>& windows;
+  ImuChoice choice;
   ImuMount mount;
   Spread spread;
   FitScore score;
   double z = 0.0;  // standard deviations beyond which a size is no chance
 };
 
+/// In words, for the log and the notes.
+std::string text_of(const V3& x, const M3& covariance, const std::string& unit) {
+  const V3 s = deviations_of(covariance);
+  return fmt::format("[{:.4g}, {:.4g}, {:.4g}] +- [{:.2g}, {:.2g}, {:.2g}] {}", x[0], x[1], x[2],
+                     s[0], s[1], s[2], unit);
+}
+
 void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
   const V3 turn = rotation_vector(j.mount.turn);
-  const double surely = j.z * j.spread.turn + asking.settings.mount;
+  const double surely = j.z * deviation_along(j.spread.turn, turn) + asking.settings.mount;
   answers.detectable.push_back(
-      {"imu_misalignment", asking.body.imu.link, "x, y, z", "rad", surely});
-  answers.log.push_back(fmt::format("imu turned by [{:.4f}, {:.4f}, {:.4f}] rad +- {:.4f}", turn[0],
-                                    turn[1], turn[2], j.spread.turn));
-  if (turn.norm() <= surely || j.score.patched >= j.score.nominal) return;
+      {"imu_misalignment", asking.body.imu.link, "x, y, z", "rad",
+       j.z * deviations_of(j.spread.turn).maxCoeff() + asking.settings.mount});
+  answers.log.push_back("imu turned by " + text_of(turn, j.spread.turn, "rad"));
+  if (!j.choice.parts.turn || turn.norm() <= surely) return;
   Finding f = vector_finding("imu_misalignment", {asking.body.imu.link}, {"x", "y", "z"}, turn,
                              j.spread.turn, "rad", j.score, asking.chance());
-  const bool by_gyro = rms_turning(j.windows) > asking.settings.enough_turning;
+  const bool by_gyro =
+      rms_turning_across(turn.normalized(), j.windows) > asking.settings.enough_turning;
   if (!by_gyro && turn.norm() < asking.settings.surely_mounted) f.one_of.push_back("ground_slope");
+  if (j.choice.bias_rivals) f.one_of.push_back("imu_bias");
   f.status = status_of(f);
   answers.findings.push_back(f);
   patch.imu_turn = turn;
@@ -199,15 +226,15 @@ void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Pa
 void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
   const bool gyro = std::any_of(j.windows.begin(), j.windows.end(),
                                 [](const ImuWindow& w) { return w.with_gyro; });
-  const double of_gyro = j.z * j.spread.gyro_bias + asking.settings.gyro_bias;
-  const double of_acc = j.z * j.spread.acc_bias + asking.settings.acc_bias;
+  const double of_gyro =
+      j.z * deviation_along(j.spread.gyro_bias, j.mount.gyro_bias) + asking.settings.gyro_bias;
+  const double of_acc =
+      j.z * deviation_along(j.spread.acc_bias, j.mount.acc_bias) + asking.settings.acc_bias;
   const std::vector<std::string> where{asking.body.imu.link};
   answers.detectable.push_back({"imu_bias", asking.body.imu.link, "acc", "m/s^2", of_acc});
-  answers.log.push_back(fmt::format(
-      "imu biases: gyro [{:.4f}, {:.4f}, {:.4f}] rad/s +- {:.4f}, acc [{:.3f}, {:.3f}, {:.3f}] "
-      "m/s^2 +- {:.3f}",
-      j.mount.gyro_bias[0], j.mount.gyro_bias[1], j.mount.gyro_bias[2], j.spread.gyro_bias,
-      j.mount.acc_bias[0], j.mount.acc_bias[1], j.mount.acc_bias[2], j.spread.acc_bias));
+  answers.log.push_back("imu biases: gyro " +
+                        text_of(j.mount.gyro_bias, j.spread.gyro_bias, "rad/s") + ", acc " +
+                        text_of(j.mount.acc_bias, j.spread.acc_bias, "m/s^2"));
   if (gyro) {
     answers.detectable.push_back({"imu_bias", asking.body.imu.link, "gyro", "rad/s", of_gyro});
     if (j.mount.gyro_bias.norm() > of_gyro) {
@@ -219,7 +246,7 @@ void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, 
       patch.gyro_bias = j.mount.gyro_bias;
     }
   }
-  if (j.mount.acc_bias.norm() <= of_acc) return;
+  if (!j.choice.parts.acc_bias || j.mount.acc_bias.norm() <= of_acc) return;
   Finding f = vector_finding("imu_bias", where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
                              j.spread.acc_bias, "m/s^2", j.score, asking.chance());
   f.one_of.push_back("imu_misalignment");
@@ -261,9 +288,13 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   }
   ++answers.asked;
   const double z = asking.chance().deviations();
-  Judged j{windows, fit_mount(windows, asking.settings), {}, {}, z};
-  j.spread = spread_of(windows, j.mount, asking);
-  j.score = held_out(windows, asking);
+  Judged j{windows, choose_parts(windows, asking.chance()), {}, {}, {}, z};
+  // where neither is needed, what may hide is what a fit of both leaves open
+  const bool none = !j.choice.parts.turn && !j.choice.parts.acc_bias;
+  const ImuParts parts = none ? ImuParts{} : j.choice.parts;
+  j.mount = fit_mount(windows, asking.settings, parts);
+  j.spread = spread_of(windows, j.mount, parts, asking);
+  j.score = held_out(windows, parts, asking);
   answers.scores["imu_acc"] = j.score;
   judge_turn(asking, j, answers, patch);
   judge_biases(asking, j, answers, patch);

@@ -43,17 +43,6 @@ double spread_around_zero(std::vector<double> x, double least) {
   return x.empty() ? 1.0 : std::max(1.4826 * median(x), least);
 }
 
-/// Of what is left, in one axis: specific force, turning.
-std::pair<double, double> spreads(const std::vector<ImuWindow>& windows, const ImuMount& m) {
-  std::vector<double> acc, gyro;
-  for (const ImuWindow& w : windows) {
-    for (const double x : acc_left(w, m)) acc.push_back(x);
-    if (!w.with_gyro) continue;
-    for (const double x : gyro_left(w, m)) gyro.push_back(x);
-  }
-  return {spread_around_zero(acc, 1e-6), spread_around_zero(gyro, 1e-7)};
-}
-
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 using Vector9 = Eigen::Matrix<double, 9, 1>;
 
@@ -72,28 +61,57 @@ void add_rows(const Row& row, double sigma, double outlier, Matrix9& N, Vector9&
   N += weight * J.transpose() * J, c += weight * J.transpose() * row.left;
 }
 
+/// Keeps three of the unknowns where they are.
+void hold(int first, Matrix9& N, Vector9& c) {
+  N.middleRows<3>(first).setZero(), N.middleCols<3>(first).setZero();
+  N.block<3, 3>(first, first) = M3::Identity();
+  c.segment<3>(first).setZero();
+}
+
+double huber(double size, double outlier) {
+  return size <= outlier ? size * size : outlier * (2.0 * size - outlier);
+}
+
 }  // namespace
 
-ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings) {
+ImuNoise noise_of(const std::vector<ImuWindow>& windows, const ImuMount& m) {
+  std::vector<double> acc, gyro;
+  for (const ImuWindow& w : windows) {
+    for (const double x : acc_left(w, m)) acc.push_back(x);
+    if (!w.with_gyro) continue;
+    for (const double x : gyro_left(w, m)) gyro.push_back(x);
+  }
+  return {spread_around_zero(acc, 1e-6), spread_around_zero(gyro, 1e-7)};
+}
+
+double loss_of(const ImuWindow& w, const ImuMount& m, const ImuNoise& noise, double outlier) {
+  const double acc = huber(acc_left(w, m).norm() / noise.acc, outlier);
+  return w.with_gyro ? acc + huber(gyro_left(w, m).norm() / noise.gyro, outlier) : acc;
+}
+
+ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings,
+                   const ImuParts& parts) {
   const double acc_bias = settings.acc_bias, gyro_bias = settings.gyro_bias;
   const double outlier = settings.imu_outlier;
   ImuMount m;
   if (windows.empty()) return m;
-  m.turn = wahba(windows);
+  if (parts.turn) m.turn = wahba(windows);
   for (int step = 0; step < 8; ++step) {
-    const auto [acc_sigma, gyro_sigma] = spreads(windows, m);
+    const ImuNoise noise = noise_of(windows, m);
     Matrix9 N = Matrix9::Zero();
     Vector9 c = Vector9::Zero();
     for (const ImuWindow& w : windows) {
-      add_rows({acc_left(w, m), m.turn * w.acc_predicted, 3}, acc_sigma, outlier, N, c);
+      add_rows({acc_left(w, m), m.turn * w.acc_predicted, 3}, noise.acc, outlier, N, c);
       if (!w.with_gyro) continue;
-      add_rows({gyro_left(w, m), m.turn * w.gyro_predicted, 6}, gyro_sigma, outlier, N, c);
+      add_rows({gyro_left(w, m), m.turn * w.gyro_predicted, 6}, noise.gyro, outlier, N, c);
     }
     N.diagonal().head<3>().array() += 1e-9 * N.diagonal().head<3>().maxCoeff() + 1e-12;
     N.diagonal().segment<3>(3).array() += 1.0 / (acc_bias * acc_bias);
     N.diagonal().tail<3>().array() += 1.0 / (gyro_bias * gyro_bias);
     c.segment<3>(3) -= m.acc_bias / (acc_bias * acc_bias);
     c.tail<3>() -= m.gyro_bias / (gyro_bias * gyro_bias);
+    if (!parts.turn) hold(0, N, c);
+    if (!parts.acc_bias) hold(3, N, c);
     const Vector9 x = N.ldlt().solve(c);
     m.turn = math::rotation_matrix(math::quat_exp(V3(x.head<3>()))) * m.turn;
     m.acc_bias += x.segment<3>(3), m.gyro_bias += x.tail<3>();

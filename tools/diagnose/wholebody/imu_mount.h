@@ -23,9 +23,26 @@ struct ImuMount {
   double acc_rms = 0.0, gyro_rms = 0.0;  // of what is left
 };
 
+/// What may be off; the gyroscope's bias always may.
+struct ImuParts {
+  bool turn = true, acc_bias = true;
+};
+
 /// Least squares with outliers (`imu_outlier`) weighed down. A bias is drawn to zero as far as it
 /// is usually found (`acc_bias`, `gyro_bias`): at one attitude nothing else tells it from a tilt.
-ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings);
+ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& settings,
+                   const ImuParts& parts = {});
+
+/// Standard deviations of what a mount leaves, one axis of a window: m/s^2, rad/s.
+struct ImuNoise {
+  double acc = 1.0, gyro = 1.0;
+};
+ImuNoise noise_of(const std::vector<ImuWindow>& windows, const ImuMount& mount);
+
+/// What a mount leaves of a window, in squared deviations; beyond `outlier` deviations it grows
+/// with the size alone (Huber).
+double loss_of(const ImuWindow& window, const ImuMount& mount, const ImuNoise& noise,
+               double outlier);
 
 /// What is left by a mount, RMS over windows: specific force, m/s^2.
 double acc_error(const std::vector<ImuWindow>& windows, const ImuMount& mount);

@@ -88,6 +88,34 @@ TEST(Imu, ASmallTurnOfAnImuThatHardlyMovesMayBeTheVerticalInstead) {
   EXPECT_EQ(f->status, VerdictStatus::one_of);
 }
 
+TEST(Imu, ATurnAndABiasThatCancelAreNotNamed) {
+  // a gyroscope whose axes alone are a little off: with an accelerometer that reads as it should,
+  // a turned IMU needs a bias that hides it
+  recording::Recording r = swaying(kStraight, kPlace, V3::Zero(), 0.04);
+  const Eigen::Matrix3d off = Eigen::AngleAxisd(0.1, V3::UnitY()).toRotationMatrix();
+  const auto column = [&](const char* name) {
+    const auto x = r.find(name);
+    return std::vector<double>(x.begin(), x.end());
+  };
+  const auto x = column("imu_gyro:x"), y = column("imu_gyro:y"), z = column("imu_gyro:z");
+  put(r, "imu_gyro", "xyz",
+      [&](auto k, auto i) { return (off * V3(x[k], y[k], z[k]))[static_cast<long>(i)]; });
+  const Verdict v = diagnosed(body_of(kAt, kBall), {r}).verdict;
+  EXPECT_EQ(find(v, "imu_misalignment"), nullptr) << told(v);
+  EXPECT_EQ(find(v, "imu_bias"), nullptr) << told(v);
+}
+
+TEST(Imu, WhatIsKnownOfATurnIsSaidByAxis) {
+  const Eigen::AngleAxisd turn(0.06, V3(1, 2, -1).normalized());
+  const WholeDiagnosis d =
+      diagnosed(body_of(kAt, kBall), {swaying(turn.toRotationMatrix(), kPlace, V3::Zero(), 0.3)});
+  const Finding* f = find(d.verdict, "imu_misalignment");
+  ASSERT_NE(f, nullptr) << told(d.verdict);
+  const V3 expected = -turn.angle() * turn.axis();
+  const char* names[] = {"x", "y", "z"};
+  for (long i = 0; i < 3; ++i) EXPECT_TRUE(holds(f->parameters.at(names[i]), expected[i])) << i;
+}
+
 TEST(Imu, ABiasOfTheGyroscopeIsNoTurn) {
   const V3 bias(0.0, 0.08, -0.03);
   const WholeDiagnosis d = diagnosed(body_of(kAt, kBall), {swaying(kStraight, kPlace, bias, 0.3)});
