@@ -3,6 +3,7 @@
 // the robot lowered.
 //
 // SANSO_STOP_START_RUNS: runs of each of the nine cases (default 1; 100 is the whole campaign).
+// SANSO_STOP_START_FIRST: number of the first of them (default 0), to go on with a campaign.
 // SANSO_STOP_START_ROBOTS: robots at a time (default 2).
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -157,21 +158,22 @@ constexpr Case kCases[] = {{"TERM in hold", SIGTERM, Situation::hold},
                            {"abort in a squat", SIGABRT, Situation::squat},
                            {"abort in a soft stop", SIGABRT, Situation::soft_stop}};
 
-int number_from(const char* variable, int otherwise) {
+int number_from(const char* variable, int otherwise, int least) {
   const char* text = std::getenv(variable);
-  return text != nullptr ? std::max(1, std::atoi(text)) : otherwise;
+  return text != nullptr ? std::max(least, std::atoi(text)) : otherwise;
 }
 
 TEST(StopStart, NobodyFallsAndNoTorqueGoesThatNobodyAskedToGo) {
-  const int runs = number_from("SANSO_STOP_START_RUNS", 1);
-  const int robots = number_from("SANSO_STOP_START_ROBOTS", 2);
+  const int runs = number_from("SANSO_STOP_START_RUNS", 1, 1);
+  const int robots = number_from("SANSO_STOP_START_ROBOTS", 2, 1);
+  const int first = number_from("SANSO_STOP_START_FIRST", 0, 0);
   const int jobs = runs * static_cast<int>(std::size(kCases));
   const double longest_pause_s = runs > 1 ? 5.0 : 1.0;
   std::atomic<int> next{0}, done{0};
   const auto work = [&] {
     for (int job = next++; job < jobs; job = next++) {
       const Case& which = kCases[job % static_cast<int>(std::size(kCases))];
-      const int run = job / static_cast<int>(std::size(kCases));
+      const int run = first + job / static_cast<int>(std::size(kCases));
       SCOPED_TRACE(std::string(which.name) + ", run " + std::to_string(run));
       on_a_robot([&](Robot& robot) {
         std::mt19937 random(static_cast<unsigned>(run));
