@@ -155,6 +155,10 @@ struct RemainsSettings {
   double horizon = 0.5;
   double matters = 0.0;
   double most = 0.75;
+  int least_samples = 40;
+  int blocks = 5;
+  int formula_terms = 4;
+  double formula_share = 0.02;
   template <class Field>
   void visit(Field&& field) {
     field("fourier_features", fourier_features, "features", 1, 10000,
@@ -164,6 +168,13 @@ struct RemainsSettings {
     field("horizon", horizon, "s", 0.01, 60.0, "how far ahead the user predicts");
     field("matters", matters, "rad, m, N m, N", 0.0, 1e6, "smaller errors there are good enough");
     field("most", most, "share", 0.1, 2.0, "of the squared error explained: the RMS is halved");
+    field("least_samples", least_samples, "samples", 4, 100000,
+          "of a joint's missing torque; with fewer nothing is said of it");
+    field("blocks", blocks, "blocks", 2, 100,
+          "in time, each predicted by what was learned from the others");
+    field("formula_terms", formula_terms, "terms", 1, 20, "of a formula that a person can read");
+    field("formula_share", formula_share, "share", 0.0001, 0.5,
+          "of the squared missing torque that a term has to explain to be worth reading");
   }
 };
 
@@ -184,6 +195,7 @@ struct EffortSettings {
   int blocks = 120;
   double nearly = 0.1;
   double beyond = 1.5;
+  int pieces = 4;
   template <class Field>
   void visit(Field&& field) {
     field("window", window, "s", 0.001, 1.0,
@@ -214,6 +226,8 @@ struct EffortSettings {
           "of the best gain that a term of the same joint, no link's, may fall behind");
     field("beyond", beyond, "factor", 0.5, 100.0,
           "times the fastest motion that was fitted: beyond, nothing is judged");
+    field("pieces", pieces, "pieces", 2, 100,
+          "of a recording left out in turn: how well it tells its own value of a term");
   }
 };
 

@@ -34,6 +34,8 @@ struct GateSettings {
   double clock_step = 0.005;
   int clock_pairs = 2000;
   double clock_unlike = 0.1;
+  int calm_rows = 40;
+  int jump_rows = 5;
   template <class Field>
   void visit(Field&& field) {
     field("largest_file", largest_file, "MB", 1, 1000000,
@@ -86,6 +88,11 @@ struct GateSettings {
     field("clock_pairs", clock_pairs, "rows", 100, 1000000, "compared at one shift");
     field("clock_unlike", clock_unlike, "1 - correlation", 0.001, 0.5,
           "of a channel that follows the other at all");
+    field(
+        "calm_rows", calm_rows, "rows", 12, 10000,
+        "of a window in which noise is measured: long against its colour, short against a motion");
+    field("jump_rows", jump_rows, "rows", 2, 1000,
+          "that a speed or a place before and after a jump is taken over");
   }
 };
 

@@ -134,8 +134,8 @@ NoiseLevel noise_over(const std::vector<GateRecording>& recordings, const std::s
   for (const GateRecording& r : recordings) {
     const GateChannel* c = r.find(name);
     if (c == nullptr) continue;
-    NoiseLevel here =
-        noise_level(name, gate::without_glitches(refreshed(*c, settings), nullptr, settings));
+    NoiseLevel here = noise_level(
+        name, gate::without_glitches(refreshed(*c, settings), nullptr, settings), settings);
     if (here.sigma > 0.0) sigmas.push_back(here.sigma);
     if (here.quantum > 0.0) quanta.push_back(here.quantum);
     if (!here.colour.empty()) level.colour = std::move(here.colour);

@@ -50,8 +50,7 @@ namespace {
 /// How far the means of a window's quarters go. Not how far its samples do: where noise chooses the
 /// windows, those that it left quiet by chance are chosen, and their noise is measured too small.
 double motion_in(std::span<const double> x) {
-  constexpr std::size_t kBlocks = 4;
-  const std::size_t length = std::max<std::size_t>(1, x.size() / kBlocks);
+  const std::size_t length = std::max<std::size_t>(1, x.size() / 4);
   double travel = 0.0, previous = NAN;
   for (std::size_t start = 0; start + length <= x.size(); start += length) {
     const double here = mean(x.subspan(start, length));
@@ -85,17 +84,17 @@ std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const do
   return out;
 }
 
-NoiseLevel noise_level(const std::string& channel, std::span<const double> x) {
+NoiseLevel noise_level(const std::string& channel, std::span<const double> x,
+                       const GateSettings& settings) {
   NoiseLevel level;
   level.channel = channel;
   const std::vector<double> v = finite_values(x);
   level.quantum = quantisation_step(v);
-  // long against the differences' support, short against a motion
-  constexpr std::size_t kWindow = 40;
+  const auto window = static_cast<std::size_t>(settings.calm_rows);
   double sum = 0.0;
   std::size_t count = 0;
   std::vector<double> standstill;
-  for (const auto& [first, last] : calm_windows(v, kWindow)) {
+  for (const auto& [first, last] : calm_windows(v, window)) {
     std::vector<double> second;
     for (std::size_t i = first + 1; i + 1 < last; ++i)
       second.push_back(v[i + 1] - 2 * v[i] + v[i - 1]);
@@ -111,7 +110,7 @@ NoiseLevel noise_level(const std::string& channel, std::span<const double> x) {
   const double from_differences =
       count > 0 ? std::sqrt(sum / (6.0 * static_cast<double>(count))) : 0.0;
   level.sigma = std::max(from_differences, level.quantum / std::sqrt(12.0));
-  if (standstill.size() >= 4 * kWindow)
+  if (standstill.size() >= 4 * window)
     level.colour = fit_autoregression(standstill, 4).coefficients;
   return level;
 }

@@ -18,6 +18,7 @@ std::vector<std::pair<std::size_t, std::size_t>> calm_windows(std::span<const do
 
 /// Standard deviation from second differences in calm windows (var = 6 sigma^2), never below
 /// quantum / sqrt(12).
-NoiseLevel noise_level(const std::string& channel, std::span<const double> x);
+NoiseLevel noise_level(const std::string& channel, std::span<const double> x,
+                       const GateSettings& settings);
 
 }  // namespace sanso::diagnose

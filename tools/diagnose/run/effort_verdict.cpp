@@ -120,7 +120,7 @@ std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRow
   u.where = rows.recordings.front().nominal.tree.joints[j].name;
   u.regime = "effort at the recorded motion";
   if (const EffortScore* s = score_at(outcome, u.where)) u.energy_share = share_left(*s);
-  u.formula = sparse_formula(samples[j], worst->joint).text;
+  u.formula = sparse_formula(samples[j], worst->joint, options.settings.remains).text;
   return u;
 }
 

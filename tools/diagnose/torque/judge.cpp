@@ -259,20 +259,19 @@ std::map<std::string, BlockCounts> groups_of(const EffortRows& rows) {
   return out;
 }
 
-/// A group's own values of all columns, and their deviations between fourths of it left out.
+/// A group's own values of all columns, and their deviations between pieces of it left out.
 std::pair<EffortValues, EffortValues> told_by(const EffortDesign& design,
                                               const std::vector<int>& active,
-                                              const BlockCounts& group) {
-  constexpr int kFourths = 4;
+                                              const BlockCounts& group, int pieces) {
   const EffortValues all = design.fit(active, group);
   EffortValues squares = EffortValues::Zero(all.size());
   int count = 0;
   const auto blocks = static_cast<int>(std::count(group.begin(), group.end(), 1.0));
-  for (int part = 0; part < kFourths; ++part) {
+  for (int part = 0; part < pieces; ++part) {
     BlockCounts counts = group;
     int seen = 0;
     for (double& c : counts) {
-      if (c != 0.0 && seen++ * kFourths / std::max(1, blocks) == part) c = 0.0;
+      if (c != 0.0 && seen++ * pieces / std::max(1, blocks) == part) c = 0.0;
     }
     squares += (design.fit(active, counts) - all).cwiseAbs2();
     ++count;
@@ -284,12 +283,13 @@ std::pair<EffortValues, EffortValues> told_by(const EffortDesign& design,
 /// What the recordings do not agree about, of terms that predict.
 std::vector<std::string> disagreements(const EffortDesign& design, const EffortChoice& choice,
                                        const std::vector<JudgedTerm>& terms,
-                                       const DecisionSettings& decisions) {
+                                       const Settings& settings) {
   std::vector<std::string> out;
   const std::map<std::string, BlockCounts> groups = groups_of(design.rows());
   if (groups.size() < 2) return out;
   std::map<std::string, std::pair<EffortValues, EffortValues>> told;
-  for (const auto& [name, counts] : groups) told[name] = told_by(design, choice.active(), counts);
+  for (const auto& [name, counts] : groups)
+    told[name] = told_by(design, choice.active(), counts, settings.effort.pieces);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const JudgedTerm& t = terms[i];
     for (int c = 0; t.predicts && c < t.term.size(); ++c) {
@@ -299,7 +299,7 @@ std::vector<std::string> disagreements(const EffortDesign& design, const EffortC
         values.push_back({name, value.first[column], value.second[column]});
       const auto k = static_cast<std::size_t>(c);
       const std::string text = disagreement(in_words(t.term) + ", " + t.term.parameters[k],
-                                            t.term.units[k], values, decisions);
+                                            t.term.units[k], values, settings.decisions);
       if (!text.empty()) out.push_back(text);
     }
   }
@@ -321,7 +321,7 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
   out.log = choice.log;
   const Judge judge(design, split, choice, settings, options.seed);
   out.terms = judge.terms();
-  for (std::string& text : disagreements(design, choice, out.terms, settings.decisions))
+  for (std::string& text : disagreements(design, choice, out.terms, settings))
     out.notes.push_back(std::move(text));
   for (EffortGainFound& gain : out.gains) {
     const int column = gain_column(design, gain.joint);

@@ -116,7 +116,7 @@ Predictability predictability(const std::vector<TorqueSample>& samples, std::siz
   Predictability out;
   out.joint = joint;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
-  if (s.size() < 40) return out;
+  if (std::ssize(s) < settings.remains.least_samples) return out;
   std::vector<double> missing = column(s, &TorqueSample::missing);
   out.torque_rms = rms(missing);
   out.noise_rms = rms(column(s, &TorqueSample::sigma));
@@ -126,7 +126,7 @@ Predictability predictability(const std::vector<TorqueSample>& samples, std::siz
   const Eigen::VectorXd y =
       Eigen::Map<const Eigen::VectorXd>(missing.data(), static_cast<Eigen::Index>(missing.size()));
   const Eigen::MatrixXd F = features(s, random, settings.remains.fourier_features);
-  const BlockRidge ridge(F, 5);
+  const BlockRidge ridge(F, settings.remains.blocks);
   out.explained = ridge.explained(y);
   // shifted by more than the dependence between neighbours, the torque has lost its state but kept
   // its own colour
@@ -218,11 +218,12 @@ void write_formula(const Choice& choice, SparseFormula& out) {
 
 }  // namespace
 
-SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint) {
+SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint,
+                             const RemainsSettings& settings) {
   const std::vector<FormulaTerm>& terms = formula_terms();
   SparseFormula out;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
-  if (s.size() < 40) return out;
+  if (std::ssize(s) < settings.least_samples) return out;
   const auto n = static_cast<Eigen::Index>(s.size());
   Eigen::MatrixXd X(n, static_cast<Eigen::Index>(terms.size()));
   Eigen::VectorXd y(n);
@@ -235,13 +236,14 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size
       static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
   Choice chosen{{}, {}, y.squaredNorm()};
   const double total = std::max(chosen.error, 1e-30);
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < settings.formula_terms; ++round) {
     const Choice next = with_best_column(chosen, X, y);
     // BIC on the number of independent samples: a term has to pay log(n) / 2 in log-likelihood; and
-    // 2 % to be worth reading
+    // a share to be worth reading
     const double won = effective * std::log(chosen.error / std::max(next.error, 1e-30));
     const bool pays = next.columns.size() > chosen.columns.size() &&
-                      won > 2.0 * std::log(effective) && chosen.error - next.error > 0.02 * total;
+                      won > 2.0 * std::log(effective) &&
+                      chosen.error - next.error > settings.formula_share * total;
     if (!pays) break;
     chosen = next;
   }

@@ -22,7 +22,7 @@ struct Predictability {
   double noise_rms = 0.0;   // N m, what measurement noise alone would give
 };
 
-/// One joint's samples. Fewer than 40: nothing can be said (p = 1).
+/// One joint's samples. Too few (`remains.least_samples`): nothing can be said (p = 1).
 Predictability predictability(const std::vector<TorqueSample>& samples, std::size_t joint,
                               Random random, const Settings& settings);
 
@@ -34,7 +34,8 @@ struct SparseFormula {
   double explained = 0.0;
   std::vector<std::string> terms;
 };
-SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint);
+SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint,
+                             const RemainsSettings& settings);
 
 /// Shape curves of the missing torque against q, dq, motor torque, tracking error and time.
 std::vector<ShapeCurve> shape_curves(const std::vector<TorqueSample>& samples, std::size_t joint);

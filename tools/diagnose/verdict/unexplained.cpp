@@ -88,7 +88,8 @@ std::optional<Unexplained> unexplained(const Evidence& evidence) {
   std::optional<Unexplained> u = placed(evidence);
   if (!u) return u;
   const auto joint = std::find(evidence.joints.begin(), evidence.joints.end(), u->where);
-  u->formula = sparse_formula(evidence.left.missing, joint - evidence.joints.begin()).text;
+  u->formula =
+      sparse_formula(evidence.left.missing, joint - evidence.joints.begin(), evidence.remains).text;
   u->nearest_effect = evidence.search.nearest_effect;
   return u;
 }

@@ -55,7 +55,7 @@ TEST(NoiseLevel, IsTheDeviationThatWasPutIn) {
   for (const double sigma : {1e-4, 3e-3, 0.02}) {
     double sum = 0.0;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-      const NoiseLevel level = noise_level("q:hip", noisy(sigma, 0.0, 50 + seed));
+      const NoiseLevel level = noise_level("q:hip", noisy(sigma, 0.0, 50 + seed), GateSettings{});
       EXPECT_EQ(level.quantum, 0.0);
       EXPECT_EQ(level.channel, "q:hip");
       sum += level.sigma / 20.0;
@@ -67,23 +67,23 @@ TEST(NoiseLevel, IsTheDeviationThatWasPutIn) {
 TEST(NoiseLevel, IsJudgedWhereTheReadingChanges) {
   // three quarters of the recording at rest inside one step of the encoder: no noise is seen there
   std::vector<double> x = noisy(2 * kQuantum, kQuantum, 11, 0.3);
-  const double moving = noise_level("q:hip", x).sigma;
+  const double moving = noise_level("q:hip", x, GateSettings{}).sigma;
   std::vector<double> rested(9000, x.front());
   rested.insert(rested.end(), x.begin(), x.end());
-  EXPECT_NEAR(noise_level("q:hip", rested).sigma / moving, 1.0, 0.1);
+  EXPECT_NEAR(noise_level("q:hip", rested, GateSettings{}).sigma / moving, 1.0, 0.1);
 }
 
 TEST(NoiseLevel, ScalesWithTheUnit) {
   std::vector<double> x = noisy(1e-3, 0.0, 6);
-  const double before = noise_level("q:hip", x).sigma;
+  const double before = noise_level("q:hip", x, GateSettings{}).sigma;
   scale(x, 57.3);
-  EXPECT_NEAR(noise_level("q:hip", x).sigma, 57.3 * before, 1e-9);
+  EXPECT_NEAR(noise_level("q:hip", x, GateSettings{}).sigma, 57.3 * before, 1e-9);
 }
 
 TEST(NoiseLevel, IsNeverBelowWhatRoundingMakes) {
   // held still inside one step, then moved: differences say nothing of the step's own error
   std::vector<double> x = noisy(0.0, kQuantum, 7, 0.05);
-  const NoiseLevel level = noise_level("q:hip", x);
+  const NoiseLevel level = noise_level("q:hip", x, GateSettings{});
   EXPECT_NEAR(level.quantum, kQuantum, 1e-6);
   EXPECT_GE(level.sigma, level.quantum / std::sqrt(12.0));
 }
@@ -91,7 +91,7 @@ TEST(NoiseLevel, IsNeverBelowWhatRoundingMakes) {
 TEST(NoiseLevel, DoesNotCountTheMotionNorOneGlitch) {
   std::vector<double> x = noisy(1e-3, 0.0, 8, 2.0);
   x[1200] += 5.0;
-  EXPECT_NEAR(noise_level("q:hip", x).sigma, 1e-3, 2e-4);
+  EXPECT_NEAR(noise_level("q:hip", x, GateSettings{}).sigma, 1e-3, 2e-4);
 }
 
 TEST(NoiseLevel, EmptyCellsAreLeftOut) {
@@ -100,13 +100,14 @@ TEST(NoiseLevel, EmptyCellsAreLeftOut) {
     holes.push_back(v);
     holes.push_back(NAN);
   }
-  EXPECT_EQ(noise_level("q:hip", holes).sigma, noise_level("q:hip", x).sigma);
+  EXPECT_EQ(noise_level("q:hip", holes, GateSettings{}).sigma,
+            noise_level("q:hip", x, GateSettings{}).sigma);
 }
 
 TEST(NoiseLevel, ColourIsOnlySaidWhereThereIsStandstill) {
   const std::vector<double> x = noisy(1e-3, 0.0, 10);
-  EXPECT_EQ(noise_level("q:hip", x).colour.size(), 4u);
-  EXPECT_TRUE(noise_level("q:hip", std::span(x).first(120)).colour.empty());
+  EXPECT_EQ(noise_level("q:hip", x, GateSettings{}).colour.size(), 4u);
+  EXPECT_TRUE(noise_level("q:hip", std::span(x).first(120), GateSettings{}).colour.empty());
 }
 
 TEST(CalmWindows, AreTheQuarterThatMovesLeast) {

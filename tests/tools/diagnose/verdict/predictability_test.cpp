@@ -72,8 +72,8 @@ TEST(Predictability, IsTheSameForOneSeed) {
 }
 
 TEST(SparseFormula, DescribesFrictionByTheSignOfSpeed) {
-  const SparseFormula f =
-      sparse_formula(samples([](const TorqueSample& s) { return -0.12 * sign(s.dq); }, 6), 0);
+  const SparseFormula f = sparse_formula(
+      samples([](const TorqueSample& s) { return -0.12 * sign(s.dq); }, 6), 0, RemainsSettings{});
   EXPECT_NE(f.text.find("sign(dq)"), std::string::npos) << f.text;
   EXPECT_NE(f.text.find("0.12"), std::string::npos) << f.text;
   EXPECT_GT(f.explained, 0.9);
@@ -82,15 +82,16 @@ TEST(SparseFormula, DescribesFrictionByTheSignOfSpeed) {
 TEST(SparseFormula, IsEmptyOfNoiseNearlyAlways) {
   int terms = 0;
   for (std::uint64_t seed = 40; seed < 60; ++seed)
-    terms +=
-        !sparse_formula(samples([](const TorqueSample&) { return 0.0; }, seed), 0).text.empty();
+    terms += !sparse_formula(samples([](const TorqueSample&) { return 0.0; }, seed), 0,
+                             RemainsSettings{})
+                  .text.empty();
   EXPECT_LE(terms, 4);
 }
 
 TEST(SparseFormula, ExplainsMoreOfALawThanOfLess) {
   const auto share = [](double size) {
     return sparse_formula(samples([&](const TorqueSample& s) { return size * std::sin(s.q); }, 7),
-                          0)
+                          0, RemainsSettings{})
         .explained;
   };
   EXPECT_GT(share(0.3), share(0.05));
