@@ -155,34 +155,55 @@ std::string polyline(const Series& series, const std::string& colour, const Axis
          dots;
 }
 
+double legend_width(const Series& s) {
+  return s.name.empty() ? 0.0 : 26.0 + 6.6 * static_cast<double>(s.name.size());
+}
+
+struct LegendRow {
+  std::vector<std::size_t> series;
+  double width = 0.0;
+};
+
+/// Names in as many rows as they need, none wider than `room`.
+std::vector<LegendRow> legend_rows(const LineChart& chart, double room) {
+  std::vector<LegendRow> rows(1);
+  for (std::size_t i = 0; i < chart.series.size(); ++i) {
+    const double width = legend_width(chart.series[i]);
+    if (!rows.back().series.empty() && rows.back().width + width > room) rows.emplace_back();
+    rows.back().series.push_back(i), rows.back().width += width;
+  }
+  return rows;
+}
+
 /// Right-aligned in the title's line; below it, inside the frame, where the title leaves too little
 /// room.
 std::string legend(const LineChart& chart, const std::vector<std::string>& colours,
                    ChartSize size) {
-  const auto width_of = [](const Series& s) {
-    return s.name.empty() ? 0.0 : 26.0 + 6.6 * static_cast<double>(s.name.size());
-  };
-  double total = 0.0;
-  for (const Series& s : chart.series) total += width_of(s);
-  constexpr double kTitleLetter = 7.6;  // px
+  constexpr double kTitleLetter = 7.6, kRowHeight = 18;  // px
+  const std::vector<LegendRow> rows = legend_rows(chart, size.width - kRight - kLeft - 4);
   const bool beside =
-      kLeft + kTitleLetter * static_cast<double>(chart.title.size()) + total < size.width - kRight;
-  double right = size.width - kRight;
-  const double middle = beside ? 20 : kTop + 12;
+      rows.size() == 1 &&
+      kLeft + kTitleLetter * static_cast<double>(chart.title.size()) + rows.front().width <
+          size.width - kRight;
+  double middle = beside ? 20 : kTop + 12;
   std::string out;
-  if (!beside) {
-    out += fmt::format(
-        "<rect x='{:.1f}' y='{}' width='{:.1f}' height='18' fill='#ffffff' opacity='0.85'/>\n",
-        right - total - 4, middle - 9, total + 4);
-  }
-  for (std::size_t i = chart.series.size(); i-- > 0;) {  // from the right edge leftwards
-    const Series& s = chart.series[i];
-    if (s.name.empty()) continue;
-    right -= width_of(s);
-    out += fmt::format(
-        "<line x1='{0:.1f}' x2='{1:.1f}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' {4}/>\n",
-        right, right + 16, middle, colours[i], s.dashed ? "stroke-dasharray='4 3'" : "");
-    out += text_at(right + 20, middle + 4, s.name, "start", 11);
+  for (const LegendRow& row : rows) {
+    double x = size.width - kRight - row.width;
+    if (!beside) {
+      out += fmt::format(
+          "<rect x='{:.1f}' y='{}' width='{:.1f}' height='18' fill='#ffffff' opacity='0.85'/>\n",
+          x - 4, middle - 9, row.width + 4);
+    }
+    for (const std::size_t i : row.series) {
+      const Series& s = chart.series[i];
+      if (s.name.empty()) continue;
+      out += fmt::format(
+          "<line x1='{0:.1f}' x2='{1:.1f}' y1='{2}' y2='{2}' stroke='{3}' stroke-width='2' {4}/>\n",
+          x, x + 16, middle, colours[i], s.dashed ? "stroke-dasharray='4 3'" : "");
+      out += text_at(x + 20, middle + 4, s.name, "start", 11);
+      x += legend_width(s);
+    }
+    middle += kRowHeight;
   }
   return out;
 }

@@ -47,6 +47,28 @@ TEST(LineChart, NanBreaksTheLineAndNeverReachesTheMarkup) {
   EXPECT_EQ(moves, 2u);
 }
 
+TEST(LineChart, EveryNameOfALongLegendIsInsideTheChart) {
+  LineChart chart{.title = "joints", .x_label = "", .y_label = ""};
+  for (int i = 0; i < 20; ++i)
+    chart.series.push_back({"left_shoulder_pitch " + std::to_string(i), {0, 1}, {0, 1}});
+  const ChartSize size{720, 300};
+  const std::string out = svg(chart, size);
+  int names = 0;
+  for (std::size_t at = out.find("<line x1='"); at != std::string::npos;
+       at = out.find("<line x1='", at + 1)) {
+    const double x = std::stod(out.substr(at + 10));
+    EXPECT_GE(x, 0.0);
+    EXPECT_LT(x, size.width);
+  }
+  for (std::size_t at = out.find("left_shoulder_pitch"); at != std::string::npos;
+       at = out.find("left_shoulder_pitch", at + 1)) {
+    const std::size_t text = out.rfind("<text x='", at);
+    EXPECT_GE(std::stod(out.substr(text + 9)), 0.0);
+    ++names;
+  }
+  EXPECT_EQ(names, 20);
+}
+
 TEST(LineChart, ASpikeAmongMillionPointsStaysVisible) {
   Series s{"", {}, {}};
   for (int i = 0; i < 200000; ++i) {
