@@ -48,7 +48,7 @@ TEST(LineChart, NanBreaksTheLineAndNeverReachesTheMarkup) {
 }
 
 TEST(LineChart, EveryNameOfALongLegendIsInsideTheChart) {
-  LineChart chart{.title = "joints", .x_label = "", .y_label = ""};
+  LineChart chart{.title = "joints", .x_label = "", .y_label = "", .series = {}};
   for (int i = 0; i < 20; ++i)
     chart.series.push_back({"left_shoulder_pitch " + std::to_string(i), {0, 1}, {0, 1}});
   const ChartSize size{720, 300};
