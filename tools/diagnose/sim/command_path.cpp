@@ -44,14 +44,15 @@ CommandPath::CommandPath(const SimParams& params, const Drive& drive, std::uint6
   }
 }
 
-CommandPath::Command CommandPath::over(int joint, double from, double until) {
+CommandPath::Command CommandPath::over(int joint, double from, double until,
+                                       std::size_t& cursor) const {
   const auto j = static_cast<std::size_t>(joint);
   if (series_[j] == nullptr) return {0.0, 0.0, true};
   const std::vector<double>& u = *series_[j];
   from -= delay_[j];
   until -= delay_[j];
   const double middle = 0.5 * (from + until);
-  std::size_t& k = cursor_[j];
+  std::size_t& k = cursor;
   if (k == kUnset) {
     const auto after = std::upper_bound(t_.begin(), t_.end(), from);
     k = after == t_.begin() ? 0 : static_cast<std::size_t>(after - t_.begin()) - 1;

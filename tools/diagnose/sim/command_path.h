@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/diagnose/sim/drive.h"
+#include "tools/diagnose/sim/lane_state.h"
 #include "tools/diagnose/sim/sim_params.h"
 
 namespace sanso::diagnose {
@@ -15,18 +16,23 @@ class CommandPath {
   /// random_seed 0: a lost command is replaced by its expectation; otherwise losses are drawn.
   CommandPath(const SimParams& params, const Drive& drive, std::uint64_t random_seed);
 
-  struct Command {
-    double value;  // mean over the interval; meaningless when off
-    double rate;   // per second, of the sample interval
-    bool off;      // empty cell: the actuator is switched off
-  };
+  using Command = CommandOf<double>;
   /// The command of joint j that acts during [from, until]. Calls for one joint go forward in time
   /// between rewinds.
-  Command over(int j, double from, double until);
+  Command over(int j, double from, double until) {
+    return over(j, from, until, cursor_[static_cast<std::size_t>(j)]);
+  }
   void rewind() { cursor_.assign(cursor_.size(), kUnset); }
+  /// The same for who keeps the place in the series himself; it begins as kUnset.
+  Command over(int j, double from, double until, std::size_t& cursor) const;
+  static constexpr std::size_t kUnset = static_cast<std::size_t>(-1);
+  /// Joint j's commands by row, after hold and loss, before the delay; null: it has none.
+  const double* series(int j) const {
+    const std::vector<double>* s = series_[static_cast<std::size_t>(j)];
+    return s == nullptr ? nullptr : s->data();
+  }
 
  private:
-  static constexpr std::size_t kUnset = static_cast<std::size_t>(-1);
   const std::vector<double>& t_;
   std::vector<const std::vector<double>*> series_;  // by joint; null: no command (passive)
   std::vector<std::vector<double>> altered_;        // storage of series that hold or loss changes

@@ -1,79 +1,334 @@
 // One time step of the whole robot, shared by simulation (the tree moves) and replay (the tree
-// follows the recording).
+// follows the recording): free motion by the implicit equation of each branch, then dry friction by
+// projected Gauss-Seidel on the same inertia.
 #pragma once
 
-#include <array>
-#include <memory>
-#include <optional>
+#include "tools/diagnose/sim/sim_figures.h"
+#include "tools/diagnose/sim/transmission_step.h"
+#include "tools/diagnose/sim/tree.h"
 
-#include "tools/diagnose/sim/command_path.h"
-#include "tools/diagnose/sim/transmission.h"
-#include "tools/diagnose/sim/tree_dynamics.h"
+namespace sanso::diagnose::SANSO_ISA {
 
-namespace sanso::diagnose {
+// K/W, winding to case of a small servo; chosen, only scales `derating`
+constexpr double kThermalResistance = 8.0;
+constexpr double kThermalTime = 300.0;  // s
+// projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
+constexpr int kFrictionSweeps = 30;
+constexpr double kStill = 1e-9;         // rad/s: a sweep that changes less is the last
+constexpr double kInertiaFloor = 1e-9;  // kg m^2: links without inertia still move
+constexpr double kFastest = 1e4;        // rad/s: beyond it the motion has diverged
+// s; a joint at 5 rad/s turns 3 degrees, inertia and load change by percents
+constexpr double kTreeRefresh = 0.01;
 
-struct RobotState {
-  JointVector q{}, dq{};  // link side, rad, rad/s
-  std::array<InnerState, kMaxJoints> inner{};
+template <class T>
+struct RobotStateOf {
+  T q[kMaxJoints], dq[kMaxJoints];  // link side, rad, rad/s
+  InnerStateOf<T> inner[kMaxJoints];
 };
 
 /// Torques of the step just taken, by joint.
-struct StepTorques {
-  std::array<ServoOutput, kMaxJoints> servo{};
-  JointVector friction{}, passive{};  // N m, mean over the step
+template <class T>
+struct StepTorquesOf {
+  ServoOutputOf<T> servo[kMaxJoints];
+  T friction[kMaxJoints], passive[kMaxJoints];  // N m, mean over the step
 };
 
+/// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place
+/// scratch L.
+template <class T>
+inline void invert_block(T* L, T* inverse, int b, int e) {
+  const auto at = [](int i, int j) { return i * kMaxJoints + j; };
+  if (e - b == 1) {
+    inverse[at(b, b)] = 1.0 / max_of(L[at(b, b)], T(kInertiaFloor));
+    return;
+  }
+  for (int j = b; j < e; ++j) {  // Cholesky
+    for (int i = j; i < e; ++i) {
+      T sum = L[at(i, j)];
+      for (int k = b; k < j; ++k) sum -= L[at(i, k)] * L[at(j, k)];
+      // the diagonal holds reciprocals: one division a joint
+      L[at(i, j)] = i == j ? 1.0 / sqrt_of(max_of(sum, T(kInertiaFloor))) : sum * L[at(j, j)];
+    }
+  }
+  for (int j = b; j < e; ++j) {  // inverse of L, then L^-T L^-1
+    for (int i = j + 1; i < e; ++i) {
+      T sum = 0.0;
+      for (int k = j; k < i; ++k) sum -= L[at(i, k)] * L[at(k, j)];
+      L[at(i, j)] = sum * L[at(i, i)];
+    }
+  }
+  for (int i = b; i < e; ++i) {
+    for (int j = b; j <= i; ++j) {
+      T sum = 0.0;
+      for (int k = i; k < e; ++k) sum += L[at(k, i)] * L[at(k, j)];
+      inverse[at(i, j)] = inverse[at(j, i)] = sum;
+    }
+  }
+}
+
+template <class T>
 class Integrator {
  public:
-  /// wanted: by joint, not 0: its branch is simulated; empty: all. A supply that sags couples all
-  /// joints.
-  Integrator(const SimParams& params, const Drive& drive, std::uint64_t random_seed,
-             const std::vector<char>& wanted = {});
+  explicit Integrator(const SimFigures& figures) : f_(figures), tree_(figures.tree) {}
 
   /// Starts anew at any instant (payloads that come late are looked up for it).
-  void restart(double t);
-  /// Inner states of servos that held this posture before t (their integral).
-  void settle(double t, const std::vector<int>& serves, RobotState& state);
-  /// Advances from t by h. False when the motion diverged (state unchanged).
-  bool step(double t, double h, RobotState& state, StepTorques& out);
+  void restart(T t) {
+    double at[kLanes];
+    store(t, at);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      payloads_on_[lane] = -1;
+      for (int j = 0; j < f_.n; ++j) warm_row_[lane][j] = row_at(f_, at[lane]);
+    }
+    for (int j = 0; j < f_.n; ++j) change_[j] = 0.0;
+    supply_current_ = 0.0;
+    tree_time_ = -kNone;
+    update_bodies(t);
+  }
+
+  /// Gravity's torques at a posture at rest, by joint: what servos hold before t.
+  const T* held(T t, RobotStateOf<T>& state) {
+    move_tree(t, 0.0, state);
+    return bias_;
+  }
+
+  /// Advances from t by h with these commands, by joint. No: the lane's motion diverged, and its
+  /// state is no longer one.
+  MaskOf<T> step(T t, T h, const CommandOf<T>* commands, RobotStateOf<T>& state,
+                 StepTorquesOf<T>& out) {
+    move_tree(t, h, state);
+    prepare(t, h, commands, f_.simulated, f_.joint_count, state, out);
+    solve_free(h, state);
+    solve_friction();
+    MaskOf<T> sound = no_more(T(0.0), T(0.0));
+    for (int k = 0; k < f_.joint_count; ++k)
+      sound = both(sound, less(abs_of(dq_end_[f_.simulated[k]]), T(kFastest)));
+    finish(h, dq_end_, f_.simulated, f_.joint_count, state, out);
+    return sound;
+  }
+
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
   /// computed. The tree's inertia and bias are taken anew every kTreeRefresh seconds only.
-  /// `serves`: the joints whose servo and transmission are wanted.
-  void follow(double t, double h, const double* dq_end, const std::vector<int>& serves,
-              RobotState& state, StepTorques& out);
-  /// Joints that are simulated, in order.
-  const std::vector<int>& joints() const { return joints_; }
+  /// `serves`: the joints whose servo and transmission are wanted. One lane.
+  void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end, const int* serves,
+              int count, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+    if (t >= tree_time_ + kTreeRefresh) {
+      move_tree(t, h, state);
+      tree_time_ = t;
+    }
+    for (int i = 0; i < count; ++i) {
+      const int k = serves[i];
+      q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
+      dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
+    }
+    prepare(t, h, commands, serves, count, state, out);
+    for (int i = 0; i < count; ++i) {
+      const int k = serves[i];
+      const JointPartOf<T>& p = part_[k];
+      if (p.two_mass) {  // the motor still chooses its own velocity
+        const T y = p.y0 + p.coupling * dq_end[k];
+        friction_[k] = clamped(-y / p.mobility, p.f_min, p.f_max);
+      } else {  // what friction gives against the motion that was seen
+        const T y = 0.5 * (state.dq[k] + dq_end[k]);
+        const T inertia = M_[k * kMaxJoints + k] + p.added;
+        friction_[k] = clamped(-y * inertia, p.f_min, p.f_max);
+      }
+    }
+    finish(h, dq_end, serves, count, state, out);
+  }
 
  private:
-  void move_tree(double t, double h, const RobotState& state);
-  void prepare(double t, double h, const std::vector<int>& serves, RobotState& state,
-               StepTorques& out);
-  double warming_of(int j, double t, const InnerState& inner) const;
-  void update_bodies(double t);
-  void solve_free(double h, const RobotState& state);
-  void solve_friction();
-  void finish(double h, const JointVector& dq_end, const std::vector<int>& serves,
-              RobotState& state, StepTorques& out);
+  static constexpr int kLanes = Kind<T>::kLanes;
 
-  const SimParams& params_;
-  const Drive& drive_;
-  CommandPath commands_;
-  std::unique_ptr<TreeDynamics> tree_;
-  int n_;
-  std::vector<int> joints_, branches_;  // what is simulated
-  int payloads_on_ = -1;
-  bool any_sag_;
-  bool thermal_;
-  std::vector<double> first_temperature_;  // by joint, NaN: none recorded
-  mutable std::vector<std::size_t> temperature_cursor_;
+  void update_bodies(T t) {
+    if (!f_.late_payloads && !f_.forces) return;
+    double at[kLanes];
+    store(t, at);
+    bool changed = false;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (f_.late_payloads) {
+        const int on = payloads_on(f_, at[lane]);
+        if (on != payloads_on_[lane]) {
+          BodyFigures bodies[kMaxJoints];
+          bodies_at(f_, at[lane], bodies);
+          for (int j = 0; j < f_.n; ++j) tree_.set_body(lane, j, bodies[j]);
+          payloads_on_[lane] = on;
+          changed = true;
+        }
+      }
+      if (f_.forces) {
+        double forces[kMaxJoints][3];
+        forces_at(f_, at[lane], forces);
+        for (int j = 0; j < f_.n; ++j) tree_.set_force(lane, j, forces[j]);
+      }
+    }
+    if (changed) tree_.settle_bodies();
+  }
+
+  /// K above the recording's first temperature; where none was recorded, above the start.
+  T warming_of(int j, T t, const InnerStateOf<T>& inner) {
+    if (!f_.heats) return 0.0;
+    const double first = f_.first_temperature[j];
+    if (!(first == first)) return inner.heat;
+    double at[kLanes], out[kLanes];
+    store(t, at);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      std::size_t& k = warm_row_[lane][j];
+      while (k + 1 < f_.rows && f_.t[k + 1] <= at[lane]) ++k;
+      const double above = f_.temperature[j][k] - first;
+      out[lane] = above - above == 0.0 ? above : 0.0;  // not sampled: no warmer
+    }
+    T warming;
+    load(out, warming);
+    return warming;
+  }
+
+  void move_tree(T t, T h, const RobotStateOf<T>& state) {
+    for (int i = 0; i < f_.joint_count; ++i) {
+      const int k = f_.simulated[i];
+      q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
+      // the last change, extrapolated: centrifugal terms at mid-step
+      dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
+    }
+    update_bodies(t);
+    for (int i = 0; i < f_.branch_count; ++i) {
+      const int b = f_.branch[i];
+      tree_.set_positions(q_half_, b);
+      tree_.mass_matrix(M_, b);
+      tree_.bias(dq_mid_, bias_, b);
+    }
+  }
+
+  /// Servo and transmission of `count` joints.
+  void prepare(T t, T h, const CommandOf<T>* commands, const int* serves, int count,
+               RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+    const SimParams& params = *f_.params;
+    const T supply = 1.0 + params.supply_level + params.supply_slope * (t - f_.t[0]) / 60.0;
+    T drop = 0.0, drawn = 0.0;
+    if (f_.sags) drop = params.supply_resistance * supply_current_;
+    for (int i = 0; i < count; ++i) {
+      const int k = serves[i];
+      const JointParams& joint = f_.joints[k];
+      InnerStateOf<T>& inner = state.inner[k];
+      const T warming = warming_of(k, t, inner);
+      const T motor_half = q_half_[k] + inner.motor_offset + 0.5 * h * inner.motor_speed_offset;
+      const T motor_velocity = state.dq[k] + inner.motor_speed_offset;
+      const bool at_motor = joint.encoder_at_motor;
+      const T side = at_motor ? motor_half : q_half_[k];
+      // feedback that crosses from link to motor is explicit: at mid-step, extrapolated, it stays
+      // second order
+      const T link_velocity = has_two_masses(joint) ? dq_mid_[k] : state.dq[k];
+      const ServoInputOf<T> input{commands[k],
+                                  h,
+                                  encoder_reading(joint, side),
+                                  at_motor ? motor_velocity : link_velocity,
+                                  motor_velocity,
+                                  supply,
+                                  drop,
+                                  warming};
+      const ServoOutputOf<T> servo = servo_step(joint, input, inner);
+      out.servo[k] = servo;
+      drawn += abs_of(servo.current * servo.duty);
+      if (f_.heats) {
+        inner.heat +=
+            h *
+            (kThermalResistance * joint.nominal.resistance * servo.current * servo.current -
+             inner.heat) /
+            kThermalTime;
+      }
+      const T M_kk = M_[k * kMaxJoints + k];
+      instant_[k] = {h,         q_half_[k], state.dq[k], max_of(M_kk, T(kInertiaFloor)),
+                     -bias_[k], warming};
+      part_[k] = transmission_step(joint, servo, instant_[k], inner);
+    }
+    supply_current_ = drawn;
+  }
+
+  void solve_free(T h, const RobotStateOf<T>& state) {
+    for (int i = 0; i < f_.joint_count; ++i) {
+      const int k = f_.simulated[i];
+      M_[k * kMaxJoints + k] += part_[k].added;
+    }
+    for (int n = 0; n < f_.branch_count; ++n) {
+      const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
+      invert_block(M_, inverse_, b, e);
+      for (int i = b; i < e; ++i) {
+        T sum = 0.0;
+        for (int k = b; k < e; ++k)
+          sum += inverse_[i * kMaxJoints + k] * (part_[k].impulse - h * bias_[k]);
+        dq_end_[i] = state.dq[i] + sum;
+      }
+    }
+  }
+
+  /// Friction impulses f stop the coordinate they act on, or give all they can: a box-constrained
+  /// linear complementarity problem in y = y0 + mobility f + coupling dq', solved by projected
+  /// Gauss-Seidel. Every lane stops sweeping where it would alone.
+  void solve_friction() {
+    for (int i = 0; i < f_.joint_count; ++i) friction_[f_.simulated[i]] = 0.0;
+    for (int n = 0; n < f_.branch_count; ++n) {
+      const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
+      MaskOf<T> moving = no_more(T(0.0), T(0.0));
+      for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
+        T largest = 0.0;
+        for (int j = b; j < e; ++j) {
+          if (part_[j].rubs) largest = max_of(largest, rub(j, b, e, sweep == 0, moving));
+        }
+        moving = both(moving, negated(less(largest, T(kStill))));
+        if (e - b == 1 || !any(moving)) break;
+      }
+    }
+  }
+
+  /// One joint's turn in a sweep of branch [b, e), in `moving` lanes: the change of its speed.
+  T rub(int j, int b, int e, bool all, MaskOf<T> moving) {
+    const JointPartOf<T>& p = part_[j];
+    const T response = p.mobility + p.coupling * p.coupling * inverse_[j * kMaxJoints + j];
+    const T y = p.y0 + p.mobility * friction_[j] + p.coupling * dq_end_[j];
+    T wanted = clamped(friction_[j] - y / response, p.f_min, p.f_max);
+    if (!all) wanted = choose(moving, wanted, friction_[j]);
+    const T change = wanted - friction_[j];
+    friction_[j] = wanted;
+    for (int i = b; i < e; ++i) dq_end_[i] += inverse_[i * kMaxJoints + j] * p.coupling * change;
+    return abs_of(change) * response;
+  }
+
+  void finish(T h, const T* dq_end, const int* serves, int count, RobotStateOf<T>& state,
+              StepTorquesOf<T>& out) {
+    for (int i = 0; i < count; ++i) {
+      const int k = serves[i];
+      const JointParams& joint = f_.joints[k];
+      InnerStateOf<T>& inner = state.inner[k];
+      finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], inner);
+      change_[k] = dq_end[k] - state.dq[k];
+      state.q[k] += 0.5 * h * (state.dq[k] + dq_end[k]);
+      state.dq[k] = dq_end[k];
+      out.friction[k] = friction_[k] / h;
+      out.passive[k] = part_[k].passive_torque;
+      // the velocity channel follows the encoder's side through its filter
+      T shown = dq_end[k];
+      if (joint.encoder_at_motor) shown += inner.motor_speed_offset;
+      if (joint.velocity_filter > 0.0) {
+        inner.velocity_channel +=
+            h / (joint.velocity_filter + h) * (shown - inner.velocity_channel);
+      } else {
+        inner.velocity_channel = shown;
+      }
+    }
+  }
+
+  const SimFigures& f_;
+  Tree<T> tree_;
+  int payloads_on_[kLanes];
+  std::size_t warm_row_[kLanes][kMaxJoints];
 
   // scratch of the step
-  JointMatrix M_{}, inverse_{};
-  JointVector bias_{}, q_half_{}, dq_mid_{}, dq_end_{}, change_{}, friction_{};
-  std::array<JointPart, kMaxJoints> part_{};
-  std::array<JointInstant, kMaxJoints> instant_{};
-  double supply_current_ = 0.0;  // A, of the step before
-  double tree_time_ = -kNone;    // s, instant of the tree's inertia and bias while following
+  T M_[kMaxJoints * kMaxJoints], inverse_[kMaxJoints * kMaxJoints];
+  T bias_[kMaxJoints], q_half_[kMaxJoints], dq_mid_[kMaxJoints], dq_end_[kMaxJoints],
+      change_[kMaxJoints], friction_[kMaxJoints];
+  JointPartOf<T> part_[kMaxJoints];
+  JointInstantOf<T> instant_[kMaxJoints];
+  T supply_current_ = 0.0;     // A, of the step before
+  double tree_time_ = -kNone;  // s, instant of the tree's inertia and bias while following
 };
 
-}  // namespace sanso::diagnose
+}  // namespace sanso::diagnose::SANSO_ISA

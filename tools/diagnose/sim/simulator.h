@@ -7,7 +7,8 @@
 //
 // Integrator: linearly implicit midpoint with exact stopping by friction (a friction torque is what
 // stops the joint within the step, clipped at what friction can give), so stiction, play and stiff
-// gains need no tiny steps.
+// gains need no tiny steps. Windows run in step, one a lane of the processor's vectors
+// (window_run.h).
 #pragma once
 
 #include <cstdint>
@@ -47,6 +48,8 @@ struct MeasuredMotion {
   std::vector<std::vector<double>> q, dq;  // by joint, by row
 };
 
+struct LaneUnit;
+
 struct SimOptions {
   double max_step_s = 1e-3;
   const MeasuredMotion* motion = nullptr;  // null: inner states start at rest at every window
@@ -54,6 +57,9 @@ struct SimOptions {
   /// Only these joints are wanted (by joint, not 0: wanted; empty: all). Branches that hold none of
   /// them stay 0 in the prediction; what is simulated is bit for bit what it is without the choice.
   std::vector<char> wanted = {};
+  /// How many windows run in step (lane_simulation.h); null: as many as this machine can. Changes
+  /// no bit.
+  const LaneUnit* unit = nullptr;
 };
 
 /// Simulates every window. Windows must be in order of `first`. Deterministic; no state is kept

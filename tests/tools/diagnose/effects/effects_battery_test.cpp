@@ -11,6 +11,7 @@
 #include "tests/support/temp_folder.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
+#include "tools/diagnose/sim/lane_simulation.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -212,6 +213,35 @@ TEST_P(EveryEffectOnEveryRobot, IsOneAndTheSameOnARobotOfTwiceTheTorques) {
                       moved(strong.predict(strong.with(effect_, there[i])))),
                 1e-9)
           << trial.name << " probe " << i;
+    }
+  }
+}
+
+/// Windows that begin and end apart, on an unsteady clock, with commands that pause: each is what
+/// it is alone, on every instruction set.
+TEST_P(EveryEffectOnEveryRobot, MovesEveryWindowAsItMovesAlone) {
+  for (Trial trial : trials()) {
+    for (std::size_t row = 1; row + 1 < trial.drive.rows(); ++row)
+      trial.drive.t[row] += 0.002 * std::sin(3.0 * static_cast<double>(row * row));
+    for (JointData& joint : trial.drive.joints)
+      std::fill_n(joint.command.begin() + 30, 8, std::nan(""));
+    trial.windows.push_back(trial.windows.front());
+    for (const std::size_t first : {3u, 17u, 31u, 33u, 34u, 50u, 70u, 71u})
+      trial.windows.push_back({first, first + 9, trial.windows[0].q, trial.windows[0].dq});
+    std::stable_sort(trial.windows.begin(), trial.windows.end(),
+                     [](const Window& a, const Window& b) { return a.first < b.first; });
+    for (const Values& theta : scaled_probes(effect_, trial.scale)) {
+      SimParams params = trial.with(effect_, theta);
+      params.joints.back().nominal.command_delay_s += 0.0031;  // one joint's commands alone
+      SimOptions options;
+      options.motion = &trial.motion;
+      options.unit = &lane_units().back();
+      const auto alone = simulate(params, trial.drive, trial.windows, options);
+      for (const LaneUnit& unit : lane_units()) {
+        options.unit = unit.runs_here() ? &unit : nullptr;
+        EXPECT_TRUE(identical(alone, simulate(params, trial.drive, trial.windows, options)))
+            << trial.name << ' ' << unit.name;
+      }
     }
   }
 }

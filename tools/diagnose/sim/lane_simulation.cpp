@@ -1,0 +1,60 @@
+// Picks the widest unit that the machine can run; few windows run one by one.
+#include "tools/diagnose/sim/lane_simulation.h"
+
+#include <memory>
+
+#include "tools/diagnose/sim/window_run.h"
+
+namespace sanso::diagnose {
+
+#define SANSO_DECLARE_UNIT(isa)                                            \
+  namespace isa {                                                          \
+  void run_in_lanes(const SimFigures&, const WindowFigures*, std::size_t); \
+  }
+SANSO_DECLARE_UNIT(baseline)
+#ifdef SANSO_HAVE_X86_UNITS
+SANSO_DECLARE_UNIT(avx2)
+SANSO_DECLARE_UNIT(avx512)
+#endif
+#undef SANSO_DECLARE_UNIT
+
+namespace {
+
+void one_by_one(const SimFigures& figures, const WindowFigures* windows, std::size_t count) {
+  const auto run = std::make_unique<portable::WindowRun<double>>(figures);
+  for (std::size_t w = 0; w < count; ++w) run->run(windows + w, 1);
+}
+
+constexpr LaneUnit kUnits[] = {
+#ifdef SANSO_HAVE_X86_UNITS
+    {"avx512", avx512::run_in_lanes,
+     [] {
+       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512vl");
+     }},
+    {"avx2", avx2::run_in_lanes, [] { return __builtin_cpu_supports("avx2") != 0; }},
+#endif
+    {"baseline", baseline::run_in_lanes, [] { return true; }},
+    {"one by one", one_by_one, [] { return true; }},
+};
+
+const LaneUnit& widest() {
+  static const LaneUnit* const unit = [] {
+    const LaneUnit* u = kUnits;
+    while (!u->runs_here()) ++u;
+    return u;
+  }();
+  return *unit;
+}
+
+}  // namespace
+
+std::span<const LaneUnit> lane_units() { return kUnits; }
+
+void run_windows(const SimFigures& figures, std::span<const WindowFigures> windows,
+                 const LaneUnit* unit) {
+  if (unit == nullptr) unit = windows.size() == 1 ? &lane_units().back() : &widest();
+  unit->run(figures, windows.data(), windows.size());
+}
+
+}  // namespace sanso::diagnose
