@@ -38,13 +38,7 @@ const std::vector<double>& column(const JointData& data, Signal signal) {
 }
 
 double measured(const Source& source, const Observed& channel, std::size_t row) {
-  const JointData& data = source.drive.joints[channel.joint];
-  const std::vector<double>& values = column(data, channel.signal);
-  if (row >= values.size()) return NAN;
-  // an actuator that is off reports duty and current of its own convention
-  const bool electrical = channel.signal != Signal::q && channel.signal != Signal::dq;
-  if (electrical && row < data.command.size() && std::isnan(data.command[row])) return NAN;
-  return values[row];
+  return MeasuredColumn(source, channel).at(row);
 }
 
 bool near_instant(const Comparison& comparison, const Shot& shot, double t) {

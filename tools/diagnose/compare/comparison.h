@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -97,7 +98,25 @@ double rows_of_a_joint(const Comparison& comparison);
 /// Duration of the longest recording, s.
 double longest_recording(const Comparison& comparison);
 
-/// A row's measured value of a channel; NaN when it was not sampled.
+/// A channel's measured values by row; NaN where it was not sampled.
+class MeasuredColumn {
+ public:
+  MeasuredColumn(const Source& source, const Observed& channel)
+      : values_(column(source.drive.joints[channel.joint], channel.signal)),
+        command_(source.drive.joints[channel.joint].command),
+        electrical_(channel.signal != Signal::q && channel.signal != Signal::dq) {}
+  double at(std::size_t row) const {
+    if (row >= values_.size()) return NAN;
+    // an actuator that is off reports duty and current of its own convention
+    if (electrical_ && row < command_.size() && std::isnan(command_[row])) return NAN;
+    return values_[row];
+  }
+
+ private:
+  const std::vector<double>&values_, &command_;
+  bool electrical_;
+};
+/// A row's measured value of a channel.
 double measured(const Source& source, const Observed& channel, std::size_t row);
 
 }  // namespace sanso::diagnose

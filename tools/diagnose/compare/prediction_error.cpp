@@ -133,8 +133,10 @@ Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& li
 
 Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
                                       const Model& model, const Eigen::VectorXd& base,
-                                      const std::vector<std::size_t>& joints) {
+                                      const std::vector<std::size_t>& joints,
+                                      const std::vector<char>& shots) {
   Pass pass;
+  pass.wanted_shots = shots;
   SimParams params = problem->sources.front().nominal;
   library.apply(model, params);
   if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);

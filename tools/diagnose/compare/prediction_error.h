@@ -47,10 +47,11 @@ Problem step_corrected(const Problem& problem, const Library& library, const Mod
 /// The prediction error of a model that differs from the one of `base` (its prediction error) at
 /// `joints` only (empty: anywhere).
 /// Only the branches of the tree that hold one of them are simulated: legs on one stand do not feel
-/// each other.
+/// each other; and only `shots` (by shot, not 0: simulated; empty: all).
 Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
                                       const Model& model, const Eigen::VectorXd& base,
-                                      const std::vector<std::size_t>& joints);
+                                      const std::vector<std::size_t>& joints,
+                                      const std::vector<char>& shots = {});
 
 /// Error when every start is moved: `joint` by `dq0` [rad] and `ddq0` [rad/s]; without one: all
 /// joints together.

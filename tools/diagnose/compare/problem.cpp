@@ -109,11 +109,14 @@ void whiten_residual(const Problem& problem, const Shot& shot, const Prediction&
                                                                      : p.pwm;
     const auto predicted = p.of(all, channel.joint);
     auto out = rows_of(r, shot, c);
+    const double sigma = problem.scales.sigma[c];
+    const MeasuredColumn measured(source, channel);
+    const double* added = correction.size() > 0 ? rows_of(correction, shot, c).data() : nullptr;
     for (std::size_t k = 0; k < shot.rows; ++k) {
       const std::size_t row = recorded_row(shot, k);
-      double difference = measured(source, channel, row) - predicted[row - shot.window.first];
-      if (correction.size() > 0) difference += rows_of(correction, shot, c)[k];
-      out[k] = std::isfinite(difference) ? difference / problem.scales.sigma[c] : 0.0;
+      double difference = measured.at(row) - predicted[row - shot.window.first];
+      if (added != nullptr) difference += added[k];
+      out[k] = std::isfinite(difference) ? difference / sigma : 0.0;
     }
   }
 }

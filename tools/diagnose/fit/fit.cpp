@@ -129,9 +129,19 @@ class Coordinates {
   std::vector<const std::vector<std::size_t>*> joints_;
 };
 
-/// d r / d x at x: effects by differences inside the box, nuisances from the surroundings.
+/// By shot, not 0: the fit sees it (or, not `seen`, does not); empty: none is left out.
+std::vector<char> shots_of(const Surroundings& around, bool seen) {
+  std::vector<char> out;
+  if (!around.left_out && !around.left_out_condition) return out;
+  for (const Shot& shot : around.problem->shots) out.push_back(around.leaves_out(shot) != seen);
+  return out;
+}
+
+/// d r / d x at x: effects by differences inside the box, nuisances from the surroundings. `shots`:
+/// the only ones that are wanted, all others are 0; empty: all.
 Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates,
-                         const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+                         const Eigen::VectorXd& x, const Eigen::VectorXd& r,
+                         const std::vector<char>& shots = {}) {
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
   const double length = around.settings().fitting.derivative_step;
@@ -144,7 +154,7 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
     const double step = x[i] + length <= coordinates.high(i) ? length : -length;
     moved[i] += step;
     J.col(i) = (prediction_error_near(around.problem, *around.library, coordinates.model(moved), r,
-                                      coordinates.joints(i)) -
+                                      coordinates.joints(i), shots) -
                 r) /
                step;
   });
@@ -209,7 +219,9 @@ struct Point {
 /// One damped step from `at`, shorter until the objective falls; converged where it falls no more,
 /// or where the derivatives promise next to nothing. Where friction sticks they promise anything:
 /// the last attempts go a hundredth of the way.
-void take_step(const Surroundings& around, const Coordinates& c, const Normal& normal, Point& at) {
+/// `shots`: the only ones whose error is brought up to date; empty: all.
+void take_step(const Surroundings& around, const Coordinates& c, const Normal& normal, Point& at,
+               const std::vector<char>& shots = {}) {
   const double least = 0.01 * around.settings().fitting.converged * normal.objective;
   bool improved = false;
   for (int attempt = 0; attempt < around.settings().fitting.attempts && !improved; ++attempt) {
@@ -217,7 +229,8 @@ void take_step(const Surroundings& around, const Coordinates& c, const Normal& n
     const Eigen::VectorXd step = trial - at.x;
     const double promised = -step.dot(2.0 * normal.g + normal.H * step);
     if (attempt == 0 && promised >= 0.0 && promised < least) break;
-    Eigen::VectorXd r = prediction_error(around.problem, *around.library, c.model(trial));
+    Eigen::VectorXd r =
+        prediction_error_near(around.problem, *around.library, c.model(trial), at.r, {}, shots);
     const double objective = objective_at(around, c, trial, r);
     if (objective < normal.objective) {
       improved = true;
@@ -280,11 +293,21 @@ FitResult resume(const Surroundings& around, FitResult from, int iterations) {
 
 QuickFit quick_fit(const Surroundings& around, const Model& start, int iterations) {
   const Coordinates c(around, start);
-  Point at{c.inside(c.of(start)), {}};
-  at.r = prediction_error(around.problem, *around.library, c.model(at.x));
-  for (int iteration = 0; iteration < iterations && !at.converged; ++iteration)
-    take_step(around, c, assemble(around, c, jacobian(around, c, at.x, at.r), at.r, at.x), at);
-  return {c.model(at.x), objective_at(around, c, at.x, at.r), std::move(at.r)};
+  // what is left out has no part in the fit, and is simulated once, where it ends
+  const std::vector<char> seen = shots_of(around, true), unseen = shots_of(around, false);
+  const auto error = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& base,
+                         const std::vector<char>& shots) {
+    return prediction_error_near(around.problem, *around.library, c.model(x), base, {}, shots);
+  };
+  Point at{c.inside(c.of(start)), Eigen::VectorXd::Zero(around.problem->size)};
+  at.r = error(at.x, at.r, seen);
+  for (int iteration = 0; iteration < iterations && !at.converged; ++iteration) {
+    const Eigen::MatrixXd J = jacobian(around, c, at.x, at.r, seen);
+    take_step(around, c, assemble(around, c, J, at.r, at.x), at, seen);
+  }
+  const double objective = objective_at(around, c, at.x, at.r);
+  if (!unseen.empty()) at.r = error(at.x, at.r, unseen);
+  return {c.model(at.x), objective, std::move(at.r)};
 }
 
 Model moved(const Surroundings& around, const Model& model, const Eigen::VectorXd& delta) {

@@ -96,22 +96,23 @@ class Integrator {
   MaskOf<T> step(T t, T h, const CommandOf<T>* commands, RobotStateOf<T>& state,
                  StepTorquesOf<T>& out) {
     move_tree(t, h, state);
-    prepare(t, h, commands, f_.simulated, f_.joint_count, state, out);
+    prepare(t, h, commands, f_.simulated, f_.joint_count, true, state, out);
     solve_free(h, state);
     solve_friction();
     MaskOf<T> sound = no_more(T(0.0), T(0.0));
     for (int k = 0; k < f_.joint_count; ++k)
       sound = both(sound, less(abs_of(dq_end_[f_.simulated[k]]), T(kFastest)));
-    finish(h, dq_end_, f_.simulated, f_.joint_count, state, out);
+    finish(h, dq_end_, f_.simulated, f_.joint_count, true, state, out);
     return sound;
   }
 
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
   /// computed. The tree's inertia and bias are taken anew every kTreeRefresh seconds only.
-  /// `serves`: the joints whose servo and transmission are wanted. One lane.
+  /// `serves`: the joints whose servo and transmission are wanted; not `gears`: the servo alone.
+  /// One lane.
   void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end, const int* serves,
-              int count, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
-    if (t >= tree_time_ + kTreeRefresh) {
+              int count, bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+    if (gears && t >= tree_time_ + kTreeRefresh) {
       move_tree(t, h, state);
       tree_time_ = t;
     }
@@ -120,8 +121,8 @@ class Integrator {
       q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
       dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
     }
-    prepare(t, h, commands, serves, count, state, out);
-    for (int i = 0; i < count; ++i) {
+    prepare(t, h, commands, serves, count, gears, state, out);
+    for (int i = 0; gears && i < count; ++i) {
       const int k = serves[i];
       const JointPartOf<T>& p = part_[k];
       if (p.two_mass) {  // the motor still chooses its own velocity
@@ -133,7 +134,7 @@ class Integrator {
         friction_[k] = clamped(-y * inertia, p.f_min, p.f_max);
       }
     }
-    finish(h, dq_end, serves, count, state, out);
+    finish(h, dq_end, serves, count, gears, state, out);
   }
 
  private:
@@ -198,8 +199,8 @@ class Integrator {
     }
   }
 
-  /// Servo and transmission of `count` joints.
-  void prepare(T t, T h, const CommandOf<T>* commands, const int* serves, int count,
+  /// Servo and, where `gears`, transmission of `count` joints.
+  void prepare(T t, T h, const CommandOf<T>* commands, const int* serves, int count, bool gears,
                RobotStateOf<T>& state, StepTorquesOf<T>& out) {
     const SimParams& params = *f_.params;
     const T supply = 1.0 + params.supply_level + params.supply_slope * (t - f_.t[0]) / 60.0;
@@ -235,6 +236,7 @@ class Integrator {
              inner.heat) /
             kThermalTime;
       }
+      if (!gears) continue;
       const T M_kk = M_[k * kMaxJoints + k];
       instant_[k] = {h,         q_half_[k], state.dq[k], max_of(M_kk, T(kInertiaFloor)),
                      -bias_[k], warming};
@@ -292,18 +294,20 @@ class Integrator {
     return abs_of(change) * response;
   }
 
-  void finish(T h, const T* dq_end, const int* serves, int count, RobotStateOf<T>& state,
-              StepTorquesOf<T>& out) {
+  void finish(T h, const T* dq_end, const int* serves, int count, bool gears,
+              RobotStateOf<T>& state, StepTorquesOf<T>& out) {
     for (int i = 0; i < count; ++i) {
       const int k = serves[i];
       const JointParams& joint = f_.joints[k];
       InnerStateOf<T>& inner = state.inner[k];
-      finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], inner);
+      if (gears) {
+        finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], inner);
+        out.friction[k] = friction_[k] / h;
+        out.passive[k] = part_[k].passive_torque;
+      }
       change_[k] = dq_end[k] - state.dq[k];
       state.q[k] += 0.5 * h * (state.dq[k] + dq_end[k]);
       state.dq[k] = dq_end[k];
-      out.friction[k] = friction_[k] / h;
-      out.passive[k] = part_[k].passive_torque;
       // the velocity channel follows the encoder's side through its filter
       T shown = dq_end[k];
       if (joint.encoder_at_motor) shown += inner.motor_speed_offset;

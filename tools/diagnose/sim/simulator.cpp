@@ -43,13 +43,15 @@ LinkMotion link_motion(const JointParams& joint, double reading, double speed_re
   return {side - inner.motor_offset, speed - inner.motor_speed_offset};
 }
 
-/// Follows a recording with servo and transmission of some joints.
+/// Follows a recording with the servos of some joints, and with their transmissions where `gears`.
 class Follower {
  public:
-  Follower(const SimFigures& figures, const MeasuredMotion& motion, std::vector<int> serves)
+  Follower(const SimFigures& figures, const MeasuredMotion& motion, std::vector<int> serves,
+           bool gears)
       : f_(figures),
         motion_(motion),
         serves_(std::move(serves)),
+        gears_(gears),
         integrator_(std::make_unique<portable::Integrator<double>>(figures)) {
     cursor_.fill(CommandPath::kUnset);
   }
@@ -104,13 +106,14 @@ class Follower {
         command_[j] = command_over(f_, j, t, t + h, cursor_[static_cast<std::size_t>(j)]);
       }
       integrator_->follow(t, h, command_, end, serves_.data(), static_cast<int>(serves_.size()),
-                          state_, torques_);
+                          gears_, state_, torques_);
     }
   }
 
   const SimFigures& f_;
   const MeasuredMotion& motion_;
   std::vector<int> serves_;
+  bool gears_;
   std::unique_ptr<portable::Integrator<double>> integrator_;
   State state_{};
   StepTorques torques_{};
@@ -125,9 +128,10 @@ std::vector<InnerStates> inner_at_starts(const SimParams& params, const SimFigur
                                          const MeasuredMotion* motion) {
   std::vector<int> remembering = with_memory(params, figures);
   if (motion == nullptr || remembering.empty()) return {};
+  const bool gears = std::any_of(params.joints.begin(), params.joints.end(), gears_remember);
   std::vector<InnerStates> inner(windows.size());
   std::size_t next = 0;
-  Follower(figures, *motion, std::move(remembering))
+  Follower(figures, *motion, std::move(remembering), gears)
       .follow(windows.back().first, [&](std::size_t row, const State& state, const StepTorques&) {
         for (; next < windows.size() && windows[next].first == row; ++next)
           std::copy_n(state.inner, figures.n, inner[next].begin());
@@ -204,7 +208,7 @@ ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
   for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty})
     v->assign(n * out.rows, 0.0);
   std::vector<int> all(figures.simulated, figures.simulated + figures.joint_count);
-  Follower(figures, motion, std::move(all))
+  Follower(figures, motion, std::move(all), true)
       .follow(drive.rows() - 1, [&](std::size_t row, const State&, const StepTorques& torques) {
         for (std::size_t j = 0; j < n; ++j) {
           const std::size_t at = j * out.rows + row;

@@ -102,6 +102,22 @@ TEST(Fit, GoneOnWithIsTheSameAsInOnePiece) {
   EXPECT_NEAR(once.model.effects[0].theta[0], twice.model.effects[0].theta[0], 1e-3);
 }
 
+/// What is left out has no part in a fit, which says about it what its model says.
+TEST(Fit, PredictsWhatItLeavesOutByTheModelThatTheOthersGive) {
+  const SmallComparison c = rubbing(1);
+  Surroundings around = make_surroundings(c.problem, c.library, nominal(c));
+  const Model start = with(c, c.of("coulomb_friction"), {0.01});
+  for (std::size_t group = 0; group < c.problem->groups; ++group) {
+    around.left_out = group;
+    const QuickFit quick = quick_fit(around, start, 3);
+    EXPECT_TRUE(quick.r == prediction_error(c.problem, c.library, quick.model)) << group;
+    const FitResult whole = fit(around, start, 3);
+    EXPECT_EQ(quick.model.effects[0].theta, whole.model.effects[0].theta) << group;
+    EXPECT_EQ(quick.model.nuisance, whole.model.nuisance) << group;
+    EXPECT_NEAR(quick.objective, whole.objective, 1e-12 * whole.objective) << group;
+  }
+}
+
 TEST(Fit, AnEffectThatIsThereLowersTheHeldOutError) {
   const SmallComparison c = rubbing(3, 3);
   const Surroundings around = make_surroundings(c.problem, c.library, nominal(c));

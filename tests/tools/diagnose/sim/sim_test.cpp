@@ -245,6 +245,36 @@ TEST(Simulator, OneBranchAloneIsTheSameBitForBit) {
             simulate(params, drive, windows, left)[1].q);
 }
 
+/// Gears are followed where one remembers, and left out where only servos do.
+TEST(Simulator, WhatAServoRemembersDoesNotDependOnTheGearsOfAnotherBranch) {
+  const ModelFolder model = parse_model(
+      "format = 1\n[joint_default]\nactuator = \"dc_servo\"\ncoulomb = 0.05\narmature = 0.01\n"
+      "i_gain = 0.5\n",
+      kTwoArms, "two/model.toml");
+  const Drive drive =
+      make_test_drive(model, 1.0, 0.01, [](int j, double t) { return 0.3 * std::sin(4 * t + j); });
+  MeasuredMotion motion;
+  for (int j = 0; j < 3; ++j) motion.q.push_back(drive.joints[static_cast<std::size_t>(j)].command);
+  motion.dq.assign(3, std::vector<double>(drive.rows(), 0.1));
+  SimParams servos = make_params(model);
+  servos.joints[2].output_filter = 0.01;
+  servos.joints[2].profile_speed = 1.5;
+  SimParams gears = servos;
+  gears.joints[0].backlash = 0.02;
+  const std::vector<Window> windows{{30, 60, {0, 0.1, 0.2}, {0, 0, 0}},
+                                    {40, 90, {0.1, 0, 0}, {0.1, 0, 0}}};
+  SimOptions options;
+  options.motion = &motion;
+  const auto a = simulate(servos, drive, windows, options),
+             b = simulate(gears, drive, windows, options), c = simulate(servos, drive, windows);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    EXPECT_TRUE(std::ranges::equal(a[w].of(a[w].q, 2), b[w].of(b[w].q, 2)));
+    EXPECT_TRUE(std::ranges::equal(a[w].of(a[w].pwm, 2), b[w].of(b[w].pwm, 2)));
+    EXPECT_FALSE(std::ranges::equal(a[w].of(a[w].q, 0), b[w].of(b[w].q, 0)));
+    EXPECT_FALSE(std::ranges::equal(a[w].of(a[w].q, 2), c[w].of(c[w].q, 2))) << "remembers";
+  }
+}
+
 TEST(TreeDynamics, AgreesWithTheGeneralDynamicsOfTheController) {
   // two derivations: composite bodies about the base origin here, recursion in link frames there
   const ModelFolder model = test::arm("actuator = \"passive\"\n");
