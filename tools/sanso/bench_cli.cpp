@@ -10,6 +10,7 @@
 #include "tools/bench/bench_tick.h"
 #include "tools/bench/mpc/bench_mpc.h"
 #include "tools/campaign/campaign.h"
+#include "tools/campaign/falls.h"
 #include "tools/campaign/soak.h"
 #include "tools/sanso/commands.h"
 #include "tools/sanso/loop_study.h"
@@ -105,6 +106,23 @@ void add_faults(CLI::App& bench, int& result) {
   command->callback([o, &result] { result = campaign::bench_faults(*o); });
 }
 
+void add_falls(CLI::App& bench, int& result) {
+  auto o = std::make_shared<campaign::FallOptions>();
+  CLI::App* command = bench.add_subcommand(
+      "falls", "a robot pushed over, its limbs drawn in before the impact and not");
+  command->add_flag("--json", o->json, "falls as JSON");
+  command->add_option("--directions", o->directions, "of the push, around the robot")
+      ->check(CLI::Range(1, 360))
+      ->capture_default_str();
+  command->add_option("--push-N", o->push_N, "at the torso, for 0.15 s")
+      ->check(CLI::Range(0.0, 500.0))
+      ->capture_default_str();
+  command->add_option("--seed", o->seed, "of the emulated robots")->capture_default_str();
+  command->add_option("--world", o->world, "of the robot")->capture_default_str();
+  command->footer("Example:\n  sanso bench falls --directions 8 --push-N 80");
+  command->callback([o, &result] { result = campaign::bench_falls(*o); });
+}
+
 void add_soak(CLI::App& bench, int& result) {
   auto o = std::make_shared<campaign::SoakOptions>();
   CLI::App* command =
@@ -156,6 +174,7 @@ void add_bench(CLI::App& app, int& result) {
   add_mpc(*bench, result);
   add_loop(*bench, result);
   add_faults(*bench, result);
+  add_falls(*bench, result);
   add_soak(*bench, result);
   add_page(*bench, result);
   for (const Bench& b : kBenches) add_simple(*bench, b, result);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/campaign/campaign.h"
+#include "tools/campaign/falls.h"
 #include "tools/campaign/run_scenario.h"
 #include "tools/campaign/soak.h"
 
@@ -36,6 +37,17 @@ TEST(Campaign, EveryCellRunsInEveryMotionUnderANameOfItsOwn) {
   EXPECT_GE(names.size(), 60u);
   EXPECT_EQ(words.size(), 7u) << "each word occurs";
   EXPECT_EQ(directions.size(), 3u);
+}
+
+TEST(Falls, APushOverEndsLimpAndNoPushIsNoFall) {
+  FallOptions options;
+  options.push_N = 0.0;
+  EXPECT_FALSE(fall(options, 0.0, 0.2).fell);
+  options.push_N = 80.0;
+  const Fall over = fall(options, 1.5, 0.2);
+  EXPECT_TRUE(over.fell);
+  EXPECT_GT(over.speed_m_s, 0.1);
+  EXPECT_GE(over.released_s, 0.0) << "torque goes after a fall";
 }
 
 TEST(Campaign, TheJudgeSeesEachDefect) {
