@@ -3,6 +3,7 @@
 
     campaign.py learning FOLDER --figures docs/results/figures     FOLDER holds one session folder each, with summary.json
     campaign.py ablation FOLDER --figures docs/results/figures
+    campaign.py motions FOLDER --figures docs/results/figures      one session of each motion: one table, cost and loss over trials
     campaign.py long SESSION --figures docs/results/figures        one long session
     campaign.py predictions predictions.json --figures docs/results/figures
     campaign.py pushes FILE... --figures docs/results/figures      pushes.json of `sanso-sweep pushes`
@@ -17,7 +18,8 @@ import pathlib
 import statistics
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"]  # Okabe and Ito
-MOTIONS = ["stand", "sway", "squat", "one_leg", "walk_forward", "walk_backward", "sidestep", "jog"]
+MOTIONS = ["stand", "sway", "squat", "one_leg", "walk_forward", "walk_backward", "sidestep", "jog",
+           "skate_ramp", "skate_jump"]
 
 
 def load(folder):
@@ -162,6 +164,24 @@ def learning(args):
     write(args.figures / "learning_curves.svg", charts)
 
 
+def mean_of(its, key):
+    values = [i[key] for i in its if i[key] is not None]
+    return statistics.fmean(values) if values else math.nan
+
+
+def motions(args):
+    sessions = load(args.inputs[0])
+    print("| motion | world | trials | succeeded | of the last 20 | first success | first cost | best cost | N-step loss, last ten: initial -> used | broken in the last 20 |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
+    for s in sessions:
+        its = s["iterations"]
+        first = next((str(i["trial"] + 1) for i in its if i["succeeded"]), "-")
+        print(f'| {s["motion"]} | {s["world"].split("+")[0]} | {len(its)} | {sum(i["succeeded"] for i in its)} | {sum(i["succeeded"] for i in its[-20:])} | {first} | '
+              f'{its[0]["cost"]:.3g}{" (failed)" if its[0]["failed"] else ""} | {best_cost(its):.3g} | '
+              f'{mean_of(its[-10:], "model_loss_initial"):.3g} -> {mean_of(its[-10:], "model_loss"):.3g} | {broken_in(its[-20:])} |')
+    write(args.figures / "motions_cost.svg", [curves(s, "cost", "cost J", s["motion"]) for s in sessions])
+
+
 def groups_of(sessions):
     groups = {}
     for s in sessions:
@@ -276,11 +296,11 @@ def predictions(args):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["learning", "ablation", "long", "predictions", "pushes"])
+    parser.add_argument("what", choices=["learning", "motions", "ablation", "long", "predictions", "pushes"])
     parser.add_argument("inputs", nargs="+")
     parser.add_argument("--figures", type=pathlib.Path, default=pathlib.Path("docs/results/figures"))
     args = parser.parse_args()
-    {"learning": learning, "ablation": ablation, "long": long_session, "predictions": predictions,
+    {"learning": learning, "motions": motions, "ablation": ablation, "long": long_session, "predictions": predictions,
      "pushes": pushes}[args.what](args)
 
 
