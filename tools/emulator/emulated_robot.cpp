@@ -113,7 +113,13 @@ struct EmulatedRobot::Impl {
     if (body.steps() % loop_steps == 0) run_servos();
     plant::Vec3 force = now >= push_start && now < push_stop ? push_force : plant::Vec3{};
     if (hand.there()) force = force + hand.force(now, body.base(), !body.held());
-    body.set_push(force, now >= push_start && now < push_stop ? push_torque : plant::Vec3{});
+    plant::Vec3 torque = now >= push_start && now < push_stop ? push_torque : plant::Vec3{};
+    if (support.strength > 0.0 && !body.held()) {
+      const SupportWrench wrench = wrench_of(support, body.base());
+      force = force + wrench.force_in_world;
+      torque = torque + wrench.torque_in_world;
+    }
+    body.set_push(force, torque);
     body.step();
     if (body.steps() % 2 == 0) run_sensors();
   }
@@ -190,6 +196,7 @@ struct EmulatedRobot::Impl {
   Nanoseconds legs_hold_since = 0;
   plant::Vec3 last_velocity{};
   Hand hand;
+  Support support;
   plant::Vec3 push_force{}, push_torque{};
   Nanoseconds push_start = 0, push_stop = 0;
 };
@@ -255,6 +262,7 @@ void EmulatedRobot::push(const plant::Vec3& force_in_world, const plant::Vec3& t
 }
 
 void EmulatedRobot::lend_hand(const Push& push) { impl_->hand.lend(push); }
+void EmulatedRobot::support(const Support& support) { impl_->support = support; }
 void EmulatedRobot::push_off() { impl_->hand.push_off(impl_->now); }
 
 void EmulatedRobot::set_up(const ServoSetup& setup) {

@@ -19,6 +19,7 @@
 #include "shared/base/time.h"
 #include "tools/emulator/fault_plan.h"
 #include "tools/emulator/hand.h"
+#include "tools/emulator/support.h"
 #include "tools/plant/world.h"
 
 namespace sanso::emulator {
@@ -123,6 +124,9 @@ class EmulatedRobot {
   /// push_off(), then pushes it and lets go.
   void lend_hand(const Push& push);
   void push_off();
+
+  /// A hand that holds the torso on its way, until changed; it acts once nobody holds the base.
+  void support(const Support& support);
 
   /// Presses (or releases) OpenCR's buttons: bits of servo_bus::opencr::kButton*.
   void press(std::uint8_t buttons);
