@@ -1,7 +1,7 @@
 // A hand that holds the torso while its motion is recorded: spring and damper toward a pose that
 // travels along (a carriage), limited, weakened by a strength from 0 to 1.
 //
-//   F = strength clip(k (p_carriage - p) + d (v_carriage - v))      axes of the carriage, then world
+//   F = strength clip(k (p_carriage - p) + d (v_carriage - v))   axes of the carriage, then world
 //   T = strength clip(k_turn log(quat_carriage quat*) - d_turn w)   world
 #pragma once
 

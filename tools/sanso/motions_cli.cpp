@@ -9,9 +9,11 @@
 
 #include "host/motion/make/compose.h"
 #include "host/motion/make/import.h"
+#include "host/motion/make/oscillators.h"
 #include "host/motion/make/skate.h"
 #include "host/motion/motion.h"
 #include "shared/files/atomic_file.h"
+#include "tools/inprocess/record_motion.h"
 #include "tools/report/motion_page.h"
 #include "tools/sanso/commands.h"
 #include "tools/session_report/replay.h"
@@ -162,6 +164,55 @@ void add_new(CLI::App& motions) {
   command->callback([options] { compose(*options); });
 }
 
+struct RecordOptions {
+  fs::path recipe, out = ".";
+  std::string name, world = "lab", ground;
+  bool example = false;
+};
+
+void record(const RecordOptions& options) {
+  if (options.example) {
+    fmt::print("{}", motion::kExampleRecordRecipe);
+    return;
+  }
+  if (options.recipe.empty() || options.name.empty())
+    throw std::runtime_error(
+        "sanso motions record: expected NAME and --recipe FILE; --example prints a recipe");
+  std::ifstream in(options.recipe);
+  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const motion::RecordRecipe recipe = motion::parse_record_recipe(text, options.recipe.string());
+  const inprocess::RecordedMotion made =
+      inprocess::record_motion(recipe, motion::MotionLibrary().load(recipe.like), options.name,
+                               options.world, options.ground);
+  const fs::path file = write_with_page(made.motion, options.out);
+  const double deg = 57.29578;
+  fmt::print(
+      "{}: {:.2f} s recorded, joints up to {:.2f} deg off their targets; primitives within {:.2f} "
+      "deg\n  and {:.2f} mm of the robot, fastest joint {:.2f} rad/s, joint limits {:.0f} deg "
+      "away\nmotion: {}\n",
+      options.name, made.robot.duration_s(), deg * made.largest_lag_rad, deg * made.fit.joint_rad,
+      1e3 * made.fit.position_m, made.peak_joint_speed, deg * made.joint_margin_rad, file.string());
+  fmt::print("next: SANSO_MOTIONS={} sanso learn --motion {} --iterations 10 --out runs/{}\n",
+             options.out.string(), options.name, options.name);
+}
+
+void add_record(CLI::App& motions) {
+  auto options = std::make_shared<RecordOptions>();
+  CLI::App* command = motions.add_subcommand(
+      "record", "record a motion from the emulated robot, moved by oscillators, held by a hand");
+  command->add_option("NAME", options->name, "name of the motion");
+  command->add_option("--recipe", options->recipe, "TOML (docs/motions.md)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--world", options->world, "of the emulated robot")->capture_default_str();
+  command->add_option("--ground", options->ground, "profile (default: the motion's)");
+  command->add_option("--out", options->out, "folder")->capture_default_str();
+  command->add_flag("--example", options->example, "print a recipe to begin with");
+  command->footer(
+      "Examples:\n  sanso motions record --example > coast.toml\n"
+      "  sanso motions record coast --recipe coast.toml --out my_motions");
+  command->callback([options] { record(*options); });
+}
+
 }  // namespace
 
 void add_motions(CLI::App& app, int& result) {
@@ -185,6 +236,7 @@ void add_motions(CLI::App& app, int& result) {
   clip->add_option("--out", options->out, "folder (default: the library)");
   clip->callback([options] { import_clip(*options); });
   add_new(*command);
+  add_record(*command);
   add_skate(*command);
   command->callback([json, command, &result] {
     if (command->get_subcommands().empty()) list_motions(*json);

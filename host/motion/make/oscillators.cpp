@@ -67,7 +67,13 @@ amplitude_deg = { r_hip_roll = 2, l_hip_roll = 2, r_ank_roll = -2, l_ank_roll = 
 [[oscillator]]         # up and down: the trunk keeps its attitude
 frequency_Hz = 0.5
 lag_deg = 90
-amplitude_deg = { r_hip_pitch = 2, r_knee = -4, r_ank_pitch = -2, l_hip_pitch = -2, l_knee = 4, l_ank_pitch = 2 }
+[oscillator.amplitude_deg]
+r_hip_pitch = 2
+r_knee = -4
+r_ank_pitch = -2
+l_hip_pitch = -2
+l_knee = 4
+l_ank_pitch = 2
 )";
 
 RecordRecipe parse_record_recipe(const std::string& text, const std::string& file) {

@@ -21,7 +21,7 @@ struct Oscillator {
   model::Input amplitude_rad = model::Input::Zero();  // negative: in antiphase
 };
 
-/// A recording's recipe (TOML; kExampleRecordRecipe). No command reads one yet.
+/// A recording's recipe (TOML; kExampleRecordRecipe), which `sanso motions record` reads.
 struct RecordRecipe {
   std::string like;         // posture, ground, weights and clauses are this motion's
   bool rhythmic = false;    // whole cycles are cut, else the whole episode is one
