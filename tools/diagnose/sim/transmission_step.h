@@ -198,7 +198,7 @@ inline GearForces<T> gear_forces(const JointParams& joint, const ServoOutputOf<T
   if (!is_none(joint.gear_error))
     motor = (1.0 - ripple_slope(joint.gear_error, at.q_half)) * servo.torque;
   T viscous = (joint.nominal.viscous + joint.viscous) * thermal_factor(joint, at.warming);
-  if (joint.viscous_difference != 0.0) viscous += with_sign(T(abs_of(joint.viscous_difference)), y);
+  if (joint.viscous_difference != 0.0) viscous += joint.viscous_difference * with_sign(T(1.0), y);
   GearForces<T> out{motor - viscous * y, viscous + servo.back_emf_damping, T(0.0), {}};
   // the servo's own feedback closes on the same mass
   if (!part.two_mass || joint.encoder_at_motor) {

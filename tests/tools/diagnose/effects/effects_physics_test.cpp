@@ -167,6 +167,19 @@ TEST(FrictionAtRest, IsWhatTheFormulaGives) {
       << "no torque limit, no full output: no dead zone";
 }
 
+TEST(AsymmetricFriction, IsItsMirrorTheOtherWayRound) {
+  ModelFolder model = test::pendulum("actuator = \"passive\"\nviscous = 0.05\n");
+  model.gravity = {0, 0, 0};
+  const Drive drive = make_test_drive(model, 1.0, 0.01, [](int, double) { return 0.0; });
+  const auto coasts = [&](double difference, double speed) {
+    const SimParams params = with(model, "asymmetric_friction", {0.0, difference});
+    return simulate(params, drive, std::vector{whole(drive, {0.0}, {speed})})[0].q.back();
+  };
+  EXPECT_LT(coasts(0.02, 1.0), 0.9 * coasts(-0.02, 1.0));
+  EXPECT_DOUBLE_EQ(coasts(0.02, 1.0), -coasts(-0.02, -1.0));
+  EXPECT_DOUBLE_EQ(coasts(-0.02, 1.0), -coasts(0.02, -1.0));
+}
+
 TEST(ServoProfile, IsATrapezoid) {
   ModelFolder model =
       test::pendulum("actuator = \"position_pd\"\nkp = 2000\nkd = 20\ntorque_limit = 0\n");
