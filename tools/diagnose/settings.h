@@ -243,6 +243,7 @@ struct Settings {
   EffortSettings effort;
   BaseSettings base;
   WholeSettings whole;
+  StanceSettings stance;
   /// Calls section(name, struct) for every group, in the order of the settings page.
   template <class Section>
   void visit(Section&& section) {
@@ -257,6 +258,7 @@ struct Settings {
     section("effort", effort);
     section("base", base);
     section("whole", whole);
+    section("stance", stance);
   }
 };
 

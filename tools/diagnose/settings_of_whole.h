@@ -53,6 +53,52 @@ struct BaseSettings {
   }
 };
 
+/// How drives and links of a standing robot are compared.
+struct StanceSettings {
+  double window = 0.1;
+  double creeping = 0.05;
+  double torque_noise = 0.02;
+  double drive_share = 0.05;
+  double force_noise = 0.2;
+  double held_friction = 0.3;
+  double acceleration_noise = 0.5;
+  double acceleration = 0.3;
+  double acc_bias = 0.1;
+  double moment = 0.003;
+  double back_emf = 0.3;
+  double coulomb = 0.02;
+  double centre = 0.004;
+  double most_place = 0.05;
+  int maximum_terms = 6;
+  template <class Field>
+  void visit(Field&& field) {
+    field("window", window, "s", 0.02, 1.0, "means over which torques and motion are compared");
+    field("creeping", creeping, "rad/s", 0.001, 1.0,
+          "slower, dry friction may be anything up to its size");
+    field("torque_noise", torque_noise, "N m", 0.0001, 1.0,
+          "of a joint's balance over a window: where weights begin, what is left corrects it");
+    field("drive_share", drive_share, "share", 0.0, 1.0,
+          "of a drive's torque and damping that no model knows");
+    field("force_noise", force_noise, "N", 0.001, 10.0, "the same of the base");
+    field("held_friction", held_friction, "N m", 0.001, 10.0,
+          "that a joint which stands still may be held by");
+    field("acceleration_noise", acceleration_noise, "rad/s^2", 0.001, 100.0,
+          "of a joint's acceleration over a window");
+    field("acceleration", acceleration, "share", 0.0, 2.0,
+          "of a joint's acceleration that smoothing may take");
+    field("acc_bias", acc_bias, "m/s^2", 0.001, 5.0,
+          "by which the felt vertical may be off, in the balance of the whole");
+    field("moment", moment, "m", 0.0001, 0.1, "by which a stated centre of mass may be off");
+    field("back_emf", back_emf, "share", 0.01, 1.0,
+          "of a drive's damping that may be mechanical instead of electrical");
+    field("coulomb", coulomb, "N m", 0.0001, 1.0, "of dry friction that nobody states");
+    field("centre", centre, "m", 0.0001, 0.1, "within which a centre of mass is stated");
+    field("most_place", most_place, "kg m", 0.001, 10.0,
+          "first moment about the centre of mass that a payload has: how far out it may sit");
+    field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
+  }
+};
+
 /// What the questions to a floating base take for standing, falling, turning; and tolerances.
 struct WholeSettings {
   double clearance = 0.004;

@@ -54,10 +54,6 @@ void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answ
   if (body.model.tree.size() > 0)
     answers.cannot("sole_geometry", "no pressure under the soles was recorded");
   answers.cannot("rolling_resistance", "wheels only");
-  if (body.model.tree.size() > 0)
-    answers.notes.push_back(
-        "effects of the joints (friction, gains, delays) are not asked for on a floating base: "
-        "record the joints in a stand, base = \"fixed\"");
   const bool weighed = std::any_of(data.recordings.begin(), data.recordings.end(),
                                    [](const WholeRecording& r) { return !r.feet.empty(); });
   if (!weighed)
@@ -93,8 +89,8 @@ void ask_otherwise(const Asking& asking, const Known& before, WholeAnswers& answ
   if (fall != answers.numbers.end()) fallen = fall->second;
   for (const Choice& c : other_choices(asking, before, fallen)) {
     progress("asks again with " + c.name);
-    Asking other{c.body,           c.recordings,      c.known,    c.settings,
-                 asking.decisions, asking.tolerances, asking.seed};
+    Asking other{c.body,           c.recordings,      c.known,     c.settings,
+                 asking.decisions, asking.tolerances, asking.seed, asking.stance};
     WholeAnswers said;
     Patch none;
     ask_hits(other, said, none);
@@ -131,8 +127,8 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   const Known before = known;
   const auto asking = [&] {
     const Settings& s = options.settings;
-    return Asking{nominal,     data.recordings, known,       s.whole,
-                  s.decisions, s.tolerances,    options.seed};
+    return Asking{nominal,     data.recordings, known,        s.whole,
+                  s.decisions, s.tolerances,    options.seed, s.stance};
   };
   progress("asks: does it fall as gravity says?");
   ask_free_fall(asking(), answers, patch);
@@ -145,6 +141,10 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   ask_imu(asking(), answers, patch);
   progress("asks: do standing soles lie flat, and stay?");
   ask_soles(asking(), answers, patch);
+  if (body.model.tree.size() > 0) {
+    progress("asks: do drives, links and motion agree?");
+    ask_drives(asking(), answers, patch);
+  }
   ask_otherwise(asking(), before, answers, progress);
   if (answers.asked == 0) return refused({nothing_to_ask(data, answers)});
   say_limits(data, body, answers);

@@ -51,6 +51,22 @@ BodyInertia& inertia_at(WholeBody& body, int joint) {
   return joint < 0 ? body.base : body.model.tree.joints[static_cast<std::size_t>(joint)].body;
 }
 
+bool of_drive(const std::string& effect) {
+  return effect == "servo_p_gain" || effect == "coulomb_friction" || effect == "viscous_friction";
+}
+
+void apply_drive(WholeBody& body, const EffectEntry& entry, const Reader& read) {
+  read.allow_only({"gain", "coulomb", "viscous"});
+  for (const std::string& joint : entry.where) {
+    const int j = body.model.tree.index_of(joint);
+    if (j < 0) read.fail("unknown joint", joint, "a joint of the URDF");
+    JointSettings& s = body.model.joints[static_cast<std::size_t>(j)];
+    const double gain = read.number("gain", 1.0);
+    s.kp *= gain, s.p_gain *= gain;
+    s.coulomb += read.number("coulomb", 0.0), s.viscous += read.number("viscous", 0.0);
+  }
+}
+
 void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
   const Reader read(body, entry);
   if (entry.id == "link_mass") {
@@ -71,6 +87,8 @@ void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
                             {read.number("x", 0), read.number("y", 0), read.number("z", 0)},
                             {}};
     add_body(inertia_at(body, place.joint), moved(point, place.R_joint_link, place.p_joint_link));
+  } else if (of_drive(entry.id)) {
+    apply_drive(body, entry, read);
   } else if (entry.id == "pose_scale") {
     read.allow_only({"scale"});
     known.pose_scale = read.number("scale", 1.0);
@@ -90,8 +108,8 @@ void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
     rotation[0] = read.number("x", 0), rotation[1] = read.number("y", 0);
   } else {
     read.fail("effect not simulated on a floating base", entry.id,
-              "link_mass, link_com, payload, pose_scale, pose_tilt, foot_force_scale, imu_bias or "
-              "ground_slope");
+              "link_mass, link_com, payload, pose_scale, pose_tilt, foot_force_scale, imu_bias, "
+              "ground_slope, servo_p_gain, coulomb_friction or viscous_friction");
   }
 }
 
@@ -111,6 +129,19 @@ double had(const WholeBody& body, const std::string& id, const std::string& name
     if (e.id == id && e.parameters.contains(name)) return e.parameters.at(name);
   }
   return 0.0;
+}
+
+/// On top of what the model says of the same joints: gains multiply, frictions add.
+void put_drive(WholeBody& body, EffectEntry entry) {
+  for (const EffectEntry& e : body.model.effects) {
+    if (e.id != entry.id || e.where != entry.where) continue;
+    for (auto& [name, value] : entry.parameters) {
+      if (!e.parameters.contains(name)) continue;
+      const double before = e.parameters.at(name);
+      value = name == "gain" ? value * before : value + before;
+    }
+  }
+  put(body, std::move(entry));
 }
 
 /// Roll, pitch, yaw about fixed axes.
@@ -165,6 +196,7 @@ WholeBody patched(const WholeBody& body, const Patch& patch) {
          {{"x", (*more)[0] + had(body, effect, "x")}, {"y", (*more)[1] + had(body, effect, "y")}},
          0});
   };
+  for (const EffectEntry& entry : patch.entries) put_drive(out, entry);
   lean("ground_slope", patch.slope), lean("pose_tilt", patch.pose_tilt);
   if (patch.gyro_bias || patch.acc_bias) {
     const V3 g = patch.gyro_bias.value_or(V3::Zero()), a = patch.acc_bias.value_or(V3::Zero());

@@ -29,6 +29,7 @@ struct Asking {
   DecisionSettings decisions;
   ToleranceSettings tolerances;
   unsigned long seed = 1;
+  StanceSettings stance = {};
   Chance chance() const { return {settings, decisions, seed}; }
   // group of a moment: the recording where there are several, else a piece of it
   int group_of(std::size_t recording, double seconds_since_start) const;
@@ -39,6 +40,7 @@ struct Patch {
   std::optional<double> friction, restitution, pose_scale, mass_share;
   std::optional<V3> imu_turn, acc_bias, gyro_bias;  // turn: recorded axes from assumed ones, rad
   std::optional<V2> slope, pose_tilt;               // beside what is known, rad
+  std::vector<EffectEntry> entries;                 // of drives and links, beside what is known
 };
 
 /// Whether a flight is one: a robot in somebody's hands, or on a stand, touches nothing either.
@@ -58,6 +60,9 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch);
 std::optional<LeanFit> imu_vertical(const Asking& asking);
 /// Standing soles against the vertical and against slip.
 void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch);
+
+/// Drives and links against each other: position loop, currents, motion.
+void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch);
 
 /// Reads the model's [[effect]] entries into `body` (masses) and what is returned. Throws
 /// files::InputError for an effect that a floating base cannot have here.

@@ -81,6 +81,21 @@ void set_joints(const recording::Recording& r, const WholeBody& body, WholeRecor
   }
 }
 
+/// One row a joint; nothing unless every joint has that column.
+Eigen::MatrixXd of_all_joints(const recording::Recording& r, const WholeBody& body,
+                              const std::string& kind) {
+  const RobotTree& tree = body.model.tree;
+  Eigen::MatrixXd out(tree.size(), static_cast<Eigen::Index>(r.rows()));
+  for (int j = 0; j < tree.size(); ++j) {
+    const auto column = r.find(kind + tree.joints[static_cast<std::size_t>(j)].name);
+    if (column.empty()) return {};
+    std::vector<double> x(column.begin(), column.end());
+    hold(x);
+    for (std::size_t k = 0; k < x.size(); ++k) out(j, static_cast<Eigen::Index>(k)) = x[k];
+  }
+  return out;
+}
+
 void set_feet(const recording::Recording& r, const WholeBody& body, WholeRecording& out) {
   for (const recording::Channel& c : r.channels) {
     if (!c.name.starts_with("fz:")) continue;
@@ -118,6 +133,9 @@ WholeRecording converted(const recording::Recording& r, const WholeBody& body,
   }
   out.gyro = !out.imu_gyro.empty();
   set_joints(r, body, out);
+  out.u = of_all_joints(r, body, "u:"), out.i = of_all_joints(r, body, "i:");
+  out.commands = out.u.size() > 0 && of_all_joints(r, body, "q:").size() > 0;
+  out.current = out.i.size() > 0;
   set_feet(r, body, out);
   return out;
 }

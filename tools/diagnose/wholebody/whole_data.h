@@ -32,6 +32,9 @@ struct WholeRecording {
   std::vector<V3> w;                  // base axes, rad/s: as recorded, else from R
   std::vector<V3> imu_acc, imu_gyro;  // IMU axes; NaN = not sampled
   Eigen::MatrixXd q;                  // joints x rows; those not recorded at rest
+  bool commands = false;              // every joint has q and u
+  bool current = false;               // every joint has i
+  Eigen::MatrixXd u, i;               // joints x rows: goals, rad; A
   std::vector<FootForce> feet;
   double interval = 0.01;  // s, median
 

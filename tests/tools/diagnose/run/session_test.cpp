@@ -15,6 +15,7 @@
 #include "tests/support/temp_folder.h"
 #include "tools/diagnose/run/planner_model.h"
 #include "tools/diagnose/run/session_recordings.h"
+#include "tools/diagnose/wholebody/diagnose_whole.h"
 #include "tools/diagnose/wholebody/kinematics.h"
 #include "tools/inprocess/inprocess_access.h"
 #include "tools/recording/csv_reader.h"
@@ -257,6 +258,58 @@ void run_session(const fs::path& folder, const std::string& world) {
   settings.bring_up.on = false;
   learn::Session session({"stand", stand.primitives, stand.weights, {}}, settings, robot, upper);
   session.run([](const learn::TrialSummary&) {});
+}
+
+const Finding* drive_finding(const Verdict& v) {
+  for (const Finding& f : v.findings)
+    if (f.family == "electrical" || f.family == "friction") return &f;
+  return nullptr;
+}
+
+/// What four squats of a robot say whose servos are not what the planner believes.
+Verdict of_squats(const fs::path& folder, const fs::path& out, const std::string& servo) {
+  const fs::path world = folder.parent_path() / "hidden.toml";
+  std::ofstream(world) << "name = \"hidden\"\n[servo]\nviscous_Nms_rad = 0.15\n" << servo;
+  const motion::Motion squat = motion::MotionLibrary().load("squat");
+  inprocess::InProcessAccess robot(world.string());
+  mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
+  learn::SessionSettings settings;
+  settings.iterations = 4;
+  settings.out = folder;
+  settings.world = "hidden";
+  settings.bring_up.on = false;
+  learn::Session session({"squat", squat.primitives, squat.weights, {}}, settings, robot, upper);
+  session.run([](const learn::TrialSummary&) {});
+  DiagnoseOptions options;
+  options.out = out.string(), options.quiet = true;
+  use_session(folder, options);
+  WholeOptions whole;
+  whole.model = options.model, whole.recordings = options.recordings;
+  return diagnose_whole(whole, [](const std::string&) {}).verdict;
+}
+
+TEST_F(Session, OfAPlannersOwnRobotAccusesNoDrive) {
+  const Verdict v = of_squats(folder, out, "");
+  EXPECT_EQ(drive_finding(v), nullptr) << v.answer;
+}
+
+TEST_F(Session, NamesADriveThatIsSofter) {
+  const Verdict v = of_squats(folder, out, "p_divisor = 170.0\n");  // 128 / 170 = 0.753
+  const Finding* f = drive_finding(v);
+  ASSERT_NE(f, nullptr) << v.answer;
+  EXPECT_EQ(f->effect, "servo_p_gain");
+  EXPECT_EQ(f->where.size(), static_cast<std::size_t>(model::kNumJoints));
+  EXPECT_EQ(f->status, VerdictStatus::confirmed);
+  EXPECT_NEAR(f->parameters.at("gain").value, 128.0 / 170.0, 0.02);
+}
+
+TEST_F(Session, NamesDryFrictionAndNoTurnedImu) {
+  const Verdict v = of_squats(folder, out, "coulomb_Nm = 0.3\n");
+  const Finding* f = drive_finding(v);
+  ASSERT_NE(f, nullptr) << v.answer;
+  EXPECT_EQ(v.findings.size(), 1u) << v.answer;
+  EXPECT_EQ(f->effect, "coulomb_friction");
+  EXPECT_NEAR(f->parameters.at("coulomb").value, 0.3, 0.03);
 }
 
 TEST_F(Session, IsDiagnosedAsItIs) {

@@ -1,0 +1,316 @@
+// Forward by the largest gain; every step has to predict other recordings and other parts of the
+// motion.
+#include "tools/diagnose/wholebody/drive_choice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <set>
+
+#include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/stats/random.h"
+#include "tools/diagnose/stats/significance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+using Terms = std::vector<const DriveTerm*>;
+constexpr int kParts = 3;  // of the groups; each is left out once
+
+Terms plus(Terms terms, const DriveTerm* more) {
+  terms.push_back(more);
+  return terms;
+}
+Terms without(Terms terms, const DriveTerm* less) {
+  std::erase(terms, less);
+  return terms;
+}
+
+/// One way of cutting the rows, with what is fitted when a third is left out.
+struct Way {
+  const std::vector<Normal>* groups = nullptr;
+  std::vector<std::unique_ptr<Eliminated>> fitted;
+  /// Squared deviations of every group, predicted by the other thirds.
+  std::vector<double> left_out(const Terms& terms) const {
+    std::vector<double> out(groups->size());
+    for (std::size_t part = 0; part < fitted.size(); ++part) {
+      const Eigen::VectorXd figures = fitted[part]->fit(terms).figures;
+      for (std::size_t g = part; g < groups->size(); g += fitted.size())
+        out[g] = (*groups)[g].loss(figures);
+    }
+    return out;
+  }
+};
+
+double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
+
+class Chooser {
+ public:
+  Chooser(const Asking& asking, const DriveRows& rows)
+      : asking_(asking),
+        rows_(rows),
+        terms_(drive_terms(asking, rows)),
+        nuisances_(drive_nuisances(asking, rows)) {}
+
+  DriveChoice run() {
+    constexpr int kRounds = 3;
+    Eigen::VectorXd figures = Eigen::VectorXd::Zero(rows_.columns.count());
+    for (int round = 0; round < kRounds; ++round) {
+      weigh(figures);
+      figures = all_->fit(taken_).figures;
+      weigh(figures);
+      const Terms before = taken_;
+      taken_.clear();
+      while (static_cast<int>(taken_.size()) < asking_.stance.maximum_terms && forward()) {
+      }
+      backward();
+      figures = all_->fit(taken_).figures;
+      if (taken_ == before && round > 0) break;
+    }
+    return judged();
+  }
+
+ private:
+  void weigh(const Eigen::VectorXd& figures) {
+    groups_ = weighed(rows_, figures, asking_.settings.imu_outlier);
+    all_ = std::make_unique<Eliminated>(groups_.all, nuisances_);
+    ways_.clear();
+    for (const std::vector<Normal>& groups : groups_.by) {
+      Way way{&groups, {}};
+      for (std::size_t part = 0; part < kParts; ++part) {
+        Normal fitted(rows_.columns.count());
+        for (std::size_t g = 0; g < groups.size(); ++g)
+          if (g % kParts != part) fitted.add(groups[g]);
+        way.fitted.push_back(std::make_unique<Eliminated>(fitted, nuisances_));
+      }
+      ways_.push_back(std::move(way));
+    }
+  }
+
+  struct Gain {
+    double share = 0.0, low = 0.0;  // of the left-out error of `less`; the least of all ways
+  };
+  Gain gain(const Terms& less, const Terms& more) const {
+    Gain out{1e300, 1e300};
+    for (const Way& way : ways_) {
+      const std::vector<double> a = way.left_out(less), b = way.left_out(more);
+      std::vector<double> gained;
+      for (std::size_t g = 0; g < a.size(); ++g) gained.push_back(a[g] - b[g]);
+      const double all = std::max(sum(a), 1e-300);
+      const DecisionSettings& d = asking_.decisions;
+      const double low =
+          moving_block_lower_bound(gained, d.gain_level, d.gain_draws, Random(asking_.seed, 41));
+      out.share = std::min(out.share, sum(gained) / all), out.low = std::min(out.low, low / all);
+    }
+    return out;
+  }
+
+  bool open(const DriveTerm& t) const {
+    return std::none_of(taken_.begin(), taken_.end(), [&](const DriveTerm* other) {
+      const bool links = t.family == "mass" && other->family == "mass";
+      return other->where == t.where && (other->effect == t.effect || links);
+    });
+  }
+
+  /// No limit stops a coefficient, and what is missing is beyond its tolerance.
+  bool plausible(const Terms& terms, const DriveTerm& t) const {
+    const Eliminated::Fit fit = all_->fit(terms);
+    Eigen::Index at = 0;
+    for (const DriveTerm* other : terms) {
+      if (other == &t) break;
+      at += other->size();
+    }
+    double size = 0.0;
+    for (int i = 0; i < t.size(); ++i) {
+      const double x = fit.x[at + i];
+      const bool nothing = t.low[static_cast<std::size_t>(i)] == 0.0 && x <= 0.0;
+      const double low = t.low[static_cast<std::size_t>(i)],
+                   high = t.high[static_cast<std::size_t>(i)];
+      if (nothing || x >= high || (low < 0.0 && x <= low)) return false;
+      size = t.carried && i > 0 ? size : std::hypot(size, x);
+    }
+    return size > t.tolerance;
+  }
+
+  std::vector<const DriveTerm*> by_gain() const {
+    const double before = all_->fit(taken_).gain;
+    std::vector<double> gains(terms_.size(), 0.0);
+    parallel_for(terms_.size(), [&](std::size_t i) {
+      if (open(terms_[i])) gains[i] = all_->fit(plus(taken_, &terms_[i])).gain - before;
+    });
+    std::vector<std::size_t> order(terms_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return gains[a] > gains[b]; });
+    std::vector<const DriveTerm*> out;
+    for (const std::size_t i : order) {
+      if (!(gains[i] > 0.0) || static_cast<int>(out.size()) >= asking_.decisions.rivals) break;
+      if (plausible(plus(taken_, &terms_[i]), terms_[i])) out.push_back(&terms_[i]);
+    }
+    return out;
+  }
+
+  bool pays(const Terms& less, const Terms& more) const {
+    const Gain g = gain(less, more);
+    return g.low > 0.0 && g.share >= asking_.decisions.minimum_share;
+  }
+
+  /// Whether every kind of row scatters by no more than was known beforehand.
+  bool adequate() const {
+    const std::vector<double> left = left_by_channel(rows_, all_->fit(taken_).figures);
+    return std::all_of(left.begin(), left.end(), [](double rms) { return rms <= 1.0; });
+  }
+
+  bool forward() {
+    if (adequate()) return false;
+    const std::vector<const DriveTerm*> best = by_gain();
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      if (!pays(taken_, plus(taken_, best[i]))) continue;
+      const DriveTerm* chosen = best[i];
+      // one with fewer numbers that predicts as well says the same with less
+      for (std::size_t k = i + 1; k < best.size(); ++k) {
+        if (best[k]->size() >= chosen->size() || !pays(taken_, plus(taken_, best[k]))) continue;
+        if (gain(plus(taken_, best[k]), plus(taken_, chosen)).low <= 0.0) chosen = best[k];
+      }
+      const Gain g = gain(taken_, plus(taken_, chosen));
+      taken_.push_back(chosen);
+      log_.push_back(fmt::format("+ {}: {:.1f} % of what is left [{:.1f}]", in_words(*chosen),
+                                 100 * g.share, 100 * g.low));
+      return true;
+    }
+    return false;
+  }
+
+  void backward() {
+    for (std::size_t i = 0; i < taken_.size();) {
+      const DriveTerm* t = taken_[i];
+      if (gain(without(taken_, t), taken_).low > 0.0 && plausible(taken_, *t)) {
+        ++i;
+        continue;
+      }
+      log_.push_back("- " + in_words(*t));
+      taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i)), i = 0;
+    }
+  }
+
+  /// Coefficients when whole groups are drawn anew, the way that scatters more.
+  Eigen::VectorXd deviations(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(x.size());
+    const int draws = asking_.decisions.bootstrap;
+    for (const Way& way : ways_) {
+      const int n = static_cast<int>(way.groups->size());
+      std::vector<Eigen::VectorXd> squares(static_cast<std::size_t>(draws));
+      parallel_for(static_cast<std::size_t>(draws), [&](std::size_t d) {
+        Random random(asking_.seed, 1000 + d);
+        std::vector<double> times(static_cast<std::size_t>(n), 0.0);
+        for (int k = 0; k < n; ++k) times[static_cast<std::size_t>(random.below(n))] += 1.0;
+        Normal drawn(rows_.columns.count());
+        for (std::size_t g = 0; g < times.size(); ++g)
+          if (times[g] > 0.0) drawn.add((*way.groups)[g], times[g]);
+        squares[d] = (Eliminated(drawn, nuisances_).fit(taken_).x - x).cwiseAbs2();
+      });
+      Eigen::VectorXd mean = Eigen::VectorXd::Zero(x.size());
+      for (const Eigen::VectorXd& s : squares) mean += s / draws;
+      out = out.cwiseMax((mean * n / std::max(1, n - 1)).cwiseSqrt());
+    }
+    return out;
+  }
+
+  DriveChoice judged() {
+    DriveChoice out;
+    out.log = log_, out.adequate = adequate();
+    const Eliminated::Fit fit = all_->fit(taken_);
+    const Eigen::VectorXd sigma = deviations(fit.x);
+    Eigen::Index at = 0;
+    for (const DriveTerm* t : taken_) {
+      JudgedDriveTerm j;
+      j.term = *t;
+      const Eigen::VectorXd x = fit.x.segment(at, t->size()), s = sigma.segment(at, t->size());
+      at += t->size();
+      read(*t, x, s, j);
+      const Gain g = gain(without(taken_, t), taken_);
+      j.share = g.share, j.share_low = g.low;
+      look_for_others(*t, j);
+      out.terms.push_back(std::move(j));
+    }
+    const double rows = static_cast<double>(rows_.channel.size());
+    const Way& way = ways_.front();
+    out.before = std::sqrt(sum(way.left_out({})) / rows);
+    out.after = std::sqrt(sum(way.left_out(taken_)) / rows);
+    return out;
+  }
+
+  /// Coefficients as numbers that a person reads, with what the size of it all is sure by.
+  static void read(const DriveTerm& t, const Eigen::VectorXd& x, const Eigen::VectorXd& s,
+                   JudgedDriveTerm& j) {
+    const Eigen::Index first = t.carried ? 1 : t.size();
+    j.size = x.head(first).norm();
+    j.sigma = std::sqrt(x.head(first).cwiseAbs2().dot(s.head(first).cwiseAbs2())) /
+              std::max(j.size, 1e-300);
+    for (Eigen::Index i = 0; i < t.size(); ++i) {
+      // a nominal model is wrong by its tolerances, which go into what is found
+      double value = x[i] + t.nothing, off = std::hypot(s[i], 0.5 * t.tolerance);
+      if (t.carried && i > 0) {
+        value = t.centre[i - 1] + x[i] / x[0];
+        off = std::hypot(s[i], s[0] * x[i] / x[0]) / x[0];
+      } else if (t.mass > 0.0) {
+        value /= t.mass, off /= t.mass;
+      }
+      j.parameters.push_back({value, value - 1.96 * off, value + 1.96 * off,
+                              t.units[static_cast<std::size_t>(i)], false});
+    }
+  }
+
+  /// What takes the place of t and is not beyond chance worse, and does most of what t does.
+  void look_for_others(const DriveTerm& t, JudgedDriveTerm& j) const {
+    const Terms rest = without(taken_, &t);
+    const double all = all_->fit(taken_).gain, none = all_->fit(rest).gain;
+    std::vector<char> found(terms_.size(), 0);
+    parallel_for(terms_.size(), [&](std::size_t i) {
+      const DriveTerm& r = terms_[i];
+      if (&r == &t || r.size() > t.size() ||
+          std::find(taken_.begin(), taken_.end(), &r) != taken_.end())
+        return;
+      const Terms other = plus(rest, &r);
+      const double does = all_->fit(other).gain - none;
+      if (does < asking_.decisions.stand_in_share * (all - none) || !plausible(other, r)) return;
+      found[i] = gain(other, taken_).low <= 0.0 ? 1 : 0;
+    });
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i]) continue;
+      if (terms_[i].effect == t.effect)
+        j.other_places.push_back(in_words(terms_[i]));
+      else
+        names.insert(terms_[i].effect);
+    }
+    j.equally_good.assign(names.begin(), names.end());
+  }
+
+  const Asking& asking_;
+  const DriveRows& rows_;
+  std::vector<DriveTerm> terms_;
+  DriveNuisances nuisances_;
+  DriveGroups groups_;
+  std::unique_ptr<Eliminated> all_;
+  std::vector<Way> ways_;
+  Terms taken_;
+  std::vector<std::string> log_;
+};
+
+}  // namespace
+
+DriveChoice choose_drive_terms(const Asking& asking, const DriveRows& rows) {
+  return Chooser(asking, rows).run();
+}
+
+std::string in_words(const DriveTerm& term) {
+  std::string places;
+  for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
+  return term.effect + " at " + places;
+}
+
+}  // namespace sanso::diagnose

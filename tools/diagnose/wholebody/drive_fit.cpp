@@ -1,0 +1,118 @@
+// Schur complement of the nuisances once, then a few unknowns at a time.
+#include "tools/diagnose/wholebody/drive_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/torque/bounded_least_squares.h"
+
+namespace sanso::diagnose {
+namespace {
+
+constexpr double kLeastScatter = 0.5;  // of what was known beforehand: a fit of noise is no proof
+constexpr int kFewestRecordings = 4;   // that are left out one by one; fewer are cut
+
+std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left) {
+  std::vector<std::vector<double>> by(static_cast<std::size_t>(rows.channels));
+  for (std::size_t i = 0; i < rows.channel.size(); ++i)
+    by[static_cast<std::size_t>(rows.channel[i])].push_back(
+        std::abs(left[static_cast<Eigen::Index>(i)]));
+  std::vector<double> out;
+  for (const auto& x : by)
+    out.push_back(std::max(kLeastScatter, x.empty() ? 1.0 : 1.4826 * median(x)));
+  return out;
+}
+
+}  // namespace
+
+double Normal::loss(const Eigen::VectorXd& figures) const {
+  return std::max(0.0, yy - 2.0 * c.dot(figures) + figures.dot(G * figures));
+}
+
+Eliminated::Eliminated(const Normal& normal, const DriveNuisances& nuisances)
+    : G_(normal.G), c_(normal.c), nuisances_(&nuisances) {
+  const Eigen::MatrixXd GN = G_ * nuisances.columns;
+  Eigen::MatrixXd A = nuisances.columns.transpose() * GN;
+  A.diagonal() += nuisances.precision;
+  back_ = A.llt().solve(nuisances.columns.transpose());
+  schur_ = G_ - GN * (back_ * G_);
+  reduced_ = c_ - GN * (back_ * c_);
+}
+
+Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) const {
+  Eigen::Index size = 0;
+  for (const DriveTerm* t : active) size += t->size();
+  Eigen::MatrixXd C(G_.rows(), size);
+  Eigen::VectorXd low(size), high(size);
+  Eigen::Index at = 0;
+  for (const DriveTerm* t : active) {
+    C.middleCols(at, t->size()) = t->columns;
+    for (int i = 0; i < t->size(); ++i, ++at)
+      low[at] = t->low[static_cast<std::size_t>(i)],
+      high[at] = t->high[static_cast<std::size_t>(i)];
+  }
+  const Eigen::MatrixXd S = C.transpose() * schur_ * C;
+  const Eigen::VectorXd r = C.transpose() * reduced_;
+  Fit out;
+  out.x = size > 0 ? bounded_least_squares(S, r, low, high) : Eigen::VectorXd(0);
+  out.gain = 2.0 * r.dot(out.x) - out.x.dot(S * out.x);
+  const Eigen::VectorXd terms = C * out.x;
+  out.figures = terms + nuisances_->columns * (back_ * (c_ - G_ * terms));
+  return out;
+}
+
+std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures) {
+  const Eigen::VectorXd left = rows.y - rows.X * figures;
+  std::vector<double> squares(static_cast<std::size_t>(rows.channels), 0.0), counts = squares;
+  for (std::size_t i = 0; i < rows.channel.size(); ++i) {
+    const auto c = static_cast<std::size_t>(rows.channel[i]);
+    squares[c] += std::pow(left[static_cast<Eigen::Index>(i)], 2), counts[c] += 1.0;
+  }
+  for (std::size_t c = 0; c < squares.size(); ++c)
+    squares[c] = std::sqrt(squares[c] / std::max(counts[c], 1.0));
+  return squares;
+}
+
+DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier) {
+  const Eigen::VectorXd left = rows.y - rows.X * figures;
+  const std::vector<double> scatter = scatter_of(rows, left);
+  const int recordings = *std::max_element(rows.recording.begin(), rows.recording.end()) + 1;
+  const int pieces = *std::max_element(rows.piece.begin(), rows.piece.end()) + 1;
+  const bool whole = recordings >= kFewestRecordings;
+  const Eigen::Index P = rows.X.cols();
+  DriveGroups out;
+  out.all = Normal(P);
+  out.by.assign(whole ? 2 : 1, {});
+  out.by.back().assign(static_cast<std::size_t>(pieces), Normal(P));
+  if (whole) out.by.front().assign(static_cast<std::size_t>(recordings), Normal(P));
+  // rows of one piece of one recording are together
+  for (std::size_t first = 0; first < rows.channel.size();) {
+    std::size_t last = first;
+    while (last < rows.channel.size() && rows.recording[last] == rows.recording[first] &&
+           rows.piece[last] == rows.piece[first])
+      ++last;
+    const auto a = static_cast<Eigen::Index>(first), n = static_cast<Eigen::Index>(last - first);
+    Eigen::MatrixXd X = rows.X.middleRows(a, n);
+    Eigen::VectorXd y = rows.y.segment(a, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double s =
+          scatter[static_cast<std::size_t>(rows.channel[first + static_cast<std::size_t>(i)])];
+      const double size = std::abs(left[a + i]) / s;
+      const double weight = std::sqrt(size > outlier ? outlier / size : 1.0) / s;
+      X.row(i) *= weight, y[i] *= weight;
+    }
+    Normal here(P);
+    here.G.selfadjointView<Eigen::Lower>().rankUpdate(X.transpose());
+    here.G = Eigen::MatrixXd(here.G.selfadjointView<Eigen::Lower>());
+    here.c = X.transpose() * y, here.yy = y.squaredNorm();
+    out.all.add(here);
+    out.by.back()[static_cast<std::size_t>(rows.piece[first])].add(here);
+    if (whole) out.by.front()[static_cast<std::size_t>(rows.recording[first])].add(here);
+    first = last;
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose

@@ -1,0 +1,56 @@
+// The regression over drive_rows.h: nuisances eliminated, terms within their bounds, groups of rows
+// left out or resampled at no cost.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/diagnose/wholebody/drive_terms.h"
+
+namespace sanso::diagnose {
+
+/// Normal equations of some rows, by figure.
+struct Normal {
+  Eigen::MatrixXd G;
+  Eigen::VectorXd c;
+  double yy = 0.0;
+  explicit Normal(Eigen::Index figures = 0)
+      : G(Eigen::MatrixXd::Zero(figures, figures)), c(Eigen::VectorXd::Zero(figures)) {}
+  void add(const Normal& other, double times = 1.0) {
+    G += times * other.G, c += times * other.c, yy += times * other.yy;
+  }
+  /// Squared deviations left by these figures.
+  double loss(const Eigen::VectorXd& figures) const;
+};
+
+/// Rows from which to fit, with the nuisances taken out.
+class Eliminated {
+ public:
+  Eliminated(const Normal& normal, const DriveNuisances& nuisances);
+  /// Coefficients of the terms, term after term, and all figures with the nuisances.
+  struct Fit {
+    Eigen::VectorXd x, figures;
+    double gain = 0.0;  // of squared deviations, against the nuisances alone
+  };
+  Fit fit(const std::vector<const DriveTerm*>& active) const;
+
+ private:
+  Eigen::MatrixXd G_, schur_, back_;
+  Eigen::VectorXd c_, reduced_;
+  const DriveNuisances* nuisances_;
+};
+
+/// Two ways of cutting the rows: by recording, and by what part of the motion it is. What is true
+/// of one robot predicts another trial, and another part of the motion.
+struct DriveGroups {
+  std::vector<std::vector<Normal>> by;  // way, group
+  Normal all;
+};
+
+/// RMS that these figures leave in every channel, deviations known beforehand.
+std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures);
+
+/// With weights by channel (what is left there scatters by), less for rows that stand out.
+DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier);
+
+}  // namespace sanso::diagnose

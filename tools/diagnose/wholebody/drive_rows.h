@@ -1,0 +1,52 @@
+// What drives and links of a standing robot must agree on, window by window: the position loop with
+// the recorded current, joint by joint, and the torques with the motion, the forces of the ground
+// taken out. Linear in everything that may be missing.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/wholebody/questions.h"
+
+namespace sanso::diagnose {
+
+/// What may be off at a joint: of one unit each.
+enum class JointFigure : int { gain, lag, speed, dry, load, rotor, torque, zero };
+inline constexpr int kJointFigures = 8;
+
+/// A joint's drive as the model states it, at the output shaft.
+struct DriveLaw {
+  double stiffness = 0.0, damping = 0.0;  // N m/rad; N m s/rad, all that is proportional to speed
+  double torque_constant = 0.0;           // N m/A
+  double armature = 0.0, coulomb = 0.0;
+};
+
+/// Places of the columns.
+struct DriveColumns {
+  int joints = 0;
+  int joint(JointFigure what, int j) const { return static_cast<int>(what) * joints + j; }
+  // of the link of joint j (-1: the base): kg at its origin, then kg m along its axes
+  int mass(int j) const { return kJointFigures * joints + 4 * (j + 1); }
+  int back_emf() const { return kJointFigures * joints + 4 * (joints + 1); }  // of all drives
+  int acc_bias() const { return back_emf() + 1; }                             // three
+  int count() const { return acc_bias() + 3; }
+};
+
+struct DriveRows {
+  DriveColumns columns;
+  std::vector<DriveLaw> laws;           // by joint
+  bool current = false;                 // recorded; else torques are the position loop's
+  std::vector<std::string> sole_links;  // that may touch
+  Eigen::MatrixXd X;                    // rows x columns
+  Eigen::VectorXd y;                    // in deviations, as far as they are known beforehand
+  std::vector<int> channel;             // by row: rows of one kind scatter alike
+  std::vector<int> recording, piece;    // by row
+  int channels = 0;
+  std::string why_not;  // not empty: nothing can be asked, and why
+};
+
+DriveRows drive_rows(const Asking& asking);
+
+}  // namespace sanso::diagnose

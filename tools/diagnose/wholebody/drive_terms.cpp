@@ -1,0 +1,178 @@
+// Joints that are one kind of drive are asked as one number first, as they come out of one box.
+#include "tools/diagnose/wholebody/drive_terms.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace sanso::diagnose {
+namespace {
+
+using Joints = std::vector<int>;
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+bool one_kind(const DriveLaw& a, const DriveLaw& b) {
+  return a.stiffness == b.stiffness && a.damping == b.damping && a.armature == b.armature &&
+         a.torque_constant == b.torque_constant;
+}
+
+/// Joints before this one in its branch, and the branch's first joint.
+std::pair<int, int> place_of(const RobotTree& tree, int joint) {
+  int depth = 0;
+  while (tree.joints[static_cast<std::size_t>(joint)].parent >= 0)
+    joint = tree.joints[static_cast<std::size_t>(joint)].parent, ++depth;
+  return {depth, joint};
+}
+
+/// Every joint alone, pairs at one place of two branches, branches, all of a kind.
+std::vector<Joints> groups_of(const RobotTree& tree, const std::vector<DriveLaw>& laws) {
+  std::set<Joints> out;
+  const auto collect = [&](const auto& alike) {
+    for (int a = 0; a < tree.size(); ++a) {
+      Joints group;
+      for (int b = 0; b < tree.size(); ++b) {
+        const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
+        if (one_kind(laws[i], laws[k]) && alike(a, b)) group.push_back(b);
+      }
+      out.insert(group);
+    }
+  };
+  collect([](int, int) { return true; });
+  collect([](int a, int b) { return a == b; });
+  collect([&](int a, int b) { return place_of(tree, a).second == place_of(tree, b).second; });
+  collect([&](int a, int b) { return place_of(tree, a).first == place_of(tree, b).first; });
+  return {out.begin(), out.end()};
+}
+
+struct Kind {
+  const char *effect, *family, *parameter, *unit;
+  JointFigure figure;
+  double nothing, low, high, tolerance;
+};
+
+/// Bounds and tolerances of a drive's numbers.
+std::vector<Kind> kinds_of(const Asking& asking, const DriveLaw& l, bool current) {
+  const ToleranceSettings& t = asking.tolerances;
+  std::vector<Kind> out = {
+      {"servo_p_gain", "electrical", "gain", "-", JointFigure::gain, 1.0, -0.9, 2.0, t.gain},
+      {"command_delay", "timing", "delay", "s", JointFigure::lag, 0.0, 0.0, 0.06, t.lag},
+      {"viscous_friction", "friction", "viscous", "N m s/rad", JointFigure::speed, 0.0, -l.damping,
+       5.0 * std::max(l.damping, 1.0), t.damping * l.damping},
+      {"coulomb_friction", "friction", "coulomb", "N m", JointFigure::dry, 0.0, -l.coulomb,
+       kNoLimit, std::max(asking.stance.coulomb, t.friction * l.coulomb)},
+      {"load_friction", "friction", "load", "-", JointFigure::load, 0.0, 0.0, 0.6, t.friction},
+      {"encoder_offset", "sensor", "offset", "rad", JointFigure::zero, 0.0, -0.2, 0.2, t.zero}};
+  if (current)
+    out.push_back({"torque_constant", "electrical", "torque", "-", JointFigure::torque, 1.0, -0.5,
+                   1.0, t.motor});
+  return out;
+}
+
+DriveTerm at_joints(const Asking& asking, const DriveRows& rows, const Kind& k,
+                    const Joints& joints) {
+  DriveTerm out;
+  out.effect = k.effect, out.family = k.family;
+  out.parameters = {k.parameter}, out.units = {k.unit};
+  out.low = {k.low}, out.high = {k.high}, out.nothing = k.nothing, out.tolerance = k.tolerance;
+  out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
+  for (const int j : joints) {
+    out.where.push_back(asking.body.model.tree.joints[static_cast<std::size_t>(j)].name);
+    out.columns(rows.columns.joint(k.figure, j), 0) = 1.0;
+  }
+  return out;
+}
+
+const BodyInertia& inertia_of(const WholeBody& body, int joint) {
+  return joint < 0 ? body.base : body.model.tree.joints[static_cast<std::size_t>(joint)].body;
+}
+
+/// A kilogram at the centre of mass of a link.
+Eigen::VectorXd at_centre(const WholeBody& body, const DriveColumns& c, int joint) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(c.count());
+  out[c.mass(joint)] = 1.0;
+  out.segment<3>(c.mass(joint) + 1) = eigen(inertia_of(body, joint).com);
+  return out;
+}
+
+void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vector<DriveTerm>& out) {
+  const WholeBody& body = asking.body;
+  const BodyInertia& b = inertia_of(body, joint);
+  if (!(b.mass > 0.0)) return;
+  const DriveColumns& c = rows.columns;
+  const Eigen::VectorXd kilogram = at_centre(body, c, joint);
+  DriveTerm term;
+  term.family = "mass";
+  term.where = {joint < 0 ? body.root
+                          : body.model.tree.joints[static_cast<std::size_t>(joint)].link};
+  DriveTerm mass = term;
+  mass.effect = "link_mass", mass.parameters = {"share"}, mass.units = {"-"};
+  mass.low = {-0.9}, mass.high = {3.0}, mass.tolerance = asking.tolerances.mass;
+  mass.columns = b.mass * kilogram;
+  out.push_back(mass);
+  const double most = asking.stance.most_place;
+  DriveTerm centre = term;
+  centre.effect = "link_com", centre.parameters = {"x", "y", "z"}, centre.units = {"m", "m", "m"};
+  centre.low.assign(3, -most), centre.high.assign(3, most);
+  centre.tolerance = asking.stance.centre * b.mass, centre.mass = b.mass;
+  centre.columns = Eigen::MatrixXd::Zero(c.count(), 3);
+  for (int i = 0; i < 3; ++i) centre.columns(c.mass(joint) + 1 + i, i) = 1.0;
+  out.push_back(centre);
+  DriveTerm payload = term;
+  payload.effect = "payload", payload.carried = true, payload.centre = eigen(b.com);
+  payload.parameters = {"mass", "x", "y", "z"}, payload.units = {"kg", "m", "m", "m"};
+  payload.low = {0.0, -most, -most, -most}, payload.high = {3.0 * body.mass(), most, most, most};
+  payload.tolerance = asking.tolerances.mass * b.mass;
+  payload.columns.resize(c.count(), 4);
+  payload.columns << kilogram, centre.columns;
+  out.push_back(payload);
+}
+
+}  // namespace
+
+std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows) {
+  std::vector<DriveTerm> out;
+  const RobotTree& tree = asking.body.model.tree;
+  for (const Joints& joints : groups_of(tree, rows.laws)) {
+    const DriveLaw& law = rows.laws[static_cast<std::size_t>(joints.front())];
+    for (const Kind& k : kinds_of(asking, law, rows.current))
+      // zeros differ from joint to joint: each has its own
+      if (k.figure != JointFigure::zero || joints.size() == 1)
+        out.push_back(at_joints(asking, rows, k, joints));
+  }
+  for (int joint = -1; joint < tree.size(); ++joint) add_link(asking, rows, joint, out);
+  return out;
+}
+
+DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows) {
+  const DriveColumns& c = rows.columns;
+  std::vector<Eigen::VectorXd> columns;
+  std::vector<double> spreads;
+  const auto add = [&](const Eigen::VectorXd& column, double spread) {
+    if (spread > 0.0) columns.push_back(column), spreads.push_back(spread);
+  };
+  const auto unit = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(c.count(), at)); };
+  double damping = 0.0;
+  for (int j = 0; j < c.joints; ++j) {
+    const DriveLaw& l = rows.laws[static_cast<std::size_t>(j)];
+    damping = std::max(damping, l.damping);
+    add(unit(c.joint(JointFigure::zero, j)), asking.tolerances.zero);
+  }
+  for (int joint = -1; joint < c.joints; ++joint) {
+    const double mass = inertia_of(asking.body, joint).mass;
+    add(at_centre(asking.body, c, joint), asking.tolerances.mass * mass);
+    for (int i = 0; i < 3; ++i) add(unit(c.mass(joint) + 1 + i), asking.stance.moment * mass);
+  }
+  if (rows.current) add(unit(c.back_emf()), asking.stance.back_emf * damping);
+  for (int i = 0; i < 3; ++i) add(unit(c.acc_bias() + i), asking.stance.acc_bias);
+  DriveNuisances out;
+  out.columns.resize(c.count(), static_cast<Eigen::Index>(columns.size()));
+  out.precision.resize(static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    out.columns.col(k) = columns[i], out.precision[k] = 1.0 / (spreads[i] * spreads[i]);
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose
