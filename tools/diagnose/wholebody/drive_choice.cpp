@@ -253,7 +253,9 @@ class Chooser {
     for (Eigen::Index i = 0; i < t.size(); ++i) {
       // a nominal model is wrong by its tolerances, which go into what is found
       double value = x[i] + t.nothing, off = std::hypot(s[i], 0.5 * t.tolerance);
-      if (t.carried && i > 0) {
+      if (t.inverse) {
+        value = 1.0 / (1.0 - x[i]), off *= value * value;
+      } else if (t.carried && i > 0) {
         value = t.centre[i - 1] + x[i] / x[0];
         off = std::hypot(s[i], s[0] * x[i] / x[0]) / x[0];
       } else if (t.mass > 0.0) {

@@ -54,8 +54,12 @@ struct Kind {
 /// Bounds and tolerances of a drive's numbers.
 std::vector<Kind> kinds_of(const Asking& asking, const DriveLaw& l, bool current) {
   const ToleranceSettings& t = asking.tolerances;
+  // without a current the loop's torque is held against the needed one, the gain's inverse times it
+  const double least = 0.1, most = 3.0;
+  const double low = current ? least - 1.0 : 1.0 - 1.0 / least;
+  const double high = current ? most - 1.0 : 1.0 - 1.0 / most;
   std::vector<Kind> out = {
-      {"servo_p_gain", "electrical", "gain", "-", JointFigure::gain, 1.0, -0.9, 2.0, t.gain},
+      {"servo_p_gain", "electrical", "gain", "-", JointFigure::gain, 1.0, low, high, t.gain},
       {"command_delay", "timing", "delay", "s", JointFigure::lag, 0.0, 0.0, 0.06, t.lag},
       {"viscous_friction", "friction", "viscous", "N m s/rad", JointFigure::speed, 0.0, -l.damping,
        5.0 * std::max(l.damping, 1.0), t.damping * l.damping},
@@ -74,6 +78,7 @@ DriveTerm at_joints(const Asking& asking, const DriveRows& rows, const Kind& k,
   DriveTerm out;
   out.effect = k.effect, out.family = k.family;
   out.parameters = {k.parameter}, out.units = {k.unit};
+  out.inverse = k.figure == JointFigure::gain && !rows.current;
   out.low = {k.low}, out.high = {k.high}, out.nothing = k.nothing, out.tolerance = k.tolerance;
   out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
   for (const int j : joints) {

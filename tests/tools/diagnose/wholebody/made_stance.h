@@ -1,0 +1,139 @@
+// Recordings of a robot on two soles whose drives are not what its model says. Motion is drawn, the
+// ground pushes as it has to and as it likes, and drives get the goals by which they make the rest.
+#pragma once
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "shared/model/step_model.h"
+#include "tools/diagnose/run/planner_model.h"
+#include "tools/diagnose/stats/random.h"
+#include "tools/diagnose/wholebody/drive_choice.h"
+#include "tools/diagnose/wholebody/floating_tree.h"
+
+namespace sanso::diagnose::test {
+
+/// What a joint's drive really is; zero and one: as the model says.
+struct TrueDrive {
+  double gain = 1.0, coulomb = 0.0, viscous = 0.0;
+};
+
+struct Stance {
+  int recordings = 5;
+  double seconds = 8.0, interval = 0.01;
+  bool current = false;
+  double reading_noise = 2e-5;  // rad
+  unsigned long seed = 3;
+  std::function<TrueDrive(int joint)> drive = [](int) { return TrueDrive{}; };
+};
+
+/// Two sines a joint, slow enough for a smoother.
+struct DrawnMotion {
+  std::vector<std::array<double, 6>> waves;  // by joint: amplitude, rad/s, phase, twice
+  explicit DrawnMotion(int joints, Random& random) {
+    for (int j = 0; j < joints; ++j)
+      waves.push_back({0.10 + 0.05 * random.uniform(), 1.5 + random.uniform(),
+                       2 * std::numbers::pi * random.uniform(), 0.04, 3.0 + random.uniform(),
+                       2 * std::numbers::pi * random.uniform()});
+  }
+  FloatingMotion at(double t) const {
+    const auto n = static_cast<Eigen::Index>(waves.size());
+    FloatingMotion out;
+    out.q.resize(n), out.dq.resize(n), out.ddq.resize(n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto& w = waves[static_cast<std::size_t>(j)];
+      const double a = w[1] * t + w[2], b = w[4] * t + w[5];
+      out.q[j] = 0.2 + w[0] * std::sin(a) + w[3] * std::sin(b);
+      out.dq[j] = w[0] * w[1] * std::cos(a) + w[3] * w[4] * std::cos(b);
+      out.ddq[j] = -w[0] * w[1] * w[1] * std::sin(a) - w[3] * w[4] * w[4] * std::sin(b);
+    }
+    out.acc = V3(0.2 * std::sin(1.3 * t), 0.2 * std::cos(1.7 * t), 9.81);
+    out.w = V3(0.05 * std::sin(t), 0.04 * std::cos(1.2 * t), 0.02 * std::sin(0.7 * t));
+    out.dw = V3(0.05 * std::cos(t), -0.048 * std::sin(1.2 * t), 0.014 * std::cos(0.7 * t));
+    return out;
+  }
+};
+
+/// Joints whose links may touch.
+inline std::vector<int> soles_of(const WholeBody& body) {
+  std::vector<int> out;
+  for (const CollisionShape& s : body.shapes)
+    if (std::find(out.begin(), out.end(), s.joint) == out.end()) out.push_back(s.joint);
+  return out;
+}
+
+/// Torques about the joints by which the motion happens, with forces of the ground that hold the
+/// base and a part between the soles that changes with time.
+inline Eigen::VectorXd torques_of(const FloatingTree& tree, const std::vector<int>& soles,
+                                  double t) {
+  const Eigen::VectorXd needed = tree.needed();
+  Eigen::MatrixXd J(needed.size(), 6 * static_cast<Eigen::Index>(soles.size()));
+  for (std::size_t s = 0; s < soles.size(); ++s)
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const auto at = 6 * static_cast<Eigen::Index>(s) + i;
+      J.col(at) = tree.of_wrench(soles[s], V3::Unit(i), V3::Zero());
+      J.col(at + 3) = tree.of_wrench(soles[s], V3::Zero(), V3::Unit(i));
+    }
+  const Eigen::MatrixXd on_base = J.topRows(6);
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solve(on_base);
+  Eigen::VectorXd wanted(J.cols());
+  for (Eigen::Index i = 0; i < wanted.size(); ++i)
+    wanted[i] = (i % 6 < 3 ? 3.0 : 0.3) * std::sin((0.8 + 0.1 * static_cast<double>(i)) * t);
+  const Eigen::VectorXd push =
+      wanted + solve.solve(Eigen::VectorXd(needed.head(6) - on_base * wanted));
+  return (needed - J * push).tail(needed.size() - 6);
+}
+
+inline WholeRecording recorded(const WholeBody& body, const Stance& s, int number) {
+  Random random(s.seed, static_cast<std::uint64_t>(number));
+  const int n = body.model.tree.size();
+  const DrawnMotion motion(n, random);
+  FloatingTree tree(body);
+  const std::vector<int> soles = soles_of(body);
+  const auto rows = static_cast<Eigen::Index>(s.seconds / s.interval);
+  WholeRecording r;
+  r.file = r.name = "stance " + std::to_string(number);
+  r.interval = s.interval;
+  r.attitude = r.acc = r.gyro = r.commands = true, r.current = s.current;
+  r.q.resize(n, rows), r.u = r.i = r.q;
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const double t = s.interval * static_cast<double>(k);
+    const FloatingMotion m = motion.at(t);
+    tree.set(m);
+    const Eigen::VectorXd torque = torques_of(tree, soles, t);
+    r.t.push_back(t), r.piece.push_back(0), r.R.push_back(M3::Identity()), r.w.push_back(m.w);
+    r.imu_acc.push_back(m.acc), r.imu_gyro.push_back(m.w);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const JointSettings& servo = body.model.joints[static_cast<std::size_t>(j)];
+      const TrueDrive d = s.drive(static_cast<int>(j));
+      const double motor = torque[j] + servo.armature * m.ddq[j] +
+                           (servo.viscous + d.viscous) * m.dq[j] +
+                           (servo.coulomb + d.coulomb) * (m.dq[j] > 0 ? 1.0 : -1.0);
+      r.q(j, k) = m.q[j] + s.reading_noise * random.normal();
+      // the goal that acts now was sent a row before
+      const double goal = m.q[j] + (motor + servo.kd * m.dq[j]) / (d.gain * servo.kp);
+      if (k > 0) r.u(j, k - 1) = goal;
+      r.u(j, k) = goal;
+      r.i(j, k) = servo.torque_constant > 0.0 ? motor / servo.torque_constant : 0.0;
+    }
+  }
+  return r;
+}
+
+/// The planner's robot, its recordings, and what is asked of them.
+struct StanceWorld {
+  WholeBody body = planner_body(model::nominal_parameters());
+  std::vector<WholeRecording> recordings;
+  explicit StanceWorld(const Stance& stance) {
+    for (int k = 0; k < stance.recordings; ++k) recordings.push_back(recorded(body, stance, k));
+  }
+  Asking asking() const {
+    const Settings s;
+    return {body, recordings, Known{}, s.whole, s.decisions, s.tolerances, 1, s.stance};
+  }
+};
+
+}  // namespace sanso::diagnose::test
