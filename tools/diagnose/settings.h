@@ -7,6 +7,7 @@
 
 #include "tools/diagnose/settings_of_data.h"
 #include "tools/diagnose/settings_of_search.h"
+#include "tools/diagnose/settings_of_simulation.h"
 #include "tools/diagnose/settings_of_whole.h"
 
 namespace sanso::diagnose {
@@ -159,6 +160,7 @@ struct RemainsSettings {
   int blocks = 5;
   int formula_terms = 4;
   double formula_share = 0.02;
+  int effort_samples = 600;
   template <class Field>
   void visit(Field&& field) {
     field("fourier_features", fourier_features, "features", 1, 10000,
@@ -175,6 +177,8 @@ struct RemainsSettings {
     field("formula_terms", formula_terms, "terms", 1, 20, "of a formula that a person can read");
     field("formula_share", formula_share, "share", 0.0001, 0.5,
           "of the squared missing torque that a term has to explain to be worth reading");
+    field("effort_samples", effort_samples, "samples", 40, 1000000,
+          "of a joint's missing effort: enough for the random features, resampled in seconds");
   }
 };
 
@@ -234,6 +238,8 @@ struct EffortSettings {
 struct Settings {
   GateSettings gate;
   DataSettings data;
+  SmootherSettings smoother;
+  LibrarySettings library;
   ToleranceSettings tolerances;
   DecisionSettings decisions;
   FittingSettings fitting;
@@ -249,6 +255,8 @@ struct Settings {
   void visit(Section&& section) {
     section("gate", gate);
     section("data", data);
+    section("smoother", smoother);
+    section("library", library);
     section("tolerances", tolerances);
     section("decisions", decisions);
     section("fitting", fitting);

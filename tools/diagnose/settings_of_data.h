@@ -96,6 +96,22 @@ struct GateSettings {
   }
 };
 
+/// What a smoother supposes of a motion before it has read any of it: deviations around the first
+/// reading, at rest. Wide, so that readings alone decide.
+struct SmootherSettings {
+  double position = 1000.0;
+  double speed = 100.0;
+  double acceleration = 10000.0;
+  template <class Field>
+  void visit(Field&& field) {
+    field("position", position, "deviations", 10.0, 1e6,
+          "of the first reading: before it little is known");
+    field("speed", speed, "rad/s (m/s)", 1.0, 1e6, "no joint of a robot is faster");
+    field("acceleration", acceleration, "rad/s^2 (m/s^2)", 10.0, 1e8,
+          "a stop within a row of a fast recording makes it");
+  }
+};
+
 /// What is taken of the recordings, and how closely a simulation is asked to be right.
 struct DataSettings {
   double shot_seconds = 0.5;

@@ -139,6 +139,7 @@ struct WholeSettings {
   int imu_draws = 199;
   double imu_outlier = 3.0;
   int questions = 24;
+  int rim_points = 12;
 
   template <class Field>
   void visit(Field&& field) {
@@ -155,6 +156,8 @@ struct WholeSettings {
           "from where the weight of a window of the IMU falls");
     field("questions", questions, "numbers", 1, 1000,
           "two sides of a dozen that are asked: they share the level of naming");
+    field("rim_points", rim_points, "points", 3, 1000,
+          "of either end of a cylinder that touches: between two it is 3 % of the radius wider");
   }
 
  private:

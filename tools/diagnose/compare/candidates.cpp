@@ -179,7 +179,7 @@ Placement place_library(const Comparison& comparison, const std::vector<std::str
   Placement out;
   const std::vector<Drive> drives = drives_of(comparison);
   const SimParams& nominal = comparison.sources.front().nominal;
-  const std::vector<JointScale> scales = joint_scales(nominal, drives);
+  const std::vector<JointScale> scales = joint_scales(nominal, drives, comparison.settings.library);
   const std::vector<std::vector<std::size_t>> of_one_scale = tied_places(comparison, scales),
                                               of_any = tied_places(comparison, {});
   for (const Effect& effect : library()) {

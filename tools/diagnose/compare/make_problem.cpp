@@ -62,8 +62,8 @@ void smooth_source(Source& source, const std::vector<double>& sigmas, const Sett
     JointData& data = source.drive.joints[j];
     if (data.q.empty()) continue;
     data.q = gate::without_glitches(data.q, nullptr, settings.gate);
-    SmoothedState state =
-        smooth_position(source.drive.t, data.q, sigmas[j], settings.data.likelihood_rows);
+    SmoothedState state = smooth_position(source.drive.t, data.q, sigmas[j], settings.smoother,
+                                          settings.data.likelihood_rows);
     source.motion.q[j] = std::move(state.q);
     source.motion.dq[j] = std::move(state.dq);
     source.q_sigma[j] = std::move(state.q_sigma);

@@ -26,8 +26,8 @@ MeasuredMotion measured_motion(const Drive& drive, const Settings& settings) {
   MeasuredMotion motion;
   for (const JointData& joint : drive.joints) {
     const std::vector<double> q = gate::without_glitches(joint.q, nullptr, settings.gate);
-    SmoothedState state =
-        smooth_position(drive.t, q, position_noise(q), settings.data.likelihood_rows);
+    SmoothedState state = smooth_position(drive.t, q, position_noise(q), settings.smoother,
+                                          settings.data.likelihood_rows);
     motion.q.push_back(std::move(state.q));
     motion.dq.push_back(std::move(state.dq));
   }

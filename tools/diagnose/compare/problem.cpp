@@ -38,13 +38,14 @@ namespace {
 /// The speed that says how well a reading is known comes from the motion that the readings say: a
 /// few rounds settle it.
 void resmooth_joint(Source& source, std::size_t joint, double noise, double jitter,
-                    const DataSettings& settings) {
+                    const Settings& settings) {
   const std::vector<double>& q = source.drive.joints[joint].q;
-  for (int round = 0; round < settings.smoothing_rounds; ++round) {
+  for (int round = 0; round < settings.data.smoothing_rounds; ++round) {
     std::vector<double> sigma;
     for (const double speed : source.motion.dq[joint])
       sigma.push_back(std::hypot(noise, jitter * speed));
-    SmoothedState state = smooth_position(source.drive.t, q, sigma, settings.likelihood_rows);
+    SmoothedState state =
+        smooth_position(source.drive.t, q, sigma, settings.smoother, settings.data.likelihood_rows);
     source.motion.q[joint] = std::move(state.q);
     source.motion.dq[joint] = std::move(state.dq);
     source.q_sigma[joint] = std::move(state.q_sigma);
@@ -62,7 +63,7 @@ Problem resmoothed(const Problem& problem, const std::vector<double>& jitter) {
     parallel_for(out.sources.size(), [&](std::size_t i) {
       Source& source = out.sources[i];
       if (!source.drive.joints[joint].q.empty())
-        resmooth_joint(source, joint, channel.noise, jitter[joint], out.settings.data);
+        resmooth_joint(source, joint, channel.noise, jitter[joint], out.settings);
     });
     for (Shot& shot : out.shots) {
       const MeasuredMotion& motion = out.sources[shot.source].motion;

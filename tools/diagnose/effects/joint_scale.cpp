@@ -10,11 +10,6 @@
 namespace sanso::diagnose {
 namespace {
 
-// The servo whose figures the library's bounds are: XM430-W350 at 12 V on an OP3 leg.
-constexpr double kTorque = 4.1, kSpeed = 4.82, kInertia = 0.045, kCurrent = 2.3, kLength = 0.1;
-// Without a motor model: the largest torque that is asked for is a third of what the joint can do.
-constexpr double kReserve = 3.0;
-
 /// Largest magnitude but for the top permille (glitches).
 double robust_peak(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
@@ -72,7 +67,8 @@ double stall_torque(const JointSettings& s) { return s.torque_constant * s.volta
 
 }  // namespace
 
-std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Drive> drives) {
+std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Drive> drives,
+                                     const LibrarySettings& library) {
   TreeDynamics tree(params.tree, params.gravity);
   JointVector zero{}, gravity{};
   JointMatrix M{};
@@ -99,25 +95,26 @@ std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Dr
       torque = std::min(stall_torque(s), limit);
       if (s.back_emf > 0.0) speed = s.voltage / s.back_emf;
     } else if (s.actuator == Actuator::torque && seen.command > 0.0) {
-      torque = std::min(kReserve * seen.command, limit);
+      torque = std::min(library.reserve * seen.command, limit);
     } else if (s.actuator == Actuator::position_pd && limit < kNone) {
       torque = limit;
     } else {
       // to speed within 0.1 s
-      torque = kReserve * std::max(peak_gravity[j], inertia * seen.speed / 0.1);
+      torque = library.reserve * std::max(peak_gravity[j], inertia * seen.speed / 0.1);
     }
     JointScale scale;
-    scale.torque = std::max(torque, 1e-6) / kTorque;
-    scale.speed = std::max(speed, 1e-3) / kSpeed;
+    scale.torque = std::max(torque, 1e-6) / library.torque;
+    scale.speed = std::max(speed, 1e-3) / library.speed;
     // a strong drive has a heavy rotor, however light the link it turns
-    scale.inertia = std::max(inertia / kInertia, scale.torque);
+    scale.inertia = std::max(inertia / library.inertia, scale.torque);
     // a revolute joint's range is about 2 rad
     if (joint.prismatic) scale.angle = std::max(seen.range, 1e-3) / 2.0;
-    if (s.actuator == Actuator::dc_servo) scale.current = s.voltage / s.resistance / kCurrent;
+    if (s.actuator == Actuator::dc_servo)
+      scale.current = s.voltage / s.resistance / library.current;
     const Vec3& c = joint.body.com;
     const double arm = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
-    scale.length = std::max(arm, 0.01) / kLength;
-    scale.reach = std::max(half_reach(params.tree, j), 0.01) / kLength;
+    scale.length = std::max(arm, 0.01) / library.length;
+    scale.reach = std::max(half_reach(params.tree, j), 0.01) / library.length;
     scales.push_back(scale);
   }
   return scales;

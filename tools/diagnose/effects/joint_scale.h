@@ -6,13 +6,15 @@
 #include <vector>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/settings_of_simulation.h"
 #include "tools/diagnose/sim/drive.h"
 
 namespace sanso::diagnose {
 
 /// One a joint. From the model's motor or limits where it states them, else from what the
 /// recordings show.
-std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Drive> drives);
+std::vector<JointScale> joint_scales(const SimParams& params, std::span<const Drive> drives,
+                                     const LibrarySettings& library = {});
 
 /// Why an effect cannot be tested at joint `where` (-1: robot) with these recordings; empty when it
 /// can.

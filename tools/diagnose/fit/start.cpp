@@ -14,9 +14,6 @@
 namespace sanso::diagnose {
 namespace {
 
-// a null beyond it means "off": such a parameter is scaled, not moved away from its null
-constexpr double kFar = 1e5;
-
 double error_energy(const Surroundings& around, const Model& model) {
   const Eigen::VectorXd r = prediction_error(around.problem, *around.library, model);
   return around.bounded(around.starts.energy_by_shot(r)).sum();
@@ -43,8 +40,8 @@ std::vector<double> scaled(const Candidate& effect, const std::vector<double>& p
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
     if (p.structural || probe[i] == p.null) continue;
-    theta[i] = std::abs(p.null) > kFar ? probe[i] * std::abs(factor)
-                                       : p.null + factor * (probe[i] - p.null);
+    // what is off at its null is scaled, not moved away from it
+    theta[i] = p.null == kOff ? probe[i] * std::abs(factor) : p.null + factor * (probe[i] - p.null);
   }
   return inside(effect, std::move(theta), share);
 }

@@ -29,12 +29,13 @@ struct BodyTree {
   std::vector<std::string> meshes;  // links whose shape is a mesh, which is not read
 };
 
-/// Reads URDF text; a robot without a movable joint is one body. Throws files::InputError.
-BodyTree body_tree_from_urdf(const std::string& urdf, const std::string& file);
+/// Reads URDF text; a robot without a movable joint is one body. `rim_points` of a cylinder.
+/// Throws files::InputError.
+BodyTree body_tree_from_urdf(const std::string& urdf, const std::string& file, int rim_points);
 
 /// Corners of a box of this size about its centre.
 std::vector<Vec3> box_corners(const Vec3& size);
-/// Points on both rims of a cylinder along z.
-std::vector<Vec3> cylinder_rims(double radius, double length);
+/// As many points on either rim of a cylinder along z.
+std::vector<Vec3> cylinder_rims(double radius, double length, int points);
 
 }  // namespace sanso::diagnose

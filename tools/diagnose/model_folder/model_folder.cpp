@@ -89,7 +89,7 @@ void read_settings(const TomlTable& top, ModelFolder& model) {
 
 /// Of a base that floats the whole tree: what has no joint is one body.
 RobotTree read_tree(const ModelFolder& model, const std::string& file) {
-  return model.floating ? body_tree_from_urdf(model.urdf, file).tree
+  return model.floating ? body_tree_from_urdf(model.urdf, file, 0).tree
                         : tree_from_urdf(model.urdf, file);
 }
 

@@ -22,8 +22,8 @@ Vec3 vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 class TreeBuilder {
  public:
-  TreeBuilder(const urdf::ModelInterface& model, std::string file, int most_joints)
-      : file_(std::move(file)), most_joints_(most_joints) {
+  TreeBuilder(const urdf::ModelInterface& model, std::string file, int most_joints, int rim_points)
+      : file_(std::move(file)), most_joints_(most_joints), rim_points_(rim_points) {
     body_.tree.name = model.getName();
     body_.root = model.getRoot()->name;
     add_link(*model.getRoot(), -1, kIdentity3, {0, 0, 0});
@@ -96,7 +96,7 @@ class TreeBuilder {
       shape.points = {{0, 0, 0}};
       shape.radius = ball->radius;
     } else if (const auto* can = dynamic_cast<const urdf::Cylinder*>(collision.geometry.get())) {
-      shape.points = cylinder_rims(can->radius, can->length);
+      shape.points = cylinder_rims(can->radius, can->length, rim_points_);
     } else {
       body_.meshes.push_back(link.name);
       return;
@@ -129,7 +129,7 @@ class TreeBuilder {
   }
 
   std::string file_;
-  int most_joints_;
+  int most_joints_, rim_points_;
   BodyTree body_;
 };
 
@@ -145,23 +145,23 @@ std::vector<Vec3> box_corners(const Vec3& size) {
   return out;
 }
 
-std::vector<Vec3> cylinder_rims(double radius, double length) {
-  constexpr int kAround = 12;  // the rim between two points is 3 % of the radius further out
+std::vector<Vec3> cylinder_rims(double radius, double length, int points) {
   std::vector<Vec3> out;
-  for (int k = 0; k < kAround; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / kAround;
+  for (int k = 0; k < points; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / points;
     for (const double z : {-0.5, 0.5})
       out.push_back({radius * std::cos(angle), radius * std::sin(angle), z * length});
   }
   return out;
 }
 
-BodyTree body_tree_from_urdf(const std::string& urdf, const std::string& file) {
-  return TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxBodyJoints).take();
+BodyTree body_tree_from_urdf(const std::string& urdf, const std::string& file, int rim_points) {
+  return TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxBodyJoints, rim_points).take();
 }
 
 RobotTree tree_from_urdf(const std::string& urdf, const std::string& file) {
-  RobotTree tree = TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxJoints).take().tree;
+  RobotTree tree =
+      TreeBuilder(*model::parse_urdf_text(urdf, file), file, kMaxJoints, 0).take().tree;
   if (tree.joints.empty()) {
     throw InputError(file, 0, "", "no movable joint", "",
                      "at least one revolute, continuous or prismatic joint");

@@ -134,9 +134,10 @@ void note_meshes(const std::vector<std::string>& meshes, WholeBody& body) {
                        " have no shape; [[contact]] with box or sphere says what touches");
 }
 
-WholeBody complete(ModelFolder model, const TomlTable& top, const std::string& urdf_name) {
+WholeBody complete(ModelFolder model, const TomlTable& top, const std::string& urdf_name,
+                   const WholeSettings& settings) {
   WholeBody body;
-  BodyTree tree = body_tree_from_urdf(model.urdf, urdf_name);
+  BodyTree tree = body_tree_from_urdf(model.urdf, urdf_name, settings.rim_points);
   body.model = std::move(model);
   body.root = tree.root;
   body.base = tree.base;
@@ -212,17 +213,19 @@ double WholeBody::mass() const {
   return sum;
 }
 
-WholeBody parse_whole_body(std::string_view toml, std::string_view urdf, const std::string& name) {
+WholeBody parse_whole_body(std::string_view toml, std::string_view urdf, const std::string& name,
+                           const WholeSettings& settings) {
   ModelFolder model = parse_model(toml, urdf, name);
   const std::string urdf_name = model.urdf_file;
-  return complete(std::move(model), TomlTable::parse(toml, name), urdf_name);
+  return complete(std::move(model), TomlTable::parse(toml, name), urdf_name, settings);
 }
 
-WholeBody read_whole_body(const std::string& folder) {
+WholeBody read_whole_body(const std::string& folder, const WholeSettings& settings) {
   ModelFolder model = read_model_folder(folder);
   const std::filesystem::path path = folder;
   const std::string urdf_name = (path / model.urdf_file).string();
-  return complete(std::move(model), TomlTable::read((path / "model.toml").string()), urdf_name);
+  return complete(std::move(model), TomlTable::read((path / "model.toml").string()), urdf_name,
+                  settings);
 }
 
 std::string whole_body_toml(const WholeBody& body) {

@@ -8,6 +8,7 @@
 
 #include "tools/diagnose/model_folder/body_tree.h"
 #include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/settings_of_whole.h"
 
 namespace sanso::diagnose {
 
@@ -58,9 +59,10 @@ struct WholeBody {
 };
 
 /// Throws files::InputError: file, line, key, what was expected.
-WholeBody read_whole_body(const std::string& folder);
+WholeBody read_whole_body(const std::string& folder, const WholeSettings& settings = {});
 /// The same for text in memory; `name` stands for model.toml in messages.
-WholeBody parse_whole_body(std::string_view toml, std::string_view urdf, const std::string& name);
+WholeBody parse_whole_body(std::string_view toml, std::string_view urdf, const std::string& name,
+                           const WholeSettings& settings = {});
 
 std::string whole_body_toml(const WholeBody& body);
 /// Writes robot.urdf and model.toml into `folder`, each by rename.

@@ -54,18 +54,15 @@ TorqueSample sample_of(const EffortLeft& left, const EffortRows& rows, double no
   return s;
 }
 
-// chosen: enough for forty random features, and a bootstrap of seconds
-constexpr std::size_t kSamples = 600;
-
 std::vector<TorqueSample> samples_of(const EffortOutcome& outcome, const EffortRows& rows,
-                                     int joint) {
+                                     int joint, const RemainsSettings& settings) {
   std::vector<const EffortLeft*> of;
   for (const EffortLeft& left : outcome.left) {
     if (left.row.joint == joint) of.push_back(&left);
   }
   const EffortScore* score = score_at(
       outcome, rows.recordings.front().nominal.tree.joints[static_cast<std::size_t>(joint)].name);
-  const std::size_t stride = of.size() / kSamples + 1;
+  const std::size_t stride = of.size() / static_cast<std::size_t>(settings.effort_samples) + 1;
   std::vector<TorqueSample> out;
   for (std::size_t k = 0; k < of.size(); k += stride)
     out.push_back(sample_of(*of[k], rows, score != nullptr ? score->noise : 0.0));
@@ -107,7 +104,7 @@ std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRow
   std::vector<std::vector<TorqueSample>> samples(rows.recordings.front().channels.size());
   for (std::size_t j = 0; j < samples.size(); ++j) {
     if (!rows.recordings.front().channels[j].known) continue;
-    samples[j] = samples_of(outcome, rows, static_cast<int>(j));
+    samples[j] = samples_of(outcome, rows, static_cast<int>(j), options.settings.remains);
     all.push_back(
         predictability(samples[j], static_cast<int>(j), Random(options.seed, j), options.settings));
   }

@@ -11,6 +11,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "host/learn/model/prediction.h"
 #include "shared/model/joints.h"
@@ -26,7 +27,6 @@ namespace fs = std::filesystem;
 using recording::Recording;
 using wire::Observation;
 
-constexpr std::size_t kFewestTicks = 50;  // half a second: less shows nothing that is asked
 constexpr std::uint8_t kNoPose = 255;
 constexpr double kNotSampled = std::numeric_limits<double>::quiet_NaN();
 
@@ -138,14 +138,14 @@ Recording recording_of(const learn::Episode& episode) {
   return out;
 }
 
-SessionTrials read_session(const fs::path& folder) {
+SessionTrials read_session(const fs::path& folder, const GateSettings& settings) {
   const std::vector<fs::path> files = trial_files(folder);
   require_soles(folder);
   SessionTrials out;
   for (const fs::path& file : files) {
     const learn::Episode episode = learn::load_episode(file);
     Recording made = recording_of(episode);
-    if (made.rows() >= kFewestTicks)
+    if (std::cmp_greater_equal(made.rows(), settings.least_rows))
       out.recordings.push_back(std::move(made));
     else
       out.left_out.push_back(fmt::format("trial {}: {} ticks upright ({})", episode.trial + 1,
@@ -154,12 +154,12 @@ SessionTrials read_session(const fs::path& folder) {
   if (out.recordings.empty())
     throw std::runtime_error(
         fmt::format("{}: none of {} trials has {} ticks with the robot upright; the first is {}",
-                    folder.string(), files.size(), kFewestTicks, out.left_out.front()));
+                    folder.string(), files.size(), settings.least_rows, out.left_out.front()));
   return out;
 }
 
 void use_session(const fs::path& folder, DiagnoseOptions& options) {
-  const SessionTrials trials = read_session(folder);
+  const SessionTrials trials = read_session(folder, options.settings.gate);
   const fs::path out = fs::path(options.out) / "session";
   options.model = (out / "model").string();
   write_whole_body(planner_body(model::nominal_parameters()), options.model);

@@ -23,8 +23,8 @@ struct SessionTrials {
 };
 
 /// Throws std::runtime_error: no session there, a file that is damaged, a robot on wheels, no trial
-/// that holds anything.
-SessionTrials read_session(const std::filesystem::path& folder);
+/// that holds the rows a recording must have.
+SessionTrials read_session(const std::filesystem::path& folder, const GateSettings& settings = {});
 
 /// Writes the trials and the planner's model below `options.out`/session, and names them in
 /// `options` in place of the session. Throws as read_session() does.

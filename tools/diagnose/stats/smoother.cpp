@@ -36,16 +36,17 @@ struct Filtered {
 
 /// Kalman filter over the rows [0, rows); keeps what the backward pass needs when `keep`.
 Filtered filter(std::span<const double> t, std::span<const double> q, std::span<const double> sigma,
-                double density, std::size_t rows, bool keep) {
+                const SmootherSettings& before, double density, std::size_t rows, bool keep) {
   Filtered f;
   std::size_t first = 0;
   while (first < rows && !std::isfinite(q[first])) ++first;
   Vec3 x(first < rows ? q[first] : 0.0, 0.0, 0.0);
-  // wide start: any velocity below ~100 rad/s and acceleration below ~1e4 rad/s^2 is within it.
-  // Where the joint is, the first reading says, once: before it little is known
+  // where the joint is, the first reading says, once
   const double at_first = first < rows ? sigma[first] : 1.0;
-  constexpr double kUnknown = 1e3;  // deviations
-  Mat3 P = Vec3(kUnknown * kUnknown * at_first * at_first + 1e-12, 1e4, 1e8).asDiagonal();
+  const double position = before.position * before.position * at_first * at_first;
+  Mat3 P =
+      Vec3(position + 1e-12, before.speed * before.speed, before.acceleration * before.acceleration)
+          .asDiagonal();
   for (std::size_t k = 0; k < rows; ++k) {
     if (k > 0) {
       const double h = t[k] - t[k - 1];
@@ -72,12 +73,13 @@ Filtered filter(std::span<const double> t, std::span<const double> q, std::span<
 /// Largest likelihood over two decades a step; the first rows suffice (the density is a property of
 /// the whole motion).
 double choose_density(std::span<const double> t, std::span<const double> q,
-                      std::span<const double> sigma, int likelihood_rows) {
+                      std::span<const double> sigma, const SmootherSettings& before,
+                      int likelihood_rows) {
   const std::size_t rows = std::min(t.size(), static_cast<std::size_t>(likelihood_rows));
   double best = -std::numeric_limits<double>::infinity(), density = 1.0;
   for (double exponent = -6.0; exponent <= 9.0; exponent += 1.0) {
     const double candidate = std::pow(10.0, exponent);
-    const double value = filter(t, q, sigma, candidate, rows, false).log_likelihood;
+    const double value = filter(t, q, sigma, before, candidate, rows, false).log_likelihood;
     if (value > best) best = value, density = candidate;
   }
   return density;
@@ -86,18 +88,19 @@ double choose_density(std::span<const double> t, std::span<const double> q,
 }  // namespace
 
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma,
-                              int likelihood_rows) {
-  return smooth_position(t, q, std::vector<double>(t.size(), sigma), likelihood_rows);
+                              const SmootherSettings& before, int likelihood_rows) {
+  return smooth_position(t, q, std::vector<double>(t.size(), sigma), before, likelihood_rows);
 }
 
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
-                              std::span<const double> sigma, int likelihood_rows) {
+                              std::span<const double> sigma, const SmootherSettings& before,
+                              int likelihood_rows) {
   const std::size_t n = t.size();
   SmoothedState out;
   for (auto* v : {&out.q, &out.dq, &out.ddq, &out.q_sigma, &out.dq_sigma}) v->resize(n);
   if (n == 0) return out;
-  out.jerk_density = choose_density(t, q, sigma, likelihood_rows);
-  const Filtered f = filter(t, q, sigma, out.jerk_density, n, true);
+  out.jerk_density = choose_density(t, q, sigma, before, likelihood_rows);
+  const Filtered f = filter(t, q, sigma, before, out.jerk_density, n, true);
   Vec3 x = f.x[n - 1];
   Mat3 P = f.P[n - 1];
   for (std::size_t k = n; k-- > 0;) {

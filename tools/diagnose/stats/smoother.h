@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "tools/diagnose/settings_of_data.h"
+
 namespace sanso::diagnose {
 
 struct SmoothedState {
@@ -24,10 +26,11 @@ struct SmoothedState {
 /// row without measurement. `t` [s] strictly increasing, at least 3 finite q; `sigma` > 0 is the
 /// standard deviation of a position sample [rad].
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q, double sigma,
+                              const SmootherSettings& before = {},
                               int likelihood_rows = std::numeric_limits<int>::max());
 /// The same with a deviation for every sample.
 SmoothedState smooth_position(std::span<const double> t, std::span<const double> q,
-                              std::span<const double> sigma,
+                              std::span<const double> sigma, const SmootherSettings& before = {},
                               int likelihood_rows = std::numeric_limits<int>::max());
 
 }  // namespace sanso::diagnose

@@ -30,7 +30,8 @@ SmoothedState smoothed(const Recording& recording, const std::string& joint,
                                   "the measured position of every movable joint of the URDF");
   }
   const std::vector<double> q = gate::without_glitches(column, nullptr, settings.gate);
-  return smooth_position(recording.t, q, position_noise(q), settings.data.likelihood_rows);
+  return smooth_position(recording.t, q, position_noise(q), settings.smoother,
+                         settings.data.likelihood_rows);
 }
 
 /// Mean of the finite values of x in [first, last).

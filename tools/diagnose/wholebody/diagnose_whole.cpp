@@ -127,8 +127,8 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   const Known before = known;
   const auto asking = [&] {
     const Settings& s = options.settings;
-    return Asking{nominal,     data.recordings, known,        s.whole,
-                  s.decisions, s.tolerances,    options.seed, s.stance};
+    return Asking{nominal,      data.recordings, known,    s.whole,   s.decisions,
+                  s.tolerances, options.seed,    s.stance, s.smoother};
   };
   progress("asks: does it fall as gravity says?");
   ask_free_fall(asking(), answers, patch);
@@ -158,7 +158,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
 WholeDiagnosis diagnose_whole(const WholeOptions& options,
                               const std::function<void(const std::string&)>& progress) {
   try {
-    const WholeBody body = read_whole_body(options.model);
+    const WholeBody body = read_whole_body(options.model, options.settings.whole);
     progress("asks: are the recordings sound?");
     WholeData data = load_whole(options.recordings, body, options.settings);
     WholeDiagnosis out = diagnose_whole(options, body, data, progress);

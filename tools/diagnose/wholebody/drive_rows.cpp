@@ -35,11 +35,11 @@ std::vector<double> differences(const std::vector<double>& t, const std::vector<
   return out;
 }
 
-JointTrack track_of_joint(const WholeRecording& r, int j) {
+JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, int j) {
   JointTrack out;
   const Vector row = r.q.row(j);
   out.q.assign(row.data(), row.data() + row.size());
-  const SmoothedState s = smooth_position(r.t, out.q, position_noise(out.q));
+  const SmoothedState s = smooth_position(r.t, out.q, position_noise(out.q), asking.smoother);
   out.dq = s.dq, out.ddq = s.ddq;
   std::vector<double> before(r.rows());
   for (std::size_t k = 0; k < r.rows(); ++k)
@@ -59,12 +59,12 @@ Track track_of(const Asking& asking, const WholeRecording& r) {
   std::array<SmoothedState, 3> turning;
   parallel_for(joints + 3, [&](std::size_t i) {
     if (i < joints) {
-      out.joints[i] = track_of_joint(r, static_cast<int>(i));
+      out.joints[i] = track_of_joint(asking, r, static_cast<int>(i));
       return;
     }
     std::vector<double> w;
     for (const V3& x : r.w) w.push_back(x[static_cast<Eigen::Index>(i - joints)]);
-    turning[i - joints] = smooth_position(r.t, w, position_noise(w));
+    turning[i - joints] = smooth_position(r.t, w, position_noise(w), asking.smoother);
   });
   const ImuPlace& imu = asking.body.imu;
   const M3 R = eigen(imu.R_joint_imu);

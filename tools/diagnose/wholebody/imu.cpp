@@ -38,7 +38,7 @@ ImuTrack imu_track(const Asking& asking, const WholeRecording& r) {
   out.acceleration.assign(r.rows(), V3::Zero());
   if (!r.position) return out;
   for (std::size_t i = 0; i < 3; ++i) {
-    const SmoothedState s = smooth_position(r.t, x[i], position_noise(x[i]));
+    const SmoothedState s = smooth_position(r.t, x[i], position_noise(x[i]), asking.smoother);
     for (std::size_t k = 0; k < r.rows(); ++k)
       out.acceleration[k][static_cast<Eigen::Index>(i)] = s.ddq[k];
   }

@@ -30,6 +30,7 @@ struct Asking {
   ToleranceSettings tolerances;
   unsigned long seed = 1;
   StanceSettings stance = {};
+  SmootherSettings smoother = {};
   Chance chance() const { return {settings, decisions, seed}; }
   // group of a moment: the recording where there are several, else a piece of it
   int group_of(std::size_t recording, double seconds_since_start) const;

@@ -26,7 +26,7 @@ std::vector<double> vertical_velocity(const Asking& asking, const WholeRecording
     kinematics.set(r.R[k], r.p[k] / asking.known.pose_scale, r.q.col(static_cast<Eigen::Index>(k)));
     height.push_back(up.dot(kinematics.com()));
   }
-  return smooth_position(r.t, height, position_noise(height)).dq;
+  return smooth_position(r.t, height, position_noise(height), asking.smoother).dq;
 }
 
 struct Loads {

@@ -278,5 +278,29 @@ TEST(PayloadReach, IsThatOfTheLinkAndNotOfItsCentreOfMass) {
   EXPECT_NEAR(payload_reach(length, 0.0, 0.0), 3 * length, 1e-9);
 }
 
+TEST(JointScale, IsMeasuredByTheJointOfTheLibrary) {
+  const SimParams servo = make_params(test::pendulum(
+      "actuator = \"dc_servo\"\nvoltage = 12\nresistance = 5\ntorque_constant = 1.5\n"
+      "back_emf = 2\n"));
+  const JointScale is = joint_scales(servo, {}).front();
+  LibrarySettings twice;
+  for (double* figure :
+       {&twice.torque, &twice.speed, &twice.inertia, &twice.current, &twice.length})
+    *figure *= 2.0;
+  const JointScale half = joint_scales(servo, {}, twice).front();
+  for (auto part : {&JointScale::torque, &JointScale::speed, &JointScale::inertia,
+                    &JointScale::current, &JointScale::length, &JointScale::reach})
+    EXPECT_DOUBLE_EQ(half.*part, 0.5 * is.*part);
+  EXPECT_EQ(half.angle, is.angle) << "radians are radians at any joint";
+}
+
+TEST(JointScale, ReserveCountsWhereNoDriveIsStated) {
+  const SimParams free = make_params(test::pendulum("actuator = \"passive\"\n"));
+  LibrarySettings library;
+  const double torque = joint_scales(free, {}, library).front().torque;
+  library.reserve *= 2.0;
+  EXPECT_DOUBLE_EQ(joint_scales(free, {}, library).front().torque, 2.0 * torque);
+}
+
 }  // namespace
 }  // namespace sanso::diagnose

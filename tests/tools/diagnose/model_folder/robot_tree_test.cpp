@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "shared/files/input_error.h"
+#include "tools/diagnose/model_folder/body_tree.h"
 #include "tools/diagnose/model_folder/joint_units.h"
 #include "tools/diagnose/stats/random.h"
 
@@ -209,6 +210,26 @@ TEST(JointUnits, OfASlidingJointAreLengthsAndForces) {
                                       {"A", "A"}}) {
     EXPECT_EQ(at_joint(turns, true), slides);
     EXPECT_EQ(at_joint(turns, false), turns);
+  }
+}
+
+TEST(CylinderRims, LieOnTheCylinderEvenlyAndAsManyAsAsked) {
+  for (const int points : {3, 6, 12, 25}) {
+    const std::vector<Vec3> rims = cylinder_rims(0.2, 0.6, points);
+    ASSERT_EQ(rims.size(), 2U * static_cast<std::size_t>(points));
+    Vec3 sum{0, 0, 0};
+    for (const Vec3& p : rims) {
+      EXPECT_NEAR(std::hypot(p[0], p[1]), 0.2, 1e-12);
+      EXPECT_NEAR(std::abs(p[2]), 0.3, 1e-12);
+      for (std::size_t i = 0; i < 3; ++i) sum[i] += p[i];
+    }
+    for (const double s : sum) EXPECT_NEAR(s, 0.0, 1e-12) << points;
+    const BodyTree tree = body_tree_from_urdf(
+        R"(<robot name="can"><link name="can"><inertial><mass value="1"/>
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial><collision>
+<geometry><cylinder radius="0.2" length="0.6"/></geometry></collision></link></robot>)",
+        "can.urdf", points);
+    EXPECT_EQ(tree.shapes.front().points, rims);
   }
 }
 

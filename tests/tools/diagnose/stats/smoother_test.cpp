@@ -190,5 +190,23 @@ TEST(Smoother, OfNothingIsNothing) {
   EXPECT_TRUE(smooth_position(std::vector<double>{}, std::vector<double>{}, 0.1).q.empty());
 }
 
+TEST(Smoother, WhatItSupposesBeforeTheFirstReadingIsForgottenWhenItIsWide) {
+  const std::vector<double> t = instants(200, 0.01, 3), noise = white(200, 4);
+  std::vector<double> q;
+  for (std::size_t k = 0; k < t.size(); ++k) q.push_back(20.0 * t[k] + 1e-3 * noise[k]);
+  SmootherSettings wider, narrow;
+  wider.position *= 2.0, wider.speed *= 2.0, wider.acceleration *= 2.0;
+  narrow.speed = 0.01;
+  const SmoothedState as_is = smooth_position(t, q, 1e-3),
+                      wide = smooth_position(t, q, 1e-3, wider),
+                      at_rest = smooth_position(t, q, 1e-3, narrow);
+  ASSERT_EQ(as_is.jerk_density, wide.jerk_density);
+  for (std::size_t k = 0; k < t.size(); ++k) {
+    EXPECT_NEAR(as_is.q[k], wide.q[k], 0.02 * as_is.q_sigma[k]) << k;
+    EXPECT_NEAR(as_is.dq[k], wide.dq[k], 0.02 * as_is.dq_sigma[k]) << k;
+  }
+  EXPECT_LT(at_rest.dq[0], 0.5 * as_is.dq[0]) << "a body said to be at rest begins slowly";
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
