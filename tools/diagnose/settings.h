@@ -240,6 +240,7 @@ struct Settings {
   DataSettings data;
   SmootherSettings smoother;
   LibrarySettings library;
+  SimulationSettings simulation;
   ToleranceSettings tolerances;
   DecisionSettings decisions;
   FittingSettings fitting;
@@ -257,6 +258,7 @@ struct Settings {
     section("data", data);
     section("smoother", smoother);
     section("library", library);
+    section("simulation", simulation);
     section("tolerances", tolerances);
     section("decisions", decisions);
     section("fitting", fitting);

@@ -95,7 +95,7 @@ std::vector<Source> make_sources(const ModelFolder& model,
     sources[i].file = r.file;
     sources[i].condition = r.condition;
     sources[i].drive = make_drive(r, here);
-    sources[i].nominal = params_with_effects(here);
+    sources[i].nominal = params_with_effects(here, settings.simulation);
   }
   std::vector<double> sigmas;
   for (const TreeJoint& joint : model.tree.joints) {

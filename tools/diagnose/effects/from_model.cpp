@@ -77,8 +77,8 @@ EffectEntry entry_of(const EffectInstance& instance) {
   return entry;
 }
 
-SimParams params_with_effects(const ModelFolder& model) {
-  SimParams params = make_params(model);
+SimParams params_with_effects(const ModelFolder& model, const SimulationSettings& settings) {
+  SimParams params = make_params(model, settings);
   for (const EffectInstance& instance : instances_of(model)) apply(instance, params);
   return params;
 }

@@ -27,7 +27,7 @@ std::vector<EffectInstance> instances_of(const ModelFolder& model);
 EffectEntry entry_of(const EffectInstance& instance);
 
 /// make_params and every [[effect]] of the model: what a model folder means.
-SimParams params_with_effects(const ModelFolder& model);
+SimParams params_with_effects(const ModelFolder& model, const SimulationSettings& settings = {});
 
 /// Index of the joint that a joint's or link's name stands for; -1 for the base, -2 when there is
 /// none.

@@ -56,8 +56,10 @@ TurnedInertia turned_inertia(const TreeJoint& joint) {
   return {own, own + b.mass * (far - ahead * ahead)};
 }
 
-/// What a body can give: a tenth of its own inertia stays.
-constexpr double kGives = 0.9;
+/// What a body can give of its own inertia.
+double gives(const SimParams& p, const TurnedInertia& is) {
+  return (1.0 - p.settings.own_inertia) * is.own;
+}
 
 /// The body's own inertia grows or shrinks in its shape until that about its joint has changed by
 /// `share`: one law on both sides of nothing, and to its joint the same as a rotor. A body without
@@ -65,7 +67,7 @@ constexpr double kGives = 0.9;
 void add_inertia(SimParams& p, int j, double share) {
   BodyInertia& b = body(p, j);
   const TurnedInertia is = turned_inertia(p.tree.joints[static_cast<std::size_t>(j)]);
-  const double added = std::max(share * is.about_joint, -kGives * is.own);
+  const double added = std::max(share * is.about_joint, -gives(p, is));
   const bool thin = is.own <= 1e-3 * is.about_joint;  // no shape to grow in
   for (std::size_t k = 0; k < 9; ++k) {
     if (thin && added > 0.0)
@@ -176,7 +178,7 @@ Effect link_inertia() {
       .lowest =
           [](const SimParams& p, std::size_t j) {
             const TurnedInertia is = turned_inertia(p.tree.joints[j]);
-            return is.about_joint > 0.0 ? -kGives * is.own / is.about_joint : 0.0;
+            return is.about_joint > 0.0 ? -gives(p, is) / is.about_joint : 0.0;
           },
       .apply = [](SimParams& p, int j, Theta x) { add_inertia(p, j, x[0]); },
   });

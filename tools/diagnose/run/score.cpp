@@ -94,7 +94,7 @@ Prepared prepare(const ModelFolder& model, const recording::Recording& recording
   const ModelFolder here = with_overrides(model, recording);
   Prepared out;
   out.drive = make_drive(recording, here);
-  out.params = params_with_effects(here);
+  out.params = params_with_effects(here, settings.simulation);
   out.motion = measured_motion(out.drive, settings);
   return out;
 }

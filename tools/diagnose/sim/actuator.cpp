@@ -20,8 +20,8 @@ double integral_rate(const JointParams& joint) {
 
 }  // namespace
 
-void settle_integral(const JointParams& joint, double torque, double supply, InnerState& inner) {
-  constexpr double kHeld = 3.0;  // s
+void settle_integral(const JointParams& joint, double torque, double supply, double held_s,
+                     InnerState& inner) {
   const double rate = integral_rate(joint);
   if (!(rate > 0.0)) return;
   const JointSettings& s = joint.nominal;
@@ -36,7 +36,7 @@ void settle_integral(const JointParams& joint, double torque, double supply, Inn
   // rad of error that would hold it
   const double held = std::clamp(torque / strength, -full, full) / p;
   // under P and I a standing error decays with the rate of the integral
-  inner.integral = held * (1.0 - std::exp(-rate * kHeld)) / rate;
+  inner.integral = held * (1.0 - std::exp(-rate * held_s)) / rate;
 }
 
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner) {

@@ -9,17 +9,6 @@
 
 namespace sanso::diagnose::SANSO_ISA {
 
-// K/W, winding to case of a small servo; chosen, only scales `derating`
-constexpr double kThermalResistance = 8.0;
-constexpr double kThermalTime = 300.0;  // s
-// projected Gauss-Seidel; joints couple weakly, 3 to 6 are typical
-constexpr int kFrictionSweeps = 30;
-constexpr double kStill = 1e-9;         // rad/s: a sweep that changes less is the last
-constexpr double kInertiaFloor = 1e-9;  // kg m^2: links without inertia still move
-constexpr double kFastest = 1e4;        // rad/s: beyond it the motion has diverged
-// s; a joint at 5 rad/s turns 3 degrees, inertia and load change by percents
-constexpr double kTreeRefresh = 0.01;
-
 template <class T>
 struct RobotStateOf {
   T q[kMaxJoints], dq[kMaxJoints];  // link side, rad, rad/s
@@ -34,12 +23,12 @@ struct StepTorquesOf {
 };
 
 /// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place
-/// scratch L.
+/// scratch L. No pivot is taken for less than `least`.
 template <class T>
-inline void invert_block(T* L, T* inverse, int b, int e) {
+inline void invert_block(T* L, T* inverse, int b, int e, T least) {
   const auto at = [](int i, int j) { return i * kMaxJoints + j; };
   if (e - b == 1) {
-    inverse[at(b, b)] = 1.0 / max_of(L[at(b, b)], T(kInertiaFloor));
+    inverse[at(b, b)] = 1.0 / max_of(L[at(b, b)], least);
     return;
   }
   for (int j = b; j < e; ++j) {  // Cholesky
@@ -47,7 +36,7 @@ inline void invert_block(T* L, T* inverse, int b, int e) {
       T sum = L[at(i, j)];
       for (int k = b; k < j; ++k) sum -= L[at(i, k)] * L[at(j, k)];
       // the diagonal holds reciprocals: one division a joint
-      L[at(i, j)] = i == j ? 1.0 / sqrt_of(max_of(sum, T(kInertiaFloor))) : sum * L[at(j, j)];
+      L[at(i, j)] = i == j ? 1.0 / sqrt_of(max_of(sum, least)) : sum * L[at(j, j)];
     }
   }
   for (int j = b; j < e; ++j) {  // inverse of L, then L^-T L^-1
@@ -69,7 +58,8 @@ inline void invert_block(T* L, T* inverse, int b, int e) {
 template <class T>
 class Integrator {
  public:
-  explicit Integrator(const SimFigures& figures) : f_(figures), tree_(figures.tree) {}
+  explicit Integrator(const SimFigures& figures)
+      : f_(figures), settings_(figures.params->settings), tree_(figures.tree) {}
 
   /// Starts anew at any instant (payloads that come late are looked up for it).
   void restart(T t) {
@@ -101,18 +91,18 @@ class Integrator {
     solve_friction();
     MaskOf<T> sound = no_more(T(0.0), T(0.0));
     for (int k = 0; k < f_.joint_count; ++k)
-      sound = both(sound, less(abs_of(dq_end_[f_.simulated[k]]), T(kFastest)));
+      sound = both(sound, less(abs_of(dq_end_[f_.simulated[k]]), T(settings_.diverged)));
     finish(h, dq_end_, f_.simulated, f_.joint_count, true, state, out);
     return sound;
   }
 
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
-  /// computed. The tree's inertia and bias are taken anew every kTreeRefresh seconds only.
+  /// computed. The tree's inertia and bias are taken anew every `tree_refresh` only.
   /// `serves`: the joints whose servo and transmission are wanted; not `gears`: the servo alone.
   /// One lane.
   void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end, const int* serves,
               int count, bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
-    if (gears && t >= tree_time_ + kTreeRefresh) {
+    if (gears && t >= tree_time_ + settings_.tree_refresh) {
       move_tree(t, h, state);
       tree_time_ = t;
     }
@@ -230,17 +220,17 @@ class Integrator {
       out.servo[k] = servo;
       drawn += abs_of(servo.current * servo.duty);
       if (f_.heats) {
-        inner.heat +=
-            h *
-            (kThermalResistance * joint.nominal.resistance * servo.current * servo.current -
-             inner.heat) /
-            kThermalTime;
+        inner.heat += h *
+                      (settings_.thermal_resistance * joint.nominal.resistance * servo.current *
+                           servo.current -
+                       inner.heat) /
+                      settings_.thermal_time;
       }
       if (!gears) continue;
       const T M_kk = M_[k * kMaxJoints + k];
-      instant_[k] = {h,         q_half_[k], state.dq[k], max_of(M_kk, T(kInertiaFloor)),
-                     -bias_[k], warming};
-      part_[k] = transmission_step(joint, servo, instant_[k], inner);
+      const T inertia = max_of(M_kk, T(settings_.least_inertia));
+      instant_[k] = {h, q_half_[k], state.dq[k], inertia, -bias_[k], warming};
+      part_[k] = transmission_step(joint, servo, instant_[k], inner, settings_);
     }
     supply_current_ = drawn;
   }
@@ -250,9 +240,10 @@ class Integrator {
       const int k = f_.simulated[i];
       M_[k * kMaxJoints + k] += part_[k].added;
     }
+    const T least = settings_.least_inertia;
     for (int n = 0; n < f_.branch_count; ++n) {
       const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
-      invert_block(M_, inverse_, b, e);
+      invert_block(M_, inverse_, b, e, least);
       for (int i = b; i < e; ++i) {
         T sum = 0.0;
         for (int k = b; k < e; ++k)
@@ -266,16 +257,18 @@ class Integrator {
   /// linear complementarity problem in y = y0 + mobility f + coupling dq', solved by projected
   /// Gauss-Seidel. Every lane stops sweeping where it would alone.
   void solve_friction() {
+    const T still = settings_.friction_settled;
+    const int sweeps = settings_.friction_sweeps;
     for (int i = 0; i < f_.joint_count; ++i) friction_[f_.simulated[i]] = 0.0;
     for (int n = 0; n < f_.branch_count; ++n) {
       const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
       MaskOf<T> moving = no_more(T(0.0), T(0.0));
-      for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
+      for (int sweep = 0; sweep < sweeps; ++sweep) {
         T largest = 0.0;
         for (int j = b; j < e; ++j) {
           if (part_[j].rubs) largest = max_of(largest, rub(j, b, e, sweep == 0, moving));
         }
-        moving = both(moving, negated(less(largest, T(kStill))));
+        moving = both(moving, negated(less(largest, still)));
         if (e - b == 1 || !any(moving)) break;
       }
     }
@@ -301,7 +294,8 @@ class Integrator {
       const JointParams& joint = f_.joints[k];
       InnerStateOf<T>& inner = state.inner[k];
       if (gears) {
-        finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], inner);
+        finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], settings_,
+                            inner);
         out.friction[k] = friction_[k] / h;
         out.passive[k] = part_[k].passive_torque;
       }
@@ -321,6 +315,7 @@ class Integrator {
   }
 
   const SimFigures& f_;
+  const SimulationSettings settings_;  // a copy: nothing that a step writes can change it
   Tree<T> tree_;
   int payloads_on_[kLanes];
   std::size_t warm_row_[kLanes][kMaxJoints];

@@ -5,8 +5,9 @@
 
 namespace sanso::diagnose {
 
-SimParams make_params(const ModelFolder& model) {
+SimParams make_params(const ModelFolder& model, const SimulationSettings& settings) {
   SimParams params;
+  params.settings = settings;
   params.tree = model.tree;
   params.gravity = model.gravity;
   params.period_s = model.period_s;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/diagnose/model_folder/model_folder.h"
+#include "tools/diagnose/settings_of_simulation.h"
 
 namespace sanso::diagnose {
 
@@ -120,11 +121,12 @@ struct SimParams {
   double supply_resistance = 0.0;  // ohm, carries the sum of |i duty|
   std::vector<WorldForce> forces;
   std::vector<LatePayload> late_payloads;
+  SimulationSettings settings;
   int size() const { return tree.size(); }
 };
 
 /// The nominal model with its payloads. Its [[effect]] entries are not applied here
 /// (effects/from_model.h does that).
-SimParams make_params(const ModelFolder& model);
+SimParams make_params(const ModelFolder& model, const SimulationSettings& settings = {});
 
 }  // namespace sanso::diagnose

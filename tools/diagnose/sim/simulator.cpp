@@ -90,7 +90,9 @@ class Follower {
   void settle() {
     const double supply = 1.0 + f_.params->supply_level;
     const double* held = integrator_->held(f_.t[0], state_);
-    for (const int j : serves_) settle_integral(f_.joints[j], held[j], supply, state_.inner[j]);
+    const double seconds = f_.params->settings.held;
+    for (const int j : serves_)
+      settle_integral(f_.joints[j], held[j], supply, seconds, state_.inner[j]);
   }
 
   void advance(std::size_t row) {

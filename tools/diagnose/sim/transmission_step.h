@@ -6,11 +6,6 @@
 
 namespace sanso::diagnose::SANSO_ISA {
 
-// rad/s; slower counts as rest for dwell-time stiction: a count of a 12-bit encoder in 75 ms, which
-// a recording does not tell from standing
-constexpr double kMovingSpeed = 0.02;
-// motor inertia, when none is known, as a share of the link's
-constexpr double kMinimumMotorShare = 0.02;
 constexpr int kSlipElements = 4;
 
 /// Play or compliance are on: the motor is a mass of its own.
@@ -238,10 +233,10 @@ inline GearForces<T> gear_forces(const JointParams& joint, const ServoOutputOf<T
 template <class T>
 inline void add_motor_mass(const JointParams& joint, const JointInstantOf<T>& at,
                            const GearForces<T>& gears, const InnerStateOf<T>& inner, T y,
-                           JointPartOf<T>& part) {
+                           double motor_share, JointPartOf<T>& part) {
   const T h = at.h;
   const T motor_inertia =
-      max_of(T(joint.nominal.armature + joint.armature), kMinimumMotorShare * at.inertia);
+      max_of(T(joint.nominal.armature + joint.armature), motor_share * at.inertia);
   const T stretch_half = inner.motor_offset + 0.5 * h * inner.motor_speed_offset;
   const Coupling<T> c = coupling_of(joint, at, motor_inertia, stretch_half);
   const T own = motor_inertia + h * implicitness(h * gears.damping, motor_inertia) * gears.damping +
@@ -260,14 +255,15 @@ inline void add_motor_mass(const JointParams& joint, const JointInstantOf<T>& at
 
 template <class T>
 inline JointPartOf<T> transmission_step(const JointParams& joint, const ServoOutputOf<T>& servo,
-                                        const JointInstantOf<T>& at, const InnerStateOf<T>& inner) {
+                                        const JointInstantOf<T>& at, const InnerStateOf<T>& inner,
+                                        const SimulationSettings& settings) {
   JointPartOf<T> part;
   part.two_mass = has_two_masses(joint);
   const T h = at.h;
   const T y = part.two_mass ? at.dq + inner.motor_speed_offset : at.dq;  // where gears rub
   const GearForces<T> gears = gear_forces(joint, servo, at, inner, y, part);
   if (part.two_mass) {
-    add_motor_mass(joint, at, gears, inner, y, part);
+    add_motor_mass(joint, at, gears, inner, y, settings.motor_share, part);
   } else {
     const double armature = joint.nominal.armature + joint.armature;
     const T inertia = at.inertia + armature;
@@ -282,7 +278,8 @@ inline JointPartOf<T> transmission_step(const JointParams& joint, const ServoOut
 /// Advances the inner states with the step's outcome: dq_end of the link, friction impulse f.
 template <class T>
 inline void finish_transmission(const JointParams& joint, const JointInstantOf<T>& at,
-                                const JointPartOf<T>& part, T dq_end, T f, InnerStateOf<T>& inner) {
+                                const JointPartOf<T>& part, T dq_end, T f,
+                                const SimulationSettings& settings, InnerStateOf<T>& inner) {
   T y = dq_end;
   if (part.two_mass) {
     y = part.y0 + part.mobility * f + part.coupling * dq_end;
@@ -297,7 +294,7 @@ inline void finish_transmission(const JointParams& joint, const JointInstantOf<T
   }
   if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0) advance_maxwell(joint, at.h, y, inner);
   if (joint.dwell_rate != 0.0) {
-    inner.rest_time = choose(less(abs_of(y), T(kMovingSpeed)), inner.rest_time + at.h, T(0.0));
+    inner.rest_time = choose(less(abs_of(y), T(settings.standing)), inner.rest_time + at.h, T(0.0));
   }
 }
 

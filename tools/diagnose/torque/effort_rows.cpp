@@ -74,7 +74,7 @@ EffortRecording read(const ModelFolder& model, const Recording& recording, bool 
   EffortRecording out;
   out.file = recording.file;
   out.condition = recording.condition;
-  out.nominal = params_with_effects(with_overrides(model, recording));
+  out.nominal = params_with_effects(with_overrides(model, recording), settings.simulation);
   out.channels = effort_channels(recording, out.nominal, free_gain);
   const std::size_t joints = out.channels.size();
   const double interval = gate::sampling_interval(recording.t);

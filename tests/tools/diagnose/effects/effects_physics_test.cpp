@@ -277,5 +277,24 @@ TEST(Tether, PullsWithItsForceTimesTheLever) {
   EXPECT_NEAR(10 * q, -0.1 * std::cos(q) - kMgl * std::sin(q), 1e-6);
 }
 
+TEST(LinkInertia, LeavesABodyItsShareOfItsOwn) {
+  ModelFolder model = test::pendulum("actuator = \"passive\"\n");
+  BodyInertia& body = model.tree.joints[0].body;
+  body.about_com[0] = 0.004, body.about_com[4] = 0.003, body.about_com[8] = 0.001;
+  const Effect& inertia = *find_effect("link_inertia");
+  for (const double share : {0.05, 0.1, 0.4}) {
+    SimulationSettings settings;
+    settings.own_inertia = share;
+    SimParams params = make_params(model, settings);
+    const double lowest = inertia.lowest(params, 0);
+    for (const double asked : {lowest, 3.0 * lowest}) {  // nobody takes more
+      SimParams light = params;
+      inertia.apply(light, 0, std::vector<double>{asked});
+      for (const std::size_t k : {0U, 4U, 8U})
+        EXPECT_NEAR(light.tree.joints[0].body.about_com[k], share * body.about_com[k], 1e-12);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sanso::diagnose

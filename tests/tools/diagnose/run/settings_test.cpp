@@ -45,7 +45,7 @@ TEST(DiagnoseSettings, HalfAndTwiceAreAllowedWhereTheyAreRun) {
       value = static_cast<std::decay_t<decltype(value)>>(scaled);
     };
     settings.base.visit(scale), settings.whole.visit(scale);
-    settings.smoother.visit(scale), settings.library.visit(scale);
+    settings.smoother.visit(scale), settings.library.visit(scale), settings.simulation.visit(scale);
     EXPECT_NO_THROW(require_in_range(settings));
   }
 }
