@@ -19,7 +19,8 @@ import sys
 import time
 
 # More rooms join when they are clean.
-ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model")
+ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model", "tools/diagnose/gate",
+         "tools/diagnose/model_folder", "tools/diagnose/stats")
 TOGETHER = 8  # sources read at once
 LINTERS = ("clang-tidy-14", "clang-tidy")
 FINDING = re.compile(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*)$", re.M)
