@@ -17,6 +17,7 @@ LATER = ("torque", "wholebody")
 # (file below tools/diagnose, name): why it is no setting.
 KEPT = {
     ("effects/effect.h", "kOff"): "a mark for 'not switched on' that files hold: compared for equality, never scaled",
+    ("effects/whole_figures.h", "kJointFigures"): "members of the enumeration above it",
     ("explain/chance.cpp", "kStream"): "names a stream of random draws",
     ("explain/incidence.cpp", "kNormal95"): "quantile of the normal distribution",
     ("explain/rivals.h", "kNoiseUnit"): "two units of energy are one of log-likelihood",
@@ -59,7 +60,6 @@ KEPT = {
     ("verdict/remains.cpp", "kTorqueStream"): "names a stream of random draws",
     ("verdict/remains.cpp", "kVelocityStream"): "names a stream of random draws",
     ("wholebody/base_checks.cpp", "kGravity"): "standard gravity, which tells g from m/s^2",
-    ("wholebody/drive_rows.h", "kJointFigures"): "members of the enumeration above it",
     ("wholebody/known.cpp", "kMost"): "keeps the number of a group an integer: a day in pieces of a second",
 }
 TYPE = r"(?:std::)?(?:double|float|int|unsigned|long|auto|size_t|u?int(?:8|16|32|64)_t|Vec3|V3|Mat3|array<[^;={}]*>)"

@@ -22,6 +22,7 @@ Effect ground_slope() {
       .confounders = {"imu_misalignment", "pose_tilt", "link_com", "encoder_offset"},
       .regimes = {"stance"},
       .signature = "constant in the world",
+      .whole = WholeFigure::slope,
   });
 }
 
@@ -38,6 +39,7 @@ Effect contact_compliance() {
       .confounders = {"joint_compliance", "restitution"},
       .regimes = {"touchdown"},
       .signature = "touchdown +-40 ms",
+      .whole = WholeFigure::compliance,
   });
 }
 
@@ -53,6 +55,7 @@ Effect contact_friction() {
       .confounders = {"sole_geometry"},
       .regimes = {"slip"},
       .signature = "only when slipping",
+      .whole = WholeFigure::friction,
   });
 }
 
@@ -70,6 +73,7 @@ Effect restitution() {
       .confounders = {"contact_compliance"},
       .regimes = {"touchdown"},
       .signature = "the first 20 ms",
+      .whole = WholeFigure::restitution,
   });
 }
 
@@ -84,6 +88,7 @@ Effect sole_geometry() {
       .confounders = {"link_com", "contact_friction"},
       .regimes = {"stance"},
       .signature = "centre of pressure at the edge",
+      .whole = WholeFigure::sole_shape,
   });
 }
 
@@ -100,6 +105,7 @@ Effect rolling_resistance() {
       .confounders = {"coulomb_friction"},
       .regimes = {"stance"},
       .signature = "wheels only",
+      .whole = WholeFigure::rolling,
   });
 }
 

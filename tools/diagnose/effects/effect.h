@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/diagnose/effects/effort_columns.h"
+#include "tools/diagnose/effects/whole_figures.h"
 #include "tools/diagnose/settings.h"
 #include "tools/diagnose/sim/sim_params.h"
 
@@ -179,6 +181,9 @@ struct Effect {
   std::vector<SettingChange> settings{};
   std::vector<Identified> identified{};
   std::vector<Tolerance> tolerances{};
+  EffortColumns effort{};                 // where the motion is given and the effort asked
+  WholeFigure whole = WholeFigure::none;  // of a base that floats
+  std::optional<DriveQuestion> drive{};   // of a robot that stands
   /// The least that the first parameter can be at this joint or link; empty: its own bound.
   std::function<double(const SimParams&, std::size_t where)> lowest{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
@@ -198,6 +203,15 @@ struct Effect {
 const std::vector<Effect>& library();
 /// nullptr when there is no effect of this id.
 const Effect* find_effect(std::string_view id);
+
+/// The effects with columns of a kind, in the order in which they are asked for.
+std::vector<const Effect*> effort_effects(EffortKind kind);
+/// The effect that a figure of a floating base is. Every figure but `none` is one.
+const Effect& effect_of(WholeFigure figure);
+/// nullptr: no effect is asked for by this figure of a drive.
+const Effect* effect_of(JointFigure figure);
+/// effect_of(figure).id
+std::string name_of(WholeFigure figure);
 
 /// An effect and one of its tolerances.
 struct Tolerated {

@@ -40,6 +40,7 @@ Effect servo_p_gain() {
                       .order = 5,
                       .deviation = &ToleranceSettings::gain,
                       .direction = driven_by({Actuator::dc_servo, Actuator::position_pd}, {1.0})}},
+      .drive = DriveQuestion{JointFigure::gain, true},
       .apply = multiplies(&JointParams::p_scale),
   });
 }
@@ -120,6 +121,10 @@ Effect torque_constant() {
                       .order = 7,
                       .deviation = &ToleranceSettings::motor,
                       .direction = driven_by({Actuator::dc_servo}, {0.0, 1.0})}},
+      .effort = {.kind = EffortKind::share,
+                 .most = 0.4,
+                 .tolerance = within(0, &ToleranceSettings::motor)},
+      .drive = DriveQuestion{JointFigure::torque},
       .apply = multiplies(&JointParams::torque_scale, &JointParams::resistance_scale),
   });
 }

@@ -27,6 +27,7 @@ Effect air_drag() {
       .regimes = {"high speed"},
       .signature = "square of the speed",
       .experiments = {kTorqueOff, kChirp},
+      .effort = {.kind = EffortKind::joint, .order = 8},
       .apply = adds(&JointParams::air_drag),
   });
 }

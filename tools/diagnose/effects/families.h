@@ -98,6 +98,14 @@ inline auto as_stated(double JointSettings::*key) {
   };
 }
 
+/// A tolerance of an effort: of what the model states, or (no key) of one.
+inline EffortTolerance within(int order, double ToleranceSettings::*deviation,
+                              double JointSettings::*stated = nullptr) {
+  return {order, deviation, [stated](const SimParams& p, std::size_t j) {
+            return stated == nullptr ? 1.0 : p.joints[j].nominal.*stated;
+          }};
+}
+
 /// Probes of a ripple: sine and cosine of one size at each order.
 inline std::vector<std::vector<double>> both_phases(double size,
                                                     std::initializer_list<double> orders) {

@@ -37,6 +37,12 @@ Effect viscous_friction() {
                       .order = 3,
                       .deviation = &ToleranceSettings::damping,
                       .direction = actuator_damping}},
+      .effort = {.kind = EffortKind::joint,
+                 .order = 2,
+                 .stated = &JointSettings::viscous,
+                 .beside_gain = true,
+                 .tolerance = within(4, &ToleranceSettings::damping, &JointSettings::viscous)},
+      .drive = DriveQuestion{JointFigure::speed, true},
       .apply = adds(&JointParams::viscous),
   });
 }
@@ -63,6 +69,13 @@ Effect coulomb_friction() {
                       .order = 4,
                       .deviation = &ToleranceSettings::friction,
                       .direction = as_stated(&JointSettings::coulomb)}},
+      .effort = {.kind = EffortKind::joint,
+                 .order = 1,
+                 .stated = &JointSettings::coulomb,
+                 .dry = DryFriction::adds,
+                 .beside_gain = true,
+                 .tolerance = within(5, &ToleranceSettings::friction, &JointSettings::coulomb)},
+      .drive = DriveQuestion{JointFigure::dry, true},
       .apply = adds(&JointParams::coulomb),
   });
 }
@@ -85,6 +98,10 @@ Effect stribeck_friction() {
       .regimes = {"breakaway", "low speed", "reversal"},
       .signature = "sticks, then slips: shows in slow motion and at breakaway",
       .experiments = {kSlowRamps},
+      .effort = {.kind = EffortKind::joint,
+                 .order = 4,
+                 .held = {{0, 0.1, 1}, {0, 0.3, 1}, {0, 1, 1}},
+                 .dry = DryFriction::adds},
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] == 0.0) return;
@@ -111,6 +128,8 @@ Effect load_friction() {
       .regimes = {"high load", "driving"},
       .signature = "grows with the load the gear carries",
       .experiments = {kAddPayload, kLiftAndLower},
+      .effort = {.kind = EffortKind::joint, .order = 5},
+      .drive = DriveQuestion{JointFigure::load},
       .apply = adds(&JointParams::load_friction),
   });
 }
@@ -148,6 +167,7 @@ Effect quadratic_load_friction() {
       .regimes = {"high load"},
       .signature = "only under heavy load",
       .experiments = {kAddPayload},
+      .effort = {.kind = EffortKind::joint, .order = 6},
       .apply = adds(&JointParams::quadratic_load_friction),
   });
 }
@@ -167,6 +187,7 @@ Effect asymmetric_friction() {
       .regimes = {"high speed", "low speed"},
       .signature = "the sign of motion decides",
       .experiments = {kTilt},
+      .effort = {.kind = EffortKind::joint, .order = 7, .values = {0, 1}},
       .apply = adds(&JointParams::coulomb_difference, &JointParams::viscous_difference),
   });
 }
@@ -238,6 +259,8 @@ Effect position_friction() {
       .regimes = {"low speed"},
       .signature = "periodic over the angle, dissipative",
       .experiments = {kSlowRamps, kFullRange},
+      .effort =
+          {.kind = EffortKind::ripple, .order = 2, .values = {0, 1}, .dry = DryFriction::ripples},
       .apply = ripples(&JointParams::friction_ripple),
   });
 }

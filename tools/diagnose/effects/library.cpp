@@ -1,6 +1,7 @@
 // The chapters put together in the order of the method page, and what an effect can be asked.
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <utility>
 
 #include "tools/diagnose/effects/families.h"
@@ -47,6 +48,34 @@ const Effect* find_effect(std::string_view id) {
   }
   return nullptr;
 }
+
+std::vector<const Effect*> effort_effects(EffortKind kind) {
+  std::vector<const Effect*> out;
+  for (const Effect& effect : library()) {
+    if (effect.effort.kind == kind) out.push_back(&effect);
+  }
+  std::sort(out.begin(), out.end(),
+            [](const Effect* a, const Effect* b) { return a->effort.order < b->effort.order; });
+  return out;
+}
+
+const Effect& effect_of(WholeFigure figure) {
+  const std::vector<Effect>& all = library();
+  const auto at =
+      std::find_if(all.begin(), all.end(), [&](const Effect& e) { return e.whole == figure; });
+  if (figure == WholeFigure::none || at == all.end())
+    throw std::logic_error("no effect is figure " + std::to_string(static_cast<int>(figure)));
+  return *at;
+}
+
+const Effect* effect_of(JointFigure figure) {
+  for (const Effect& effect : library()) {
+    if (effect.drive && effect.drive->figure == figure) return &effect;
+  }
+  return nullptr;
+}
+
+std::string name_of(WholeFigure figure) { return std::string(effect_of(figure).id); }
 
 bool Effect::fitted_by_identify(std::size_t k, Actuator actuator) const {
   if (k >= identified.size() || identified[k] == Identified::never) return false;

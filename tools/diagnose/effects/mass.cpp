@@ -103,6 +103,12 @@ std::vector<double> along_the_link(const SimParams& p, std::size_t j) {
   return {joint.body.com[0], joint.body.com[1], joint.body.com[2]};
 }
 
+/// From the joint to its link's centre of mass.
+double how_far_out(const SimParams& p, std::size_t j) {
+  const Vec3& com = p.tree.joints[j].body.com;
+  return std::hypot(com[0], com[1], com[2]);
+}
+
 Effect link_mass() {
   return of_link({
       .id = "link_mass",
@@ -121,6 +127,11 @@ Effect link_mass() {
                       .order = 1,
                       .deviation = &ToleranceSettings::mass,
                       .direction = everywhere({1.0})}},
+      .effort = {.kind = EffortKind::link,
+                 .order = 1,
+                 .wild = 1.0,  // more than doubles
+                 .tolerance = within(1, &ToleranceSettings::mass)},
+      .whole = WholeFigure::mass_share,
       .apply =
           [](SimParams& p, int j, Theta x) {
             body(p, j).mass *= 1.0 + x[0];
@@ -152,6 +163,12 @@ Effect link_com() {
                       .order = 2,
                       .deviation = &ToleranceSettings::length,
                       .direction = along_the_link}},
+      .effort = {.kind = EffortKind::link,
+                 .order = 2,
+                 .values = {0, 1, 2},
+                 .lengths = true,
+                 .tolerance = EffortTolerance{2, &ToleranceSettings::length, how_far_out}},
+      .whole = WholeFigure::centre,
       .apply =
           [](SimParams& p, int j, Theta x) {
             for (std::size_t k = 0; k < 3; ++k) body(p, j).com[k] += x[k];
@@ -174,6 +191,8 @@ Effect link_inertia() {
       .regimes = {"accelerating"},
       .signature = "fast motion",
       .experiments = {kAddPayload, kChirp},
+      // at most as if the mass sat at the link's ends; what resists more is a rotor
+      .effort = {.kind = EffortKind::link, .order = 3, .bounded = true},
       // no body gives more than it has
       .lowest =
           [](const SimParams& p, std::size_t j) {
@@ -207,6 +226,7 @@ Effect payload() {
       .regimes = {"high load", "late"},
       .signature = "a step in time",
       .experiments = {kTilt},
+      .whole = WholeFigure::payload,
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] != 0.0) p.late_payloads.push_back({j, {x[0], {x[1], x[2], x[3]}, {}}, x[4]});

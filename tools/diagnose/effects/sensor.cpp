@@ -11,6 +11,11 @@ Effect imu(Effect effect) {
   return of_chapter({Family::sensor, Port::sensor, Scope::robot, kR2 | kR6}, std::move(effect));
 }
 
+/// The tolerance is one of angles: a slide has none.
+double where_it_turns(const SimParams& p, std::size_t j) {
+  return p.tree.joints[j].prismatic ? 0.0 : 1.0;
+}
+
 Effect encoder_offset() {
   return encoder({
       .id = "encoder_offset",
@@ -30,6 +35,9 @@ Effect encoder_offset() {
                       .deviation = &ToleranceSettings::zero,
                       .direction = everywhere({1.0}),
                       .sliding = 0.1}},
+      .effort = {.kind = EffortKind::zero,
+                 .tolerance = EffortTolerance{3, &ToleranceSettings::zero, where_it_turns}},
+      .drive = DriveQuestion{JointFigure::zero},
       .apply = adds(&JointParams::encoder_offset),
   });
 }
@@ -93,6 +101,7 @@ Effect imu_bias() {
       .confounders = {"imu_misalignment", "ground_slope"},
       .regimes = {"standstill"},
       .signature = "at rest",
+      .whole = WholeFigure::imu_bias,
   });
 }
 
@@ -111,6 +120,7 @@ Effect imu_misalignment() {
       .confounders = {"ground_slope", "link_com", "encoder_offset"},
       .regimes = {"standstill"},
       .signature = "attitude constant in the body",
+      .whole = WholeFigure::imu_turn,
   });
 }
 
@@ -125,6 +135,7 @@ Effect pose_scale() {
       .needs = kGround,
       .regimes = {"flight", "standstill"},
       .signature = "pace of free fall, and height at rest",
+      .whole = WholeFigure::pose_scale,
   });
 }
 
@@ -141,6 +152,7 @@ Effect pose_tilt() {
       .confounders = {"ground_slope", "imu_misalignment"},
       .regimes = {"standstill"},
       .signature = "accelerometer against attitude, constant in the world",
+      .whole = WholeFigure::pose_tilt,
   });
 }
 
@@ -156,6 +168,7 @@ Effect foot_force_scale() {
       .confounders = {"link_mass", "payload"},
       .regimes = {"stance"},
       .signature = "sum of the feet against the weight",
+      .whole = WholeFigure::force_scale,
   });
 }
 

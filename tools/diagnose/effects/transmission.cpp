@@ -100,6 +100,7 @@ Effect cogging() {
       .regimes = {"low speed"},
       .signature = "order lines over the angle, conservative",
       .experiments = {kSlowRamps, kFullRange},
+      .effort = {.kind = EffortKind::ripple, .order = 1, .values = {0, 1}},
       .apply = ripples(&JointParams::cogging),
   });
 }
@@ -125,6 +126,10 @@ Effect rotor_inertia() {
                       .order = 9,
                       .deviation = &ToleranceSettings::armature,
                       .direction = as_stated(&JointSettings::armature)}},
+      .effort = {.kind = EffortKind::joint,
+                 .order = 3,
+                 .stated = &JointSettings::armature,
+                 .tolerance = within(6, &ToleranceSettings::armature, &JointSettings::armature)},
       .apply = adds(&JointParams::armature),
   });
 }
@@ -165,6 +170,7 @@ Effect cable_spring() {
       .regimes = {"standstill", "low speed"},
       .signature = "conservative, a function of the angle",
       .experiments = {kTilt, kPostures},
+      .effort = {.kind = EffortKind::joint, .order = 9, .values = {0, 1}, .constant = 1},
       .apply = adds(&JointParams::spring, &JointParams::spring_torque),
   });
 }

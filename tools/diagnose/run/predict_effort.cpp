@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "shared/files/input_error.h"
-#include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/verdict/conclude.h"
@@ -30,22 +30,36 @@ double size_of(const JudgedTerm& t) {
   return sum;
 }
 
+/// The effect that can be a constant torque alone.
+const Effect& constant_torque() {
+  const std::vector<Effect>& all = library();
+  return *std::find_if(all.begin(), all.end(),
+                       [](const Effect& e) { return e.effort.constant.has_value(); });
+}
+
 /// The entry of model.toml for a term; empty id: there is none.
 EffectEntry entry_for(const JudgedTerm& t) {
-  EffectEntry entry;
-  entry.where = t.term.where;
+  const double first = t.values.front().value;
   if (t.term.effect == kEffortOffset) {
-    entry.id = "cable_spring";
-    entry.parameters = {{"stiffness", 0.0}, {"torque", -t.values.front().value}};
-  } else if (t.term.effect == "torque_constant") {
-    entry.id = t.term.effect;
-    entry.parameters = {{"torque", 1.0 / (1.0 + t.values.front().value)}, {"resistance", 1.0}};
-  } else if (find_effect(t.term.effect) != nullptr) {
-    entry.id = t.term.effect;
-    for (std::size_t c = 0; c < t.values.size(); ++c)
-      entry.parameters[t.term.parameters[c]] = t.values[c].value;
-    for (const auto& [name, value] : t.term.fixed) entry.parameters[name] = value;
+    const Effect& effect = constant_torque();
+    std::vector<double> theta = effect.null();
+    theta[*effect.effort.constant] = -first;
+    return entry_of({&effect, t.term.where, theta});
   }
+  EffectEntry entry;
+  const Effect* effect = find_effect(t.term.effect);
+  if (effect == nullptr) return entry;
+  entry = entry_of({effect, t.term.where, effect->null()});
+  const auto named = [&](std::size_t parameter) -> double& {
+    return entry.parameters[std::string(effect->parameters[parameter].name)];
+  };
+  if (effect->effort.kind == EffortKind::share) {
+    named(effect->effort.values.front()) = 1.0 / (1.0 + first);
+    return entry;
+  }
+  for (std::size_t c = 0; c < t.values.size(); ++c)
+    named(effect->effort.values[c]) = t.values[c].value;
+  for (const auto& [name, value] : t.term.fixed) entry.parameters[name] = value;
   return entry;
 }
 

@@ -13,9 +13,7 @@
 namespace sanso::diagnose {
 namespace {
 
-bool is_ripple(const EffortTerm& term) {
-  return term.effect == "cogging" || term.effect == "position_friction";
-}
+bool is_ripple(const EffortTerm& term) { return term.law.kind == EffortKind::ripple; }
 
 std::vector<int> plus(std::vector<int> set, int more) {
   set.push_back(more);
@@ -76,7 +74,7 @@ class Chooser {
         robust_weights(design_.rows(), design_.residual(x), settings_.effort.outlier));
   }
 
-  bool allowed(const std::string& effect) const {
+  bool allowed(std::string_view effect) const {
     const auto has = [&](const std::vector<std::string>& list) {
       return std::find(list.begin(), list.end(), effect) != list.end();
     };
@@ -112,11 +110,11 @@ class Chooser {
     std::vector<EffortTerm> found;
     for (std::size_t j = 0; j < range_.size(); ++j) {
       if (design_.rows().recordings.front().nominal.tree.joints[j].prismatic) continue;
-      for (const char* effect : {"cogging", "position_friction"}) {
-        if (!allowed(effect)) continue;
-        const int order = strongest_order(left, static_cast<int>(j), effect);
+      for (const Effect* effect : effort_effects(EffortKind::ripple)) {
+        if (!allowed(effect->id)) continue;
+        const int order = strongest_order(left, static_cast<int>(j), *effect);
         if (order == 0) continue;
-        EffortTerm term = ripple_term(design_.rows(), effect, static_cast<int>(j), order);
+        EffortTerm term = ripple_term(design_.rows(), *effect, static_cast<int>(j), order);
         const bool known =
             std::any_of(design_.terms().begin(), design_.terms().end(),
                         [&](const EffortTerm& other) { return other.same_as(term); });
@@ -128,11 +126,13 @@ class Chooser {
 
   /// Order whose sine and cosine take most out of the joint's residual and is not taken; 0: the
   /// joint does not turn through a period of any.
-  int strongest_order(const Eigen::VectorXd& left, int joint, const std::string& effect) const {
-    const bool friction = effect == "position_friction";
+  int strongest_order(const Eigen::VectorXd& left, int joint, const Effect& effect) const {
+    const bool friction = effect.effort.dry == DryFriction::ripples;
     const double range = range_[static_cast<std::size_t>(joint)];
-    const int highest =
-        friction ? std::min(12, settings_.effort.highest_order) : settings_.effort.highest_order;
+    int highest = settings_.effort.highest_order;
+    for (const EffectParameter& p : effect.parameters) {
+      if (p.role == Role::order) highest = std::min(highest, static_cast<int>(p.high));
+    }
     int best = 0;
     double most = 0.0;
     for (int order = 1; order <= highest; ++order) {
@@ -206,7 +206,7 @@ class Chooser {
     for (int c = 0; c < term.size(); ++c) {
       if (term.stopped(c, x[design_.first_column(t) + c])) return false;
     }
-    return term.effect != "position_friction" || friction_is_positive(design_, with, x);
+    return term.law.dry != DryFriction::ripples || friction_is_positive(design_, with, x);
   }
 
   /// The best term, or one with fewer numbers at the same joints that predicts as well.
@@ -222,19 +222,19 @@ class Chooser {
     return best;
   }
 
-  /// A link that more than doubles stands back where another term at its joint does nearly as
+  /// A link that is wild (EffortColumns) stands back where another term at its joint does nearly as
   /// well: a rotor does what an enormous mass does.
   int less_wild(const std::vector<int>& active, int best, const std::vector<int>& next) const {
     const EffortTerm& term = design_.terms()[static_cast<std::size_t>(best)];
     const auto left = [&](int t) { return total(design_.fit(plus(active, t), split_.fitted)); };
     const EffortValues x = design_.fit(plus(active, best), split_.fitted);
-    const bool wild = term.effect.starts_with("link_m") && x[design_.first_column(best)] > 1.0;
-    if (!wild) return best;
+    if (!(x[design_.first_column(best)] > term.law.wild)) return best;
     const double before = total(design_.fit(active, split_.fitted)), gain = before - left(best);
     const double enough = (1.0 - settings_.effort.nearly) * gain;
     for (const int t : next) {
       const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
-      if (other.effect.starts_with("link_") || other.joints.back() != term.joints.back()) continue;
+      const bool link = other.law.kind == EffortKind::link;
+      if (link || other.joints.back() != term.joints.back()) continue;
       if (before - left(t) > enough && plausible(active, t) && pays(active, t)) return t;
     }
     return best;

@@ -7,22 +7,25 @@
 namespace sanso::diagnose {
 namespace {
 
-/// A one-column term at a joint; -1: none.
-int term_of(const EffortDesign& design, const char* effect, const std::string& joint,
-            bool nuisance) {
+/// The nuisance that is the joint's gain; -1: none.
+int gain_term(const EffortDesign& design, const std::string& joint) {
   for (std::size_t t = 0; t < design.terms().size(); ++t) {
     const EffortTerm& term = design.terms()[t];
-    if (term.effect == effect && term.nuisance == nuisance && term.where.size() == 1 &&
-        term.where.front() == joint && term.size() == 1)
+    if (term.law.kind == EffortKind::share && term.nuisance && term.where.front() == joint)
       return static_cast<int>(t);
   }
   return -1;
 }
 
-int column_of(const EffortDesign& design, const char* effect, const std::string& joint,
-              bool nuisance) {
-  const int term = term_of(design, effect, joint, nuisance);
-  return term < 0 ? -1 : design.first_column(term);
+/// Of the friction and the constant that are fitted beside a gain.
+std::vector<int> columns_beside(const EffortDesign& design, const std::string& joint) {
+  std::vector<int> out;
+  for (std::size_t t = 0; t < design.terms().size(); ++t) {
+    const EffortTerm& term = design.terms()[t];
+    if (term.law.beside_gain && !term.nuisance && term.where.front() == joint)
+      out.push_back(design.first_column(static_cast<int>(t)));
+  }
+  return out;
 }
 
 struct Estimate {
@@ -55,13 +58,9 @@ double left_by(const EffortDesign& design, int joint, const std::vector<int>& co
 }
 
 Estimate estimate(const EffortDesign& design, int joint, const std::string& name) {
-  std::vector<int> others;
-  for (const char* effect : {"coulomb_friction", "viscous_friction", kEffortOffset}) {
-    const int column = column_of(design, effect, name, false);
-    if (column >= 0) others.push_back(column);
-  }
+  const std::vector<int> others = columns_beside(design, name);
   std::vector<int> with = others;
-  with.insert(with.begin(), column_of(design, "torque_constant", name, true));
+  with.insert(with.begin(), gain_column(design, name));
   Estimate out;
   const double before = left_by(design, joint, others, nullptr);
   const double after = left_by(design, joint, with, &out.a);
@@ -72,7 +71,8 @@ Estimate estimate(const EffortDesign& design, int joint, const std::string& name
 }  // namespace
 
 int gain_column(const EffortDesign& design, const std::string& joint) {
-  return column_of(design, "torque_constant", joint, true);
+  const int term = gain_term(design, joint);
+  return term < 0 ? -1 : design.first_column(term);
 }
 
 std::vector<EffortGainFound> scale_unknown_gains(EffortDesign& design, const Settings& settings) {
@@ -89,8 +89,7 @@ std::vector<EffortGainFound> scale_unknown_gains(EffortDesign& design, const Set
     gain.determined = e.a > 0.0 && e.share > settings.effort.gain_share;
     gain.value = gain.determined ? 1.0 / e.a : 1.0;
     design.scale(static_cast<int>(j), gain.value, !gain.determined);
-    if (!gain.determined)
-      design.hold(term_of(design, "torque_constant", gain.joint, true), gain.unit);
+    if (!gain.determined) design.hold(gain_term(design, gain.joint), gain.unit);
     out.push_back(gain);
   }
   return out;

@@ -50,9 +50,8 @@ bool friction_is_positive(const EffortDesign& design, const std::vector<int>& ac
                         term.joints.end();
       if (!here || term.nuisance) continue;
       const int column = design.first_column(t);
-      if (term.effect == "position_friction") ripple += std::hypot(x[column], x[column + 1]);
-      if (term.parameters.front() == "coulomb" || term.effect == "stribeck_friction")
-        dry += x[column];
+      if (term.law.dry == DryFriction::ripples) ripple += std::hypot(x[column], x[column + 1]);
+      if (term.law.dry == DryFriction::adds) dry += x[column];
     }
     if (ripple > dry) return false;
   }

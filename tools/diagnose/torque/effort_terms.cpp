@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 
-#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/model_folder/joint_units.h"
 
 namespace sanso::diagnose {
@@ -30,15 +29,21 @@ JointParams only(const Effect& effect, const std::vector<double>& theta) {
   return blank.joints.front();
 }
 
-/// A term of the library at one joint. `sizes`: which parameters are columns; `theta`: the others'
-/// values, and the unit of the columns.
-EffortTerm at_joint_term(const EffortRows& rows, const char* id, int j,
-                         const std::vector<std::size_t>& sizes, std::vector<double> theta) {
-  const Effect& effect = *find_effect(id);
-  const TreeJoint& joint = joint_of(rows, j);
+/// A term of the library, without places and numbers.
+EffortTerm term_of(const Effect& effect) {
   EffortTerm term;
-  term.effect = id;
+  term.effect = effect.id;
   term.family = to_string(effect.family);
+  term.law = effect.effort;
+  return term;
+}
+
+/// A term of the library at one joint. `theta`: values of the parameters that are no columns.
+EffortTerm at_joint_term(const EffortRows& rows, const Effect& effect, int j,
+                         const std::vector<double>& theta) {
+  const TreeJoint& joint = joint_of(rows, j);
+  const std::vector<std::size_t>& sizes = effect.effort.values;
+  EffortTerm term = term_of(effect);
   term.where = {joint.name};
   term.joints = {j};
   std::vector<JointParams> laws;
@@ -68,15 +73,10 @@ EffortTerm at_joint_term(const EffortRows& rows, const char* id, int j,
   return term;
 }
 
-/// The term with the nominal model's own figure as the least that may be taken away.
-EffortTerm not_below(EffortTerm term, double nominal) {
-  term.low.front() = -nominal;
-  return term;
-}
-
 EffortTerm offset_term(const EffortRows& rows, int j) {
   EffortTerm term;
   term.effect = kEffortOffset;
+  term.law.beside_gain = true;
   term.family = "sensor";
   term.where = {joint_of(rows, j).name};
   term.joints = {j};
@@ -92,13 +92,13 @@ EffortTerm offset_term(const EffortRows& rows, int j) {
 }
 
 /// The recorded effort is a multiple of what the joint needs.
-EffortTerm gain_term(const EffortRows& rows, int j) {
-  EffortTerm term = offset_term(rows, j);
-  term.effect = "torque_constant";
-  term.family = to_string(find_effect("torque_constant")->family);
+EffortTerm share_term(const EffortRows& rows, const Effect& effect, int j) {
+  EffortTerm term = term_of(effect);
+  term.where = {joint_of(rows, j).name};
+  term.joints = {j};
   term.parameters = {"effort_share"};
   term.units = {"-"};
-  term.low = {-0.4}, term.high = {0.4};
+  term.low = {-effect.effort.most}, term.high = {effect.effort.most};
   term.low_is_nothing = false;
   term.columns = [j](const EffortRecording&) -> ColumnsAt {
     return [j](const MotionSample&, const std::vector<NeededEffort>& needed,
@@ -134,41 +134,41 @@ std::function<ColumnsAt(const EffortRecording&)> link_columns(int columns, doubl
   };
 }
 
-EffortTerm link_term(const EffortRows& rows, const char* id, int j) {
-  const Effect& effect = *find_effect(id);
-  EffortTerm term;
-  term.effect = id;
-  term.family = to_string(effect.family);
+EffortTerm link_term(const EffortRows& rows, const Effect& effect, int j) {
+  EffortTerm term = term_of(effect);
   term.where = {joint_of(rows, j).link};
   for (int k = 0; k <= j; ++k) term.joints.push_back(k);
-  const std::string_view name = id;
+  const bool lengths = effect.effort.lengths;
   const Vec3& com = joint_of(rows, j).body.com;
   // a link reaches from its joint to about twice the distance of its centre of mass
   const double reach = std::max(0.05, 2.0 * std::hypot(com[0], com[1], com[2]));
-  for (const EffectParameter& p : effect.parameters) {
+  for (const std::size_t value : effect.effort.values) {
+    const EffectParameter& p = effect.parameters[value];
     term.parameters.emplace_back(p.name);
     term.units.emplace_back(p.unit);
     // no negative mass, and any that is recorded
-    term.low.push_back(name == "link_com" ? -reach : -1.0);
-    // at most as if the mass sat at the link's ends; what resists more is a rotor
-    term.high.push_back(name == "link_com" ? reach : name == "link_inertia" ? p.high : kInf);
+    term.low.push_back(lengths ? -reach : -1.0);
+    term.high.push_back(lengths ? reach : effect.effort.bounded ? p.high : kInf);
   }
-  term.low_is_nothing = name != "link_com";
-  const double step = name == "link_com" ? kLengthStep : 1.0;
+  term.low_is_nothing = !lengths;
+  const double step = lengths ? kLengthStep : 1.0;
   term.columns = link_columns(term.size(), step, [&effect, j, step](SimParams& p, int c) {
     std::vector<double> theta = effect.null();
-    theta[static_cast<std::size_t>(c)] = step;
+    theta[effect.effort.values[static_cast<std::size_t>(c)]] = step;
     effect.apply(p, j, theta);
   });
   return term;
 }
 
 /// The encoder's zero as a change of the pose in which the links are weighed.
-EffortTerm zero_term(const EffortRows& rows, int j) {
-  EffortTerm term = link_term(rows, "link_mass", j);
-  term.effect = "encoder_offset";
+EffortTerm zero_term(const EffortRows& rows, const Effect& effect, int j) {
+  EffortTerm term = term_of(effect);
+  const EffectParameter& offset = effect.parameters[effect.effort.values.front()];
   term.where = {joint_of(rows, j).name};
-  term.parameters = {"offset"};
+  for (int k = 0; k <= j; ++k) term.joints.push_back(k);
+  term.parameters = {std::string(offset.name)};
+  term.units = {std::string(offset.unit)};
+  term.low = {-kInf}, term.high = {kInf};
   term.columns = [j](const EffortRecording& recording) -> ColumnsAt {
     auto turned = std::make_shared<InverseEffort>(recording.nominal);
     return [turned, j](const MotionSample& m, const std::vector<NeededEffort>& needed,
@@ -189,6 +189,7 @@ EffortTerm zero_term(const EffortRows& rows, int j) {
 EffortTerm coupled_term(const EffortRows& rows, int j, int k, double ratio) {
   EffortTerm term;
   term.effect = kCoupledDrive;
+  term.law.dry = DryFriction::adds;
   term.family = "transmission";
   term.where = {joint_of(rows, j).name, joint_of(rows, k).name};
   term.joints = {j, k};
@@ -211,33 +212,52 @@ EffortTerm coupled_term(const EffortRows& rows, int j, int k, double ratio) {
 }
 
 /// The term as a nuisance: within `tolerance` of its null.
-void add_nuisance(std::vector<EffortTerm>& all, EffortTerm term, double tolerance,
-                  const ToleranceSettings& t) {
-  if (!(tolerance > 0.0)) return;
+EffortTerm as_nuisance(EffortTerm term, double tolerance, const ToleranceSettings& t) {
   term.nuisance = true;
   term.precision = t.precision / (tolerance * tolerance);
   term.low.assign(term.low.size(), -t.reach * tolerance);
   term.high.assign(term.high.size(), t.reach * tolerance);
-  all.push_back(std::move(term));
+  return term;
+}
+
+/// Effects with a tolerance of the effort, in its order.
+std::vector<const Effect*> tolerated_efforts() {
+  std::vector<const Effect*> out;
+  for (const Effect& effect : library()) {
+    if (effect.effort.tolerance) out.push_back(&effect);
+  }
+  std::sort(out.begin(), out.end(), [](const Effect* a, const Effect* b) {
+    return a->effort.tolerance->order < b->effort.tolerance->order;
+  });
+  return out;
+}
+
+EffortTerm term_at(const EffortRows& rows, const Effect& effect, int j) {
+  switch (effect.effort.kind) {
+    case EffortKind::link:
+      return link_term(rows, effect, j);
+    case EffortKind::share:
+      return share_term(rows, effect, j);
+    case EffortKind::zero:
+      return zero_term(rows, effect, j);
+    default:
+      return at_joint_term(rows, effect, j, effect.null());
+  }
 }
 
 void add_nuisances(std::vector<EffortTerm>& all, const EffortRows& rows, int j,
                    const ToleranceSettings& t) {
   const auto i = static_cast<std::size_t>(j);
-  const JointSettings& s = first_of(rows).nominal.joints[i].nominal;
-  const TreeJoint& joint = joint_of(rows, j);
   const EffortChannel& channel = first_of(rows).channels[i];
-  if (channel.known && !channel.column.empty())
-    add_nuisance(all, gain_term(rows, j), channel.gain_unknown ? kInf : t.motor, t);
-  add_nuisance(all, link_term(rows, "link_mass", j), t.mass, t);
-  const Vec3& com = joint.body.com;
-  add_nuisance(all, link_term(rows, "link_com", j), t.length * std::hypot(com[0], com[1], com[2]),
-               t);
-  add_nuisance(all, zero_term(rows, j), joint.prismatic ? 0.0 : t.zero, t);
-  add_nuisance(all, at_joint_term(rows, "viscous_friction", j, {0}, {0}), t.damping * s.viscous, t);
-  add_nuisance(all, at_joint_term(rows, "coulomb_friction", j, {0}, {0}), t.friction * s.coulomb,
-               t);
-  add_nuisance(all, at_joint_term(rows, "rotor_inertia", j, {0}, {0}), t.armature * s.armature, t);
+  for (const Effect* effect : tolerated_efforts()) {
+    const EffortTolerance& stated = *effect->effort.tolerance;
+    double tolerance = t.*stated.deviation * stated.of(first_of(rows).nominal, i);
+    if (effect->effort.kind == EffortKind::share) {
+      if (!channel.known || channel.column.empty()) continue;
+      if (channel.gain_unknown) tolerance = kInf;
+    }
+    if (tolerance > 0.0) all.push_back(as_nuisance(term_at(rows, *effect, j), tolerance, t));
+  }
 }
 
 /// Median speed of a joint in motion.
@@ -254,25 +274,32 @@ double usual_speed(const EffortRows& rows, int j) {
   return speed[speed.size() / 2];
 }
 
+/// Values that are held, speeds as shares of the usual one at the joint.
+std::vector<double> held_at(const EffortRows& rows, const Effect& effect, int j,
+                            std::vector<double> theta) {
+  for (std::size_t p = 0; p < theta.size(); ++p) {
+    if (effect.parameters[p].scale == Unit::speed) theta[p] *= usual_speed(rows, j);
+  }
+  return theta;
+}
+
 void add_joint_terms(std::vector<EffortTerm>& all, const EffortRows& rows, int j) {
   const auto i = static_cast<std::size_t>(j);
   const JointSettings& s = first_of(rows).nominal.joints[i].nominal;
   const EffortChannel& channel = first_of(rows).channels[i];
   if (!channel.known) return;
-  all.push_back(not_below(at_joint_term(rows, "coulomb_friction", j, {0}, {0}), s.coulomb));
-  all.push_back(not_below(at_joint_term(rows, "viscous_friction", j, {0}, {0}), s.viscous));
-  all.push_back(not_below(at_joint_term(rows, "rotor_inertia", j, {0}, {0}), s.armature));
-  for (const double share : {0.1, 0.3, 1.0}) {
-    all.push_back(
-        at_joint_term(rows, "stribeck_friction", j, {0}, {0, share * usual_speed(rows, j), 1.0}));
+  for (const Effect* effect : effort_effects(EffortKind::joint)) {
+    for (const std::vector<double>& held : effect->effort.held)
+      all.push_back(at_joint_term(rows, *effect, j, held_at(rows, *effect, j, held)));
+    if (!effect->effort.held.empty()) continue;
+    all.push_back(at_joint_term(rows, *effect, j, effect->null()));
+    // what the nominal model has of it is the most that may be taken away
+    if (effect->effort.stated != nullptr) all.back().low.front() = -(s.*effect->effort.stated);
   }
-  all.push_back(at_joint_term(rows, "load_friction", j, {0}, {0}));
-  all.push_back(at_joint_term(rows, "quadratic_load_friction", j, {0}, {0}));
-  all.push_back(at_joint_term(rows, "asymmetric_friction", j, {0, 1}, {0, 0}));
-  all.push_back(at_joint_term(rows, "air_drag", j, {0}, {0}));
-  all.push_back(at_joint_term(rows, "cable_spring", j, {0, 1}, {0, 0}));
   all.push_back(offset_term(rows, j));
-  if (!channel.column.empty() && !channel.gain_unknown) all.push_back(gain_term(rows, j));
+  if (channel.column.empty() || channel.gain_unknown) return;
+  for (const Effect* effect : effort_effects(EffortKind::share))
+    all.push_back(share_term(rows, *effect, j));
 }
 
 }  // namespace
@@ -283,8 +310,8 @@ std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& set
   for (int j = 0; j < tree.size(); ++j) add_nuisances(all, rows, j, settings.tolerances);
   for (int j = 0; j < tree.size(); ++j) add_joint_terms(all, rows, j);
   for (int j = 0; j < tree.size(); ++j) {
-    for (const char* id : {"link_mass", "link_com", "link_inertia"})
-      all.push_back(link_term(rows, id, j));
+    for (const Effect* effect : effort_effects(EffortKind::link))
+      all.push_back(link_term(rows, *effect, j));
     const TreeJoint& joint = joint_of(rows, j);
     const bool turn_both =
         joint.parent >= 0 && !joint.prismatic && !joint_of(rows, joint.parent).prismatic;
@@ -295,8 +322,12 @@ std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& set
   return all;
 }
 
-EffortTerm ripple_term(const EffortRows& rows, const std::string& effect, int joint, int order) {
-  return at_joint_term(rows, effect.c_str(), joint, {0, 1}, {0, 0, static_cast<double>(order)});
+EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, int joint, int order) {
+  std::vector<double> theta = effect.null();
+  for (std::size_t p = 0; p < theta.size(); ++p) {
+    if (effect.parameters[p].role == Role::order) theta[p] = static_cast<double>(order);
+  }
+  return at_joint_term(rows, effect, joint, theta);
 }
 
 }  // namespace sanso::diagnose

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/torque/effort_rows.h"
 
 namespace sanso::diagnose {
@@ -23,6 +24,7 @@ using ColumnsAt = std::function<void(const MotionSample&, const std::vector<Need
 struct EffortTerm {
   std::string effect;  // library id or one of the two above
   std::string family;
+  EffortColumns law;               // as the library has it; of the two above, the same of them
   std::vector<std::string> where;  // joints or a link
   std::vector<int> joints;         // whose effort it may change
   std::vector<std::string> parameters, units;
@@ -50,7 +52,7 @@ struct EffortTerm {
 /// and inertia, the nominal model's included, are not negative.
 std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& settings);
 
-/// cogging or position_friction of one order at a joint.
-EffortTerm ripple_term(const EffortRows& rows, const std::string& effect, int joint, int order);
+/// A ripple of the library, of one order, at a joint.
+EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, int joint, int order);
 
 }  // namespace sanso::diagnose

@@ -146,7 +146,7 @@ class Judge {
     for (int c = 0; c < term.size(); ++c) {
       if (term.stopped(c, x[design_.first_column(r) + c])) return false;
     }
-    return term.effect != "position_friction" || friction_is_positive(design_, active, x);
+    return term.law.dry != DryFriction::ripples || friction_is_positive(design_, active, x);
   }
 
   /// A rival has to act on a joint that the term acts on most: a link also moves those before it.

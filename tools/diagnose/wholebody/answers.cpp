@@ -94,12 +94,12 @@ std::string why_unnamed(const Asked& a, const Measured& m, double off, double su
       m.gain_low);
 }
 
+}  // namespace
+
 std::string number_of(const std::string& effect, const std::string& parameter,
                       const std::vector<std::string>& where) {
   return effect + "." + parameter + (where.empty() ? "" : " at " + where.front());
 }
-
-}  // namespace
 
 int Samples::groups() const {
   return group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
@@ -137,6 +137,21 @@ std::optional<Measured> measured(const Samples& samples, double nominal, const C
   m.noise = robust_sigma(around);
   prove(packed, sums, nominal, chance, m);
   return m;
+}
+
+Asked asked_for(WholeFigure figure) {
+  const Effect& effect = effect_of(figure);
+  const EffectParameter& number = effect.parameters.front();
+  Asked out;
+  out.effect = effect.id, out.family = to_string(effect.family);
+  out.parameter = number.name, out.unit = number.unit;
+  out.regime = effect.regimes.front();
+  out.nominal = number.null;
+  return out;
+}
+
+void WholeAnswers::cannot(WholeFigure figure, const std::string& because) {
+  cannot(name_of(figure), because);
 }
 
 void WholeAnswers::cannot(const std::string& effect, const std::string& because) {

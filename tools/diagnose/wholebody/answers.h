@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/verdict/verdict.h"
 #include "tools/diagnose/wholebody/kinematics.h"
 
@@ -56,6 +57,14 @@ struct Asked {
   std::string channel;                    // of the held-out score
 };
 
+/// The first number of a figure, as the library has it: name, family, parameter, unit, regime. What
+/// it stands at, and where, is the question's.
+Asked asked_for(WholeFigure figure);
+
+/// "effect.parameter at place": what answers keep a number by.
+std::string number_of(const std::string& effect, const std::string& parameter,
+                      const std::vector<std::string>& where);
+
 enum class Said { missing, within, nothing };
 
 struct WholeAnswers {
@@ -70,6 +79,7 @@ struct WholeAnswers {
   /// Adds a finding where the number is further from nominal than its tolerance and chance allow,
   /// else a note or the smallest size that would have been seen.
   Said judge(const Asked& asked, const Measured& m, const Chance& chance);
+  void cannot(WholeFigure figure, const std::string& because);
   void cannot(const std::string& effect, const std::string& because);
   /// The same questions with another choice of a term that they do not ask for: intervals take in
   /// what it says, and a name that it does without has `choice` for a rival.

@@ -33,11 +33,12 @@ std::vector<Choice> other_choices(const Asking& asking, const Known& before,
   std::vector<Choice> out;
   if (!fall) return out;
   const bool taken = asking.known.pose_scale != before.pose_scale;
-  out.push_back(with_scale(asking, taken ? "pose_scale left out" : "pose_scale",
+  const std::string scale = name_of(WholeFigure::pose_scale);
+  out.push_back(with_scale(asking, taken ? scale + " left out" : scale,
                            taken ? before.pose_scale : fall->value));
   if (taken) {
-    out.push_back(with_scale(asking, "the least pose_scale", fall->low));
-    out.push_back(with_scale(asking, "the largest pose_scale", fall->high));
+    out.push_back(with_scale(asking, "the least " + scale, fall->low));
+    out.push_back(with_scale(asking, "the largest " + scale, fall->high));
   }
   const double share = fall->value / before.pose_scale;
   // what falls share times as fast: seconds that are too long by its root, or a weaker gravity

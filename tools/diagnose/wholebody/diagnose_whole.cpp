@@ -49,11 +49,11 @@ std::string answer_of(const WholeAnswers& answers) {
 
 /// What no recording of positions can show without forces or commands, said once.
 void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answers) {
-  answers.cannot("contact_compliance",
+  answers.cannot(WholeFigure::compliance,
                  "a touchdown lasts as long as a few samples: stiffness is not asked for");
   if (body.model.tree.size() > 0)
-    answers.cannot("sole_geometry", "no pressure under the soles was recorded");
-  answers.cannot("rolling_resistance", "wheels only");
+    answers.cannot(WholeFigure::sole_shape, "no pressure under the soles was recorded");
+  answers.cannot(WholeFigure::rolling, "wheels only");
   const bool weighed = std::any_of(data.recordings.begin(), data.recordings.end(),
                                    [](const WholeRecording& r) { return !r.feet.empty(); });
   if (!weighed)
@@ -84,7 +84,9 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
 void ask_otherwise(const Asking& asking, const Known& before, WholeAnswers& answers,
                    const std::function<void(const std::string&)>& progress) {
   if (answers.findings.empty() || asking.body.model.tree.size() > 0) return;
-  const auto fall = answers.numbers.find("pose_scale.scale at " + asking.body.root);
+  const Asked scale = asked_for(WholeFigure::pose_scale);
+  const auto fall =
+      answers.numbers.find(number_of(scale.effect, scale.parameter, {asking.body.root}));
   std::optional<Measured> fallen;
   if (fall != answers.numbers.end()) fallen = fall->second;
   for (const Choice& c : other_choices(asking, before, fallen)) {

@@ -8,13 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/effects/whole_figures.h"
 #include "tools/diagnose/wholebody/questions.h"
 
 namespace sanso::diagnose {
-
-/// What may be off at a joint: of one unit each.
-enum class JointFigure : int { gain, lag, speed, dry, load, rotor, torque, zero };
-inline constexpr int kJointFigures = 8;
 
 /// A joint's drive as the model states it, at the output shaft.
 struct DriveLaw {

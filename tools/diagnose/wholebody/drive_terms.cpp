@@ -45,45 +45,67 @@ std::vector<Joints> groups_of(const RobotTree& tree, const std::vector<DriveLaw>
   return {out.begin(), out.end()};
 }
 
-struct Kind {
-  const char *effect, *family, *parameter, *unit;
-  JointFigure figure;
-  double nothing, low, high, tolerance;
+// In the order in which they are asked for.
+constexpr JointFigure kFigures[] = {JointFigure::gain,  JointFigure::lag,  JointFigure::speed,
+                                    JointFigure::dry,   JointFigure::load, JointFigure::zero,
+                                    JointFigure::torque};
+
+/// Of a coefficient x (DriveTerm).
+struct Bounds {
+  double low, high, tolerance;
 };
 
-/// Bounds and tolerances of a drive's numbers.
-std::vector<Kind> kinds_of(const Asking& asking, const DriveLaw& l, bool current) {
+Bounds bounds_of(JointFigure figure, const Asking& asking, const DriveLaw& l, bool current) {
   const ToleranceSettings& t = asking.tolerances;
   // without a current the loop's torque is held against the needed one, the gain's inverse times it
   const double least = 0.1, most = 3.0;
   const double low = current ? least - 1.0 : 1.0 - 1.0 / least;
   const double high = current ? most - 1.0 : 1.0 - 1.0 / most;
-  std::vector<Kind> out = {
-      {"servo_p_gain", "electrical", "gain", "-", JointFigure::gain, 1.0, low, high, t.gain},
-      {"command_delay", "timing", "delay", "s", JointFigure::lag, 0.0, 0.0, 0.06, t.lag},
-      {"viscous_friction", "friction", "viscous", "N m s/rad", JointFigure::speed, 0.0, -l.damping,
-       5.0 * std::max(l.damping, 1.0), t.damping * l.damping},
-      {"coulomb_friction", "friction", "coulomb", "N m", JointFigure::dry, 0.0, -l.coulomb,
-       kNoLimit, std::max(asking.stance.coulomb, t.friction * l.coulomb)},
-      {"load_friction", "friction", "load", "-", JointFigure::load, 0.0, 0.0, 0.6, t.friction},
-      {"encoder_offset", "sensor", "offset", "rad", JointFigure::zero, 0.0, -0.2, 0.2, t.zero}};
-  if (current)
-    out.push_back({"torque_constant", "electrical", "torque", "-", JointFigure::torque, 1.0, -0.5,
-                   1.0, t.motor});
+  switch (figure) {
+    case JointFigure::gain:
+      return {low, high, t.gain};
+    case JointFigure::lag:
+      return {0.0, 0.06, t.lag};
+    case JointFigure::speed:
+      return {-l.damping, 5.0 * std::max(l.damping, 1.0), t.damping * l.damping};
+    case JointFigure::dry:
+      return {-l.coulomb, kNoLimit, std::max(asking.stance.coulomb, t.friction * l.coulomb)};
+    case JointFigure::load:
+      return {0.0, 0.6, t.friction};
+    case JointFigure::zero:
+      return {-0.2, 0.2, t.zero};
+    case JointFigure::torque:
+      return {-0.5, 1.0, t.motor};
+    case JointFigure::rotor:
+      break;
+  }
+  return {0.0, 0.0, kNoLimit};
+}
+
+/// An effect of the library, its first `numbers` parameters as they stand there.
+DriveTerm term_of(const Effect& effect, std::size_t numbers) {
+  DriveTerm out;
+  out.effect = effect.id, out.family = to_string(effect.family);
+  for (std::size_t k = 0; k < numbers; ++k) {
+    out.parameters.emplace_back(effect.parameters[k].name);
+    out.units.emplace_back(effect.parameters[k].unit);
+  }
   return out;
 }
 
-DriveTerm at_joints(const Asking& asking, const DriveRows& rows, const Kind& k,
+DriveTerm at_joints(const Asking& asking, const DriveRows& rows, JointFigure figure,
                     const Joints& joints) {
-  DriveTerm out;
-  out.effect = k.effect, out.family = k.family;
-  out.parameters = {k.parameter}, out.units = {k.unit};
-  out.inverse = k.figure == JointFigure::gain && !rows.current;
-  out.low = {k.low}, out.high = {k.high}, out.nothing = k.nothing, out.tolerance = k.tolerance;
+  const Effect& effect = *effect_of(figure);
+  const DriveLaw& law = rows.laws[static_cast<std::size_t>(joints.front())];
+  const Bounds bounds = bounds_of(figure, asking, law, rows.current);
+  DriveTerm out = term_of(effect, 1);
+  out.inverse = figure == JointFigure::gain && !rows.current;
+  out.low = {bounds.low}, out.high = {bounds.high}, out.tolerance = bounds.tolerance;
+  out.nothing = effect.parameters.front().null;
   out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
   for (const int j : joints) {
     out.where.push_back(asking.body.model.tree.joints[static_cast<std::size_t>(j)].name);
-    out.columns(rows.columns.joint(k.figure, j), 0) = 1.0;
+    out.columns(rows.columns.joint(figure, j), 0) = 1.0;
   }
   return out;
 }
@@ -106,26 +128,24 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
   if (!(b.mass > 0.0)) return;
   const DriveColumns& c = rows.columns;
   const Eigen::VectorXd kilogram = at_centre(body, c, joint);
-  DriveTerm term;
-  term.family = "mass";
-  term.where = {joint < 0 ? body.root
-                          : body.model.tree.joints[static_cast<std::size_t>(joint)].link};
-  DriveTerm mass = term;
-  mass.effect = "link_mass", mass.parameters = {"share"}, mass.units = {"-"};
+  const std::string link =
+      joint < 0 ? body.root : body.model.tree.joints[static_cast<std::size_t>(joint)].link;
+  DriveTerm mass = term_of(effect_of(WholeFigure::mass_share), 1);
+  mass.where = {link};
   mass.low = {-0.9}, mass.high = {3.0}, mass.tolerance = asking.tolerances.mass;
   mass.columns = b.mass * kilogram;
   out.push_back(mass);
   const double most = asking.stance.most_place;
-  DriveTerm centre = term;
-  centre.effect = "link_com", centre.parameters = {"x", "y", "z"}, centre.units = {"m", "m", "m"};
+  DriveTerm centre = term_of(effect_of(WholeFigure::centre), 3);
+  centre.where = {link};
   centre.low.assign(3, -most), centre.high.assign(3, most);
   centre.tolerance = asking.stance.centre * b.mass, centre.mass = b.mass;
   centre.columns = Eigen::MatrixXd::Zero(c.count(), 3);
   for (int i = 0; i < 3; ++i) centre.columns(c.mass(joint) + 1 + i, i) = 1.0;
   out.push_back(centre);
-  DriveTerm payload = term;
-  payload.effect = "payload", payload.carried = true, payload.centre = eigen(b.com);
-  payload.parameters = {"mass", "x", "y", "z"}, payload.units = {"kg", "m", "m", "m"};
+  DriveTerm payload = term_of(effect_of(WholeFigure::payload), 4);
+  payload.where = {link};
+  payload.carried = true, payload.centre = eigen(b.com);
   payload.low = {0.0, -most, -most, -most}, payload.high = {3.0 * body.mass(), most, most, most};
   payload.tolerance = asking.tolerances.mass * b.mass;
   payload.columns.resize(c.count(), 4);
@@ -139,11 +159,12 @@ std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows) 
   std::vector<DriveTerm> out;
   const RobotTree& tree = asking.body.model.tree;
   for (const Joints& joints : groups_of(tree, rows.laws)) {
-    const DriveLaw& law = rows.laws[static_cast<std::size_t>(joints.front())];
-    for (const Kind& k : kinds_of(asking, law, rows.current))
-      // zeros differ from joint to joint: each has its own
-      if (k.figure != JointFigure::zero || joints.size() == 1)
-        out.push_back(at_joints(asking, rows, k, joints));
+    for (const JointFigure figure : kFigures) {
+      // nothing tells a torque constant without a current; zeros differ from joint to joint
+      if (figure == JointFigure::torque && !rows.current) continue;
+      if (figure == JointFigure::zero && joints.size() > 1) continue;
+      out.push_back(at_joints(asking, rows, figure, joints));
+    }
   }
   for (int joint = -1; joint < tree.size(); ++joint) add_link(asking, rows, joint, out);
   return out;

@@ -11,11 +11,17 @@
 namespace sanso::diagnose {
 namespace {
 
-// What these balances were shown to place right; the others stand in for them only.
-const char* const kAsked[] = {"servo_p_gain", "viscous_friction", "coulomb_friction"};
-
-bool asked(const std::string& effect) {
-  return std::find(std::begin(kAsked), std::end(kAsked), effect) != std::end(kAsked);
+/// What these balances were shown to place right; the others stand in for them only.
+std::vector<std::string> placed() {
+  std::vector<const Effect*> effects;
+  for (const Effect& effect : library()) {
+    if (effect.drive && effect.drive->placed) effects.push_back(&effect);
+  }
+  std::sort(effects.begin(), effects.end(),
+            [](const Effect* a, const Effect* b) { return a->drive->figure < b->drive->figure; });
+  std::vector<std::string> out;
+  for (const Effect* effect : effects) out.emplace_back(effect->id);
+  return out;
 }
 
 Finding finding_of(const Asking& asking, const JudgedDriveTerm& j) {
@@ -45,7 +51,9 @@ std::string text_of(const JudgedDriveTerm& j) {
 }
 
 bool named(const Asking& asking, const JudgedDriveTerm& j) {
-  return asked(j.term.effect) && j.size > j.term.tolerance + asking.chance().deviations() * j.sigma;
+  const Effect& effect = *find_effect(j.term.effect);
+  return effect.drive && effect.drive->placed &&
+         j.size > j.term.tolerance + asking.chance().deviations() * j.sigma;
 }
 
 /// `alone`: nothing else is in the balance, and it is one.
@@ -72,12 +80,12 @@ void judge(const Asking& asking, const JudgedDriveTerm& j, bool alone, WholeAnsw
 void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const DriveRows rows = drive_rows(asking);
   if (!rows.why_not.empty()) {
-    for (const char* effect : kAsked) answers.cannot(effect, rows.why_not);
+    for (const std::string& effect : placed()) answers.cannot(effect, rows.why_not);
     return;
   }
-  answers.asked += static_cast<int>(std::size(kAsked));
+  answers.asked += static_cast<int>(placed().size());
   const char* no_centre = "torques of legs on unmeasured soles were not shown to place a mass";
-  answers.cannot("link_com", no_centre);
+  answers.cannot(WholeFigure::centre, no_centre);
   const DriveChoice choice = choose_drive_terms(asking, rows);
   answers.log.insert(answers.log.end(), choice.log.begin(), choice.log.end());
   answers.scores["stance"] = {choice.before, choice.after, 1.0,

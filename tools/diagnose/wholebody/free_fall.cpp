@@ -99,12 +99,14 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const auto fallen = measured(fall, asking.known.pose_scale, asking.chance());
   const auto rested = measured(rest, asking.known.pose_scale, asking.chance());
   if (!fallen) {
-    answers.cannot("pose_scale", "too few flights without contact: nothing falls freely");
+    answers.cannot(WholeFigure::pose_scale,
+                   "too few flights without contact: nothing falls freely");
     return;
   }
-  Asked asked{"pose_scale", "sensor", {asking.body.root},      "scale",
-              "-",          "flight", asking.known.pose_scale, asking.settings.scale,
-              {},           "fall"};
+  Asked asked = asked_for(WholeFigure::pose_scale);
+  asked.where = {asking.body.root}, asked.channel = "fall";
+  asked.nominal = asking.known.pose_scale, asked.tolerance = asking.settings.scale;
+  bool of_lengths = true;
   Measured m = *fallen;
   if (!rested) {
     asked.equally_good = {"clock_rate", "gravity"};
@@ -122,10 +124,11 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     if (apart < chance) {
       m = joined(*fallen, *rested);
     } else {
+      of_lengths = false;
       asked.effect = "gravity", asked.equally_good = {"clock_rate"};
     }
   }
-  if (answers.judge(asked, m, asking.chance()) == Said::missing && asked.effect == "pose_scale")
+  if (answers.judge(asked, m, asking.chance()) == Said::missing && of_lengths)
     patch.pose_scale = m.value;
 }
 

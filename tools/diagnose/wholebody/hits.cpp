@@ -147,63 +147,59 @@ Hits find_hits(const Asking& asking) {
 }
 
 /// A number that nobody stated is estimated, and nothing is missing.
-void tell_unstated(const char* what, const Measured& m, WholeAnswers& answers) {
+void tell_unstated(const std::string& what, const Measured& m, WholeAnswers& answers) {
   ++answers.asked;
   answers.notes.push_back(fmt::format("{} is not stated by the model: {:.3g} [{:.3g}, {:.3g}] here",
                                       what, m.value, m.low, m.high));
+}
+
+void ask_rebound(const Asking& asking, const Hits& hits, WholeAnswers& answers, Patch& patch) {
+  Asked asked = asked_for(WholeFigure::restitution);
+  asked.where = {asking.body.root}, asked.channel = "rebound";
+  asked.nominal = asking.body.ground.restitution.value_or(0.0);
+  asked.tolerance = asking.settings.restitution;
+  // velocities on both sides of a hit are the same for a spring
+  asked.equally_good = {name_of(WholeFigure::compliance)};
+  const auto m = measured(hits.restitution, asked.nominal, asking.chance());
+  if (!m) {
+    answers.cannot(WholeFigure::restitution, "too few hits of a single corner after a flight");
+    return;
+  }
+  const bool stated = asking.body.ground.restitution.has_value();
+  if (!stated) tell_unstated(asked.effect, *m, answers);
+  if (!stated || answers.judge(asked, *m, asking.chance()) == Said::missing)
+    patch.restitution = std::clamp(m->value, 0.0, 1.0);
+}
+
+void ask_slip(const Asking& asking, const Hits& hits, WholeAnswers& answers, Patch& patch) {
+  const ContactMaterial material = asking.body.material_of(asking.body.root);
+  Asked asked = asked_for(WholeFigure::friction);
+  asked.where = {asking.body.root}, asked.channel = "slip";
+  asked.nominal = material.friction.value_or(0.0);
+  asked.tolerance = asking.settings.friction * asked.nominal;
+  const auto m = measured(hits.friction, asked.nominal, asking.chance());
+  if (!m) {
+    answers.cannot(WholeFigure::friction,
+                   fmt::format("nothing slips often enough: the coefficient is {:.2g} at least",
+                               hits.largest_ratio));
+    return;
+  }
+  if (!material.friction) tell_unstated("the friction coefficient", *m, answers);
+  if (!material.friction || answers.judge(asked, *m, asking.chance()) == Said::missing)
+    patch.friction = std::max(0.0, m->value);
 }
 
 }  // namespace
 
 void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   if (asking.body.model.tree.size() > 0) {
-    answers.cannot("restitution", "the impulse of a touchdown runs through moving joints");
+    answers.cannot(WholeFigure::restitution,
+                   "the impulse of a touchdown runs through moving joints");
     return;
   }
   const Hits hits = find_hits(asking);
-  const ContactMaterial material = asking.body.material_of(asking.body.root);
-  const std::vector<std::string> where{asking.body.root};
-  const double stated = asking.body.ground.restitution.value_or(0.0);
-  if (const auto m = measured(hits.restitution, stated, asking.chance()); !m) {
-    answers.cannot("restitution", "too few hits of a single corner after a flight");
-  } else if (!asking.body.ground.restitution) {
-    tell_unstated("restitution", *m, answers);
-    patch.restitution = std::clamp(m->value, 0.0, 1.0);
-  } else if (answers.judge({"restitution",
-                            "contact",
-                            where,
-                            "e",
-                            "-",
-                            "touchdown",
-                            stated,
-                            asking.settings.restitution,
-                            // velocities on both sides of a hit are the same for a spring
-                            {"contact_compliance"},
-                            "rebound"},
-                           *m, asking.chance()) == Said::missing) {
-    patch.restitution = std::clamp(m->value, 0.0, 1.0);
-  }
-  const double mu = material.friction.value_or(0.0);
-  if (const auto m = measured(hits.friction, mu, asking.chance()); !m) {
-    answers.cannot("contact_friction",
-                   fmt::format("nothing slips often enough: the coefficient is {:.2g} at least",
-                               hits.largest_ratio));
-  } else if (!material.friction) {
-    tell_unstated("the friction coefficient", *m, answers);
-    patch.friction = std::max(0.0, m->value);
-  } else if (answers.judge({"contact_friction",
-                            "contact",
-                            where,
-                            "mu",
-                            "-",
-                            "slip",
-                            mu,
-                            asking.settings.friction * mu,
-                            {},
-                            "slip"},
-                           *m, asking.chance()) == Said::missing) {
-    patch.friction = std::max(0.0, m->value);
-  }
+  ask_rebound(asking, hits, answers, patch);
+  ask_slip(asking, hits, answers, patch);
 }
 
 }  // namespace sanso::diagnose

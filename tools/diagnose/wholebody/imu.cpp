@@ -155,11 +155,13 @@ std::string link_like(const WholeBody& body, const M3& R_joint_imu, int joint, d
   return best;
 }
 
-Finding vector_finding(const char* effect, const std::vector<std::string>& where,
+Finding vector_finding(WholeFigure figure, const std::vector<std::string>& where,
                        const std::vector<std::string>& names, const V3& value, const M3& covariance,
                        const std::string& unit, const FitScore& score, const Chance& chance) {
   Finding f;
-  f.effect = effect, f.family = "sensor", f.where = where, f.regime = "everywhere";
+  const Effect& effect = effect_of(figure);
+  f.effect = effect.id, f.family = to_string(effect.family);
+  f.where = where, f.regime = "everywhere";
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
     const double x = value[axis], off = 1.96 * deviations_of(covariance)[axis];
@@ -170,7 +172,7 @@ Finding vector_finding(const char* effect, const std::vector<std::string>& where
                        : 0.0;
   f.p_family =
       chance.family_wise(value.norm() / std::max(deviation_along(covariance, value), 1e-300));
-  f.one_of = {effect};
+  f.one_of = {f.effect};
   return f;
 }
 
@@ -202,16 +204,17 @@ void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Pa
   const V3 turn = rotation_vector(j.mount.turn);
   const double surely = j.z * deviation_along(j.spread.turn, turn) + asking.settings.mount;
   answers.detectable.push_back(
-      {"imu_misalignment", asking.body.imu.link, "x, y, z", "rad",
+      {name_of(WholeFigure::imu_turn), asking.body.imu.link, "x, y, z", "rad",
        j.z * deviations_of(j.spread.turn).maxCoeff() + asking.settings.mount});
   answers.log.push_back("imu turned by " + text_of(turn, j.spread.turn, "rad"));
   if (!j.choice.parts.turn || turn.norm() <= surely) return;
-  Finding f = vector_finding("imu_misalignment", {asking.body.imu.link}, {"x", "y", "z"}, turn,
+  Finding f = vector_finding(WholeFigure::imu_turn, {asking.body.imu.link}, {"x", "y", "z"}, turn,
                              j.spread.turn, "rad", j.score, asking.chance());
   const bool by_gyro =
       rms_turning_across(turn.normalized(), j.windows) > asking.settings.enough_turning;
-  if (!by_gyro && turn.norm() < asking.settings.surely_mounted) f.one_of.push_back("ground_slope");
-  if (j.choice.bias_rivals) f.one_of.push_back("imu_bias");
+  if (!by_gyro && turn.norm() < asking.settings.surely_mounted)
+    f.one_of.push_back(name_of(WholeFigure::slope));
+  if (j.choice.bias_rivals) f.one_of.push_back(name_of(WholeFigure::imu_bias));
   f.status = status_of(f);
   answers.findings.push_back(f);
   patch.imu_turn = turn;
@@ -231,25 +234,27 @@ void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, 
   const double of_acc =
       j.z * deviation_along(j.spread.acc_bias, j.mount.acc_bias) + asking.settings.acc_bias;
   const std::vector<std::string> where{asking.body.imu.link};
-  answers.detectable.push_back({"imu_bias", asking.body.imu.link, "acc", "m/s^2", of_acc});
+  const std::string bias = name_of(WholeFigure::imu_bias);
+  answers.detectable.push_back({bias, asking.body.imu.link, "acc", "m/s^2", of_acc});
   answers.log.push_back("imu biases: gyro " +
                         text_of(j.mount.gyro_bias, j.spread.gyro_bias, "rad/s") + ", acc " +
                         text_of(j.mount.acc_bias, j.spread.acc_bias, "m/s^2"));
   if (gyro) {
-    answers.detectable.push_back({"imu_bias", asking.body.imu.link, "gyro", "rad/s", of_gyro});
+    answers.detectable.push_back({bias, asking.body.imu.link, "gyro", "rad/s", of_gyro});
     if (j.mount.gyro_bias.norm() > of_gyro) {
       Finding f =
-          vector_finding("imu_bias", where, {"gyro_x", "gyro_y", "gyro_z"}, j.mount.gyro_bias,
-                         j.spread.gyro_bias, "rad/s", {}, asking.chance());
+          vector_finding(WholeFigure::imu_bias, where, {"gyro_x", "gyro_y", "gyro_z"},
+                         j.mount.gyro_bias, j.spread.gyro_bias, "rad/s", {}, asking.chance());
       f.status = status_of(f);
       answers.findings.push_back(f);
       patch.gyro_bias = j.mount.gyro_bias;
     }
   }
   if (!j.choice.parts.acc_bias || j.mount.acc_bias.norm() <= of_acc) return;
-  Finding f = vector_finding("imu_bias", where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
-                             j.spread.acc_bias, "m/s^2", j.score, asking.chance());
-  f.one_of.push_back("imu_misalignment");
+  Finding f =
+      vector_finding(WholeFigure::imu_bias, where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
+                     j.spread.acc_bias, "m/s^2", j.score, asking.chance());
+  f.one_of.push_back(name_of(WholeFigure::imu_turn));
   f.status = status_of(f);
   answers.findings.push_back(f);
   patch.acc_bias = j.mount.acc_bias;
@@ -283,7 +288,7 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   }
   if (std::count(seen.begin(), seen.end(), 1) < asking.settings.imu_groups) {
     const char* why = "no IMU beside a base attitude (imu_acc:, base_q:) over some seconds";
-    answers.cannot("imu_bias", why), answers.cannot("imu_misalignment", why);
+    answers.cannot(WholeFigure::imu_bias, why), answers.cannot(WholeFigure::imu_turn, why);
     return;
   }
   ++answers.asked;

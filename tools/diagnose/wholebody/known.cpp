@@ -1,6 +1,7 @@
 // [[effect]] entries of a model whose base floats, read and written: what a diagnosis found, the
 // next one knows.
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "shared/files/input_error.h"
@@ -25,10 +26,14 @@ class Reader {
     const auto at = entry_.parameters.find(name);
     return at == entry_.parameters.end() ? otherwise : at->second;
   }
-  void allow_only(std::initializer_list<const char*> names) const {
+  Vec3 vector(const std::array<const char*, 3>& names) const {
+    return {number(names[0], 0.0), number(names[1], 0.0), number(names[2], 0.0)};
+  }
+  void allow_only(const std::vector<EffectParameter>& known) const {
     for (const auto& parameter : entry_.parameters) {
       const std::string& name = parameter.first;
-      if (std::none_of(names.begin(), names.end(), [&](const char* n) { return name == n; }))
+      if (std::none_of(known.begin(), known.end(),
+                       [&](const EffectParameter& p) { return p.name == name; }))
         fail("unknown parameter", name, "a parameter of " + entry_.id);
     }
   }
@@ -51,65 +56,88 @@ BodyInertia& inertia_at(WholeBody& body, int joint) {
   return joint < 0 ? body.base : body.model.tree.joints[static_cast<std::size_t>(joint)].body;
 }
 
-bool of_drive(const std::string& effect) {
-  return effect == "servo_p_gain" || effect == "coulomb_friction" || effect == "viscous_friction";
-}
+bool of_drive(const Effect& effect) { return effect.drive && effect.drive->placed; }
 
-void apply_drive(WholeBody& body, const EffectEntry& entry, const Reader& read) {
-  read.allow_only({"gain", "coulomb", "viscous"});
-  for (const std::string& joint : entry.where) {
+void apply_drive(WholeBody& body, const Effect& effect, const Reader& read,
+                 const std::vector<std::string>& joints) {
+  const EffectParameter& p = effect.parameters.front();
+  const double value = read.number(std::string(p.name), p.null);
+  for (const std::string& joint : joints) {
     const int j = body.model.tree.index_of(joint);
     if (j < 0) read.fail("unknown joint", joint, "a joint of the URDF");
-    JointSettings& s = body.model.joints[static_cast<std::size_t>(j)];
-    const double gain = read.number("gain", 1.0);
-    s.kp *= gain, s.p_gain *= gain;
-    s.coulomb += read.number("coulomb", 0.0), s.viscous += read.number("viscous", 0.0);
+    if (!effect.fold_into(body.model.joints[static_cast<std::size_t>(j)], 0, value))
+      read.fail("impossible " + std::string(p.name), std::to_string(value),
+                "one that leaves the settings of " + joint + " in their range");
   }
+}
+
+void apply_payload(WholeBody& body, const Reader& read) {
+  const LinkPlace& place = read.link();
+  const BodyInertia point{read.number("mass", 0.0), read.vector({"x", "y", "z"}), {}};
+  add_body(inertia_at(body, place.joint), moved(point, place.R_joint_link, place.p_joint_link));
+}
+
+void apply_share(WholeBody& body, const Reader& read) {
+  BodyInertia& b = inertia_at(body, read.link().joint);
+  const double factor = 1.0 + read.number("share", 0.0);
+  if (!(factor > 0.0)) read.fail("impossible mass", std::to_string(factor), "share above -1");
+  b.mass *= factor;
+  for (double& I : b.about_com) I *= factor;
+}
+
+double scale_of(const Reader& read) {
+  const double scale = read.number("scale", 1.0);
+  if (!(scale > 0.1)) read.fail("impossible scale", "", "about 1");
+  return scale;
+}
+
+V2 rotation_of(const Reader& read) { return {read.number("x", 0), read.number("y", 0)}; }
+
+/// What a model of a floating base can say, as a person reads it.
+std::string listed() {
+  std::string out;
+  for (int f = static_cast<int>(WholeFigure::mass_share); f <= static_cast<int>(WholeFigure::slope);
+       ++f)
+    out += name_of(static_cast<WholeFigure>(f)) + ", ";
+  for (const Effect& effect : library()) {
+    if (of_drive(effect)) out += std::string(effect.id) + ", ";
+  }
+  return "one of " + out.substr(0, out.size() - 2);
 }
 
 void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
   const Reader read(body, entry);
-  if (entry.id == "link_mass") {
-    read.allow_only({"share"});
-    BodyInertia& b = inertia_at(body, read.link().joint);
-    const double factor = 1.0 + read.number("share", 0.0);
-    if (!(factor > 0.0)) read.fail("impossible mass", std::to_string(factor), "share above -1");
-    b.mass *= factor;
-    for (double& I : b.about_com) I *= factor;
-  } else if (entry.id == "link_com") {
-    read.allow_only({"x", "y", "z"});
-    BodyInertia& b = inertia_at(body, read.link().joint);
-    b.com = b.com + Vec3{read.number("x", 0), read.number("y", 0), read.number("z", 0)};
-  } else if (entry.id == "payload") {
-    read.allow_only({"mass", "x", "y", "z", "from"});
-    const LinkPlace& place = read.link();
-    const BodyInertia point{read.number("mass", 0.0),
-                            {read.number("x", 0), read.number("y", 0), read.number("z", 0)},
-                            {}};
-    add_body(inertia_at(body, place.joint), moved(point, place.R_joint_link, place.p_joint_link));
-  } else if (of_drive(entry.id)) {
-    apply_drive(body, entry, read);
-  } else if (entry.id == "pose_scale") {
-    read.allow_only({"scale"});
-    known.pose_scale = read.number("scale", 1.0);
-    if (!(known.pose_scale > 0.1)) read.fail("impossible scale", "", "about 1");
-  } else if (entry.id == "foot_force_scale") {
-    read.allow_only({"scale"});
-    known.force_scale = read.number("scale", 1.0);
-    if (!(known.force_scale > 0.1)) read.fail("impossible scale", "", "about 1");
-  } else if (entry.id == "imu_bias") {
-    read.allow_only({"gyro_x", "gyro_y", "gyro_z", "acc_x", "acc_y", "acc_z"});
-    known.gyro_bias = {read.number("gyro_x", 0), read.number("gyro_y", 0),
-                       read.number("gyro_z", 0)};
-    known.acc_bias = {read.number("acc_x", 0), read.number("acc_y", 0), read.number("acc_z", 0)};
-  } else if (entry.id == "ground_slope" || entry.id == "pose_tilt") {
-    read.allow_only({"x", "y"});
-    V2& rotation = entry.id == "pose_tilt" ? known.pose_tilt : known.slope;
-    rotation[0] = read.number("x", 0), rotation[1] = read.number("y", 0);
-  } else {
-    read.fail("effect not simulated on a floating base", entry.id,
-              "link_mass, link_com, payload, pose_scale, pose_tilt, foot_force_scale, imu_bias, "
-              "ground_slope, servo_p_gain, coulomb_friction or viscous_friction");
+  const Effect* effect = find_effect(entry.id);
+  if (effect != nullptr) read.allow_only(effect->parameters);
+  if (effect != nullptr && of_drive(*effect)) return apply_drive(body, *effect, read, entry.where);
+  switch (effect == nullptr ? WholeFigure::none : effect->whole) {
+    case WholeFigure::mass_share:
+      return apply_share(body, read);
+    case WholeFigure::centre: {
+      BodyInertia& b = inertia_at(body, read.link().joint);
+      b.com = b.com + read.vector({"x", "y", "z"});
+      return;
+    }
+    case WholeFigure::payload:
+      return apply_payload(body, read);
+    case WholeFigure::pose_scale:
+      known.pose_scale = scale_of(read);
+      return;
+    case WholeFigure::force_scale:
+      known.force_scale = scale_of(read);
+      return;
+    case WholeFigure::imu_bias:
+      known.gyro_bias = eigen(read.vector({"gyro_x", "gyro_y", "gyro_z"}));
+      known.acc_bias = eigen(read.vector({"acc_x", "acc_y", "acc_z"}));
+      return;
+    case WholeFigure::pose_tilt:
+      known.pose_tilt = rotation_of(read);
+      return;
+    case WholeFigure::slope:
+      known.slope = rotation_of(read);
+      return;
+    default:
+      read.fail("effect not simulated on a floating base", entry.id, listed());
   }
 }
 
@@ -124,21 +152,24 @@ void put(WholeBody& body, EffectEntry entry) {
     *same = std::move(entry);
 }
 
-double had(const WholeBody& body, const std::string& id, const std::string& name) {
+double had(const WholeBody& body, WholeFigure figure, const std::string& name) {
+  const std::string_view id = effect_of(figure).id;
   for (const EffectEntry& e : body.model.effects) {
     if (e.id == id && e.parameters.contains(name)) return e.parameters.at(name);
   }
   return 0.0;
 }
 
-/// On top of what the model says of the same joints: gains multiply, frictions add.
+/// On top of what the model says of the same joints: gains multiply, frictions add, as the keys of
+/// model.toml that they are.
 void put_drive(WholeBody& body, EffectEntry entry) {
+  const bool adds = find_effect(entry.id)->settings.front().how == SettingChange::How::added;
   for (const EffectEntry& e : body.model.effects) {
     if (e.id != entry.id || e.where != entry.where) continue;
     for (auto& [name, value] : entry.parameters) {
       if (!e.parameters.contains(name)) continue;
       const double before = e.parameters.at(name);
-      value = name == "gain" ? value * before : value + before;
+      value = adds ? value + before : value * before;
     }
   }
   put(body, std::move(entry));
@@ -180,32 +211,30 @@ WholeBody patched(const WholeBody& body, const Patch& patch) {
     }
   }
   if (patch.restitution) out.ground.restitution = patch.restitution;
-  if (patch.pose_scale) put(out, {"pose_scale", {body.root}, {{"scale", *patch.pose_scale}}, 0});
+  if (patch.pose_scale)
+    put(out, {name_of(WholeFigure::pose_scale), {body.root}, {{"scale", *patch.pose_scale}}, 0});
   if (patch.mass_share) {
-    const double before = had(body, "link_mass", "share");
-    put(out, {"link_mass",
+    const double before = had(body, WholeFigure::mass_share, "share");
+    put(out, {name_of(WholeFigure::mass_share),
               {body.root},
               {{"share", (1.0 + before) * (1.0 + *patch.mass_share) - 1.0}},
               0});
   }
-  const auto lean = [&](const char* effect, const std::optional<V2>& more) {
+  const auto lean = [&](WholeFigure figure, const std::optional<V2>& more) {
     if (!more) return;
-    put(out,
-        {effect,
-         {},
-         {{"x", (*more)[0] + had(body, effect, "x")}, {"y", (*more)[1] + had(body, effect, "y")}},
-         0});
+    const V2 all = *more + V2(had(body, figure, "x"), had(body, figure, "y"));
+    put(out, {name_of(figure), {}, {{"x", all[0]}, {"y", all[1]}}, 0});
   };
   for (const EffectEntry& entry : patch.entries) put_drive(out, entry);
-  lean("ground_slope", patch.slope), lean("pose_tilt", patch.pose_tilt);
+  lean(WholeFigure::slope, patch.slope), lean(WholeFigure::pose_tilt, patch.pose_tilt);
   if (patch.gyro_bias || patch.acc_bias) {
     const V3 g = patch.gyro_bias.value_or(V3::Zero()), a = patch.acc_bias.value_or(V3::Zero());
-    EffectEntry entry{"imu_bias", {body.imu.link}, {}, 0};
+    EffectEntry entry{name_of(WholeFigure::imu_bias), {body.imu.link}, {}, 0};
     const char* axes[] = {"x", "y", "z"};
     for (Eigen::Index i = 0; i < 3; ++i) {
       const std::string axis = axes[i];
-      entry.parameters["gyro_" + axis] = g[i] + had(body, "imu_bias", "gyro_" + axis);
-      entry.parameters["acc_" + axis] = a[i] + had(body, "imu_bias", "acc_" + axis);
+      entry.parameters["gyro_" + axis] = g[i] + had(body, WholeFigure::imu_bias, "gyro_" + axis);
+      entry.parameters["acc_" + axis] = a[i] + had(body, WholeFigure::imu_bias, "acc_" + axis);
     }
     put(out, entry);
   }

@@ -85,7 +85,7 @@ void add_foot(const Asking& asking, std::size_t number, const FootForce& foot, S
 
 void judge_slip(const Asking& asking, const Soles& soles, WholeAnswers& answers) {
   if (soles.slips.empty()) {
-    answers.cannot("contact_friction", "no base position: nobody knows whether a foot slips");
+    answers.cannot(WholeFigure::friction, "no base position: nobody knows whether a foot slips");
     return;
   }
   const double fast = quantile(soles.slips, 0.9);
@@ -94,9 +94,9 @@ void judge_slip(const Asking& asking, const Soles& soles, WholeAnswers& answers)
                   "by {:.3g} m/s",
                   soles.slips.size(), median(soles.slips), fast));
   if (fast < asking.settings.slip_speed) {
-    answers.cannot("contact_friction", "no foot slips: friction is bounded from below only");
+    answers.cannot(WholeFigure::friction, "no foot slips: friction is bounded from below only");
   } else {
-    answers.cannot("contact_friction",
+    answers.cannot(WholeFigure::friction,
                    "feet slip, and no forces along the ground were recorded to compare with");
   }
 }
@@ -120,10 +120,13 @@ Said judge_lean(const Asking& asking, const Asked& asked, const Measured& m, con
   return said;
 }
 
-Asked asked_of(const char* effect, const char* family, std::vector<std::string> where,
-               double tolerance, std::vector<std::string> equally_good) {
-  return {effect, family,    std::move(where),        "x, y", "rad", "stance",
-          0.0,    tolerance, std::move(equally_good), "sole"};
+/// A lean about two axes, asked of standing soles.
+Asked asked_of(WholeFigure figure, std::vector<std::string> where, double tolerance,
+               std::vector<std::string> equally_good) {
+  Asked out = asked_for(figure);
+  out.where = std::move(where), out.parameter = "x, y", out.regime = "stance";
+  out.tolerance = tolerance, out.equally_good = std::move(equally_good), out.channel = "sole";
+  return out;
 }
 
 /// The floor, with what the poses' vertical is known to lean by taken out.
@@ -136,7 +139,7 @@ bool judge_floor(const Asking& asking, const LeanFit& soles, WholeAnswers& answe
   if (vouched) {
     const V2 rotation = rotation_of(imu->in_world);
     const Asked asked =
-        asked_of("pose_tilt", "sensor", {asking.body.root}, asking.settings.level, {});
+        asked_of(WholeFigure::pose_tilt, {asking.body.root}, asking.settings.level, {});
     if (judge_lean(asking, asked, imu->world, rotation, answers) == Said::missing)
       patch.pose_tilt = rotation, found = true;
     lean -= imu->in_world;
@@ -146,25 +149,29 @@ bool judge_floor(const Asking& asking, const LeanFit& soles, WholeAnswers& answe
     floor.high = floor.value + 1.96 * floor.sigma;
   }
   std::vector<std::string> others;
-  if (!vouched) others.push_back("pose_tilt");
-  const Asked asked = asked_of("ground_slope", "contact", {}, asking.settings.level, others);
+  if (!vouched) others.push_back(name_of(WholeFigure::pose_tilt));
+  const Asked asked = asked_of(WholeFigure::slope, {}, asking.settings.level, others);
   if (judge_lean(asking, asked, floor, rotation_of(lean), answers) == Said::missing)
     patch.slope = rotation_of(lean), found = true;
   return found;
 }
 
-const std::vector<std::string> kWithTheRobot = {"imu_misalignment", "encoder_offset"};
+/// Zeros of joints turn soles as a floor does.
+std::string wrong_zero() { return std::string(effect_of(JointFigure::zero)->id); }
+
+/// Names of what leans with the robot.
+std::vector<std::string> with_the_robot() { return {name_of(WholeFigure::imu_turn), wrong_zero()}; }
 
 void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers, Patch& patch) {
   if (leans.empty()) {
-    answers.cannot("ground_slope",
+    answers.cannot(WholeFigure::slope,
                    "no flat sole below a foot with fz:<link> (URDF <collision> box "
                    "or [[contact]] box)");
     return;
   }
   const auto fit = LeanFit::of(leans, asking.tolerances.zero, asking.chance());
   if (!fit) {
-    answers.cannot("ground_slope", "the feet stand flat too seldom");
+    answers.cannot(WholeFigure::slope, "the feet stand flat too seldom");
     return;
   }
   answers.notes.push_back(fmt::format(
@@ -172,7 +179,7 @@ void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers,
       "the robot",
       fit->in_world.norm(), fit->world.sigma, fit->in_body.norm(), fit->body.sigma));
   const double tolerance = asking.settings.sole_tilt;
-  Asked apart = asked_of("ground_slope", "contact", {}, tolerance, kWithTheRobot);
+  Asked apart = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   apart.parameter = "angle";
   if (fit->apart.value > tolerance &&
       answers.judge(apart, fit->apart, asking.chance()) == Said::missing) {
@@ -184,8 +191,8 @@ void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers,
   bool found = false;
   if (told_by_headings(*fit, asking)) {
     found = judge_floor(asking, *fit, answers, patch);
-    const Asked own = asked_of("imu_misalignment", "sensor", {asking.body.imu.link}, tolerance,
-                               {"encoder_offset"});
+    const Asked own =
+        asked_of(WholeFigure::imu_turn, {asking.body.imu.link}, tolerance, {wrong_zero()});
     const V2 rotation = rotation_of(fit->in_body);
     found |= judge_lean(asking, own, fit->body, rotation, answers) == Said::missing;
   } else {
@@ -194,7 +201,7 @@ void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers,
         "robot are the same here; turn the robot by a quarter or half");
   }
   if (found) return;
-  const Asked all = asked_of("ground_slope", "contact", {}, tolerance, kWithTheRobot);
+  const Asked all = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   const V2 rotation = rotation_of(fit->alike);
   if (judge_lean(asking, all, fit->together, rotation, answers) == Said::missing)
     patch.slope = rotation;
@@ -213,7 +220,8 @@ void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     }
   }
   if (!feet) {
-    answers.cannot("ground_slope", "no foot that is known to stand (fz:<link>) beside an attitude");
+    answers.cannot(WholeFigure::slope,
+                   "no foot that is known to stand (fz:<link>) beside an attitude");
     return;
   }
   judge_slip(asking, soles, answers);

@@ -89,25 +89,19 @@ void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const auto m = measured(loads.share, 0.0, asking.chance());
   if (!m) {
     const char* why = "no forces of the feet (fz:<link>) over some seconds: nothing weighs it";
-    for (const char* effect : {"link_mass", "payload", "foot_force_scale"})
-      answers.cannot(effect, why);
+    for (const WholeFigure figure :
+         {WholeFigure::mass_share, WholeFigure::payload, WholeFigure::force_scale})
+      answers.cannot(figure, why);
     return;
   }
   answers.notes.push_back(
       "a sum of vertical forces tells neither which link is heavier nor whether the sensors read "
       "too much; weighing the robot would");
-  if (answers.judge({"link_mass",
-                     "mass",
-                     {asking.body.root},
-                     "share",
-                     "-",
-                     "stance",
-                     0.0,
-                     asking.tolerances.mass * of_base,
-                     {"payload", "foot_force_scale"},
-                     "weight"},
-                    *m, asking.chance()) == Said::missing)
-    patch.mass_share = m->value;
+  Asked asked = asked_for(WholeFigure::mass_share);
+  asked.where = {asking.body.root}, asked.regime = "stance", asked.channel = "weight";
+  asked.tolerance = asking.tolerances.mass * of_base;
+  asked.equally_good = {name_of(WholeFigure::payload), name_of(WholeFigure::force_scale)};
+  if (answers.judge(asked, *m, asking.chance()) == Said::missing) patch.mass_share = m->value;
 }
 
 }  // namespace sanso::diagnose

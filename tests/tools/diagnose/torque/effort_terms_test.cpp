@@ -169,15 +169,15 @@ TEST(EffortTerms, RipplesHaveTheSignOfTheirSide) {
       made_effort(model, kNoise, [](int, const MotionSample& m, const NeededEffort&) {
         return -0.05 * std::sin(7 * m.q[0]) - 0.03 * std::cos(7 * m.q[0]);
       });
-  expect_truth(cogging, {ripple_term(cogging, "cogging", 0, 7)}, {0.05, 0.03});
-  const EffortRows rubbing =
+  expect_truth(cogging, {ripple_term(cogging, *find_effect("cogging"), 0, 7)}, {0.05, 0.03});
+  const EffortRows rubs =
       made_effort(model, kNoise, [](int, const MotionSample& m, const NeededEffort&) {
         return sign(m.dq[0]) * (0.05 * std::sin(3 * m.q[0]) - 0.03 * std::cos(3 * m.q[0]));
       });
-  expect_truth(rubbing, {ripple_term(rubbing, "position_friction", 0, 3)}, {0.05, -0.03});
+  expect_truth(rubs, {ripple_term(rubs, *find_effect("position_friction"), 0, 3)}, {0.05, -0.03});
   // another order, or the other kind, leaves what is there
-  EXPECT_GT(fitted(cogging, {ripple_term(cogging, "cogging", 0, 6)}).left, 2.0);
-  EXPECT_GT(fitted(rubbing, {ripple_term(rubbing, "cogging", 0, 3)}).left, 2.0);
+  EXPECT_GT(fitted(cogging, {ripple_term(cogging, *find_effect("cogging"), 0, 6)}).left, 2.0);
+  EXPECT_GT(fitted(rubs, {ripple_term(rubs, *find_effect("cogging"), 0, 3)}).left, 2.0);
 }
 
 TEST(EffortTerms, FrictionTakesEnergyAndSpringsGiveItBack) {
@@ -195,7 +195,7 @@ TEST(EffortTerms, FrictionTakesEnergyAndSpringsGiveItBack) {
   }
   // once round and back to where it was: no work
   std::vector<EffortTerm> stores{the(rows, "cable_spring", "b"),
-                                 ripple_term(rows, "cogging", 1, 5)};
+                                 ripple_term(rows, *find_effect("cogging"), 1, 5)};
   for (const EffortTerm& term : stores) {
     const ColumnsAt at = term.columns(r);
     double work[2] = {0.0, 0.0};
