@@ -69,6 +69,18 @@ struct StanceSettings {
   double coulomb = 0.02;
   double centre = 0.004;
   double most_place = 0.05;
+  double least_gain = 0.1;
+  double most_gain = 3.0;
+  double most_lag = 0.06;
+  double most_load = 0.6;
+  double most_zero = 0.2;
+  double least_torque = 0.5;
+  double most_torque = 2.0;
+  double lost_mass = 0.9;
+  double most_mass = 3.0;
+  double least_scatter = 0.5;
+  int fewest_recordings = 4;
+  int rounds = 3;
   int maximum_terms = 6;
   template <class Field>
   void visit(Field&& field) {
@@ -95,7 +107,34 @@ struct StanceSettings {
     field("centre", centre, "m", 0.0001, 0.1, "within which a centre of mass is stated");
     field("most_place", most_place, "kg m", 0.001, 10.0,
           "first moment about the centre of mass that a payload has: how far out it may sit");
+    visit_bounds(field);
+    field("least_scatter", least_scatter, "deviations", 0.01, 1.0,
+          "of a balance, as known beforehand: a fit of noise is no proof of less");
+    field("fewest_recordings", fewest_recordings, "recordings", 2, 1000,
+          "that are left out one by one; fewer are cut into pieces");
+    field("rounds", rounds, "rounds", 1, 100,
+          "of choosing with new weights; most settle after two");
     field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
+  }
+
+ private:
+  // further off, it is another drive or another robot
+  template <class Field>
+  void visit_bounds(Field& field) {
+    field("least_gain", least_gain, "factor", 0.001, 1.0,
+          "of a position loop's stiffness; softer, no robot stands");
+    field("most_gain", most_gain, "factor", 1.0, 100.0, "of it; stiffer is another servo");
+    field("most_lag", most_lag, "s", 0.001, 1.0, "of a command: six cycles of a slow bus");
+    field("most_load", most_load, "share", 0.01, 1.0,
+          "of the load that friction takes: from here a gear locks itself");
+    field("most_zero", most_zero, "rad", 0.001, 3.0,
+          "of a joint's zero: a tooth of a horn is 0.25, and is seen");
+    field("least_torque", least_torque, "factor", 0.01, 1.0,
+          "of a torque constant: a gear of half the ratio");
+    field("most_torque", most_torque, "factor", 1.0, 100.0, "of it: of twice the ratio");
+    field("lost_mass", lost_mass, "share", 0.1, 0.999, "that a link may lack");
+    field("most_mass", most_mass, "shares", 0.1, 100.0,
+          "that a link may have more, and a payload of the whole robot");
   }
 };
 
@@ -139,6 +178,7 @@ struct WholeSettings {
   int imu_draws = 199;
   double imu_outlier = 3.0;
   int questions = 24;
+  int parts = 3;
   int rim_points = 12;
 
   template <class Field>
@@ -156,6 +196,8 @@ struct WholeSettings {
           "from where the weight of a window of the IMU falls");
     field("questions", questions, "numbers", 1, 1000,
           "two sides of a dozen that are asked: they share the level of naming");
+    field("parts", parts, "parts", 2, 100,
+          "of the groups: each is predicted by what was fitted to the others");
     field("rim_points", rim_points, "points", 3, 1000,
           "of either end of a cylinder that touches: between two it is 3 % of the radius wider");
   }

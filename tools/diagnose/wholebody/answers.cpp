@@ -52,24 +52,28 @@ std::vector<double> resampled(const std::vector<Sum>& sums, const Chance& chance
   return out;
 }
 
-bool held_out(std::size_t group) { return group % 3 == 2; }
+/// The last of the parts judges.
+bool held_out(std::size_t group, const WholeSettings& whole) {
+  const auto parts = static_cast<std::size_t>(whole.parts);
+  return group % parts == parts - 1;
+}
 
 /// Mean of the nominal's squared error less the fitted value's, by held-out group, and the RMS.
 void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const Chance& chance,
            Measured& m) {
-  const double fitted = mean_of(sums, [](std::size_t g) { return !held_out(g); });
+  const double fitted = mean_of(sums, [&](std::size_t g) { return !held_out(g, chance.whole); });
   std::vector<double> before(sums.size(), 0.0), after(sums.size(), 0.0);
   double weight = 0.0, b = 0.0, a = 0.0;
   for (std::size_t i = 0; i < s.value.size(); ++i) {
     const auto g = static_cast<std::size_t>(s.group[i]);
-    if (!held_out(g)) continue;
+    if (!held_out(g, chance.whole)) continue;
     const double x = s.value[i], w = s.weight[i];
     before[g] += w * (x - nominal) * (x - nominal), after[g] += w * (x - fitted) * (x - fitted);
     weight += w;
   }
   std::vector<double> removed;
   for (std::size_t g = 0; g < sums.size(); ++g) {
-    if (!held_out(g)) continue;
+    if (!held_out(g, chance.whole)) continue;
     b += before[g], a += after[g];
     removed.push_back(before[g] - after[g]);
   }

@@ -18,7 +18,6 @@ namespace sanso::diagnose {
 namespace {
 
 using Terms = std::vector<const DriveTerm*>;
-constexpr int kParts = 3;  // of the groups; each is left out once
 
 Terms plus(Terms terms, const DriveTerm* more) {
   terms.push_back(more);
@@ -56,9 +55,8 @@ class Chooser {
         nuisances_(drive_nuisances(asking, rows)) {}
 
   DriveChoice run() {
-    constexpr int kRounds = 3;
     Eigen::VectorXd figures = Eigen::VectorXd::Zero(rows_.columns.count());
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < asking_.stance.rounds; ++round) {
       weigh(figures);
       figures = all_->fit(taken_).figures;
       weigh(figures);
@@ -75,15 +73,16 @@ class Chooser {
 
  private:
   void weigh(const Eigen::VectorXd& figures) {
-    groups_ = weighed(rows_, figures, asking_.settings.imu_outlier);
+    groups_ = weighed(rows_, figures, asking_.settings.imu_outlier, asking_.stance);
     all_ = std::make_unique<Eliminated>(groups_.all, nuisances_);
     ways_.clear();
+    const auto parts = static_cast<std::size_t>(asking_.settings.parts);
     for (const std::vector<Normal>& groups : groups_.by) {
       Way way{&groups, {}};
-      for (std::size_t part = 0; part < kParts; ++part) {
+      for (std::size_t part = 0; part < parts; ++part) {
         Normal fitted(rows_.columns.count());
         for (std::size_t g = 0; g < groups.size(); ++g)
-          if (g % kParts != part) fitted.add(groups[g]);
+          if (g % parts != part) fitted.add(groups[g]);
         way.fitted.push_back(std::make_unique<Eliminated>(fitted, nuisances_));
       }
       ways_.push_back(std::move(way));

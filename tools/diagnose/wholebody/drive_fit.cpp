@@ -11,17 +11,13 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kLeastScatter = 0.5;  // of what was known beforehand: a fit of noise is no proof
-constexpr int kFewestRecordings = 4;   // that are left out one by one; fewer are cut
-
-std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left) {
+std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left, double least) {
   std::vector<std::vector<double>> by(static_cast<std::size_t>(rows.channels));
   for (std::size_t i = 0; i < rows.channel.size(); ++i)
     by[static_cast<std::size_t>(rows.channel[i])].push_back(
         std::abs(left[static_cast<Eigen::Index>(i)]));
   std::vector<double> out;
-  for (const auto& x : by)
-    out.push_back(std::max(kLeastScatter, x.empty() ? 1.0 : 1.4826 * median(x)));
+  for (const auto& x : by) out.push_back(std::max(least, x.empty() ? 1.0 : 1.4826 * median(x)));
   return out;
 }
 
@@ -75,12 +71,13 @@ std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd
   return squares;
 }
 
-DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier) {
+DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier,
+                    const StanceSettings& stance) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
-  const std::vector<double> scatter = scatter_of(rows, left);
+  const std::vector<double> scatter = scatter_of(rows, left, stance.least_scatter);
   const int recordings = *std::max_element(rows.recording.begin(), rows.recording.end()) + 1;
   const int pieces = *std::max_element(rows.piece.begin(), rows.piece.end()) + 1;
-  const bool whole = recordings >= kFewestRecordings;
+  const bool whole = recordings >= stance.fewest_recordings;
   const Eigen::Index P = rows.X.cols();
   DriveGroups out;
   out.all = Normal(P);

@@ -51,6 +51,7 @@ struct DriveGroups {
 std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures);
 
 /// With weights by channel (what is left there scatters by), less for rows that stand out.
-DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier);
+DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier,
+                    const StanceSettings& stance = {});
 
 }  // namespace sanso::diagnose

@@ -58,24 +58,25 @@ struct Bounds {
 Bounds bounds_of(JointFigure figure, const Asking& asking, const DriveLaw& l, bool current) {
   const ToleranceSettings& t = asking.tolerances;
   // without a current the loop's torque is held against the needed one, the gain's inverse times it
-  const double least = 0.1, most = 3.0;
+  const StanceSettings& s = asking.stance;
+  const double least = s.least_gain, most = s.most_gain;
   const double low = current ? least - 1.0 : 1.0 - 1.0 / least;
   const double high = current ? most - 1.0 : 1.0 - 1.0 / most;
   switch (figure) {
     case JointFigure::gain:
       return {low, high, t.gain};
     case JointFigure::lag:
-      return {0.0, 0.06, t.lag};
+      return {0.0, s.most_lag, t.lag};
     case JointFigure::speed:
       return {-l.damping, 5.0 * std::max(l.damping, 1.0), t.damping * l.damping};
     case JointFigure::dry:
-      return {-l.coulomb, kNoLimit, std::max(asking.stance.coulomb, t.friction * l.coulomb)};
+      return {-l.coulomb, kNoLimit, std::max(s.coulomb, t.friction * l.coulomb)};
     case JointFigure::load:
-      return {0.0, 0.6, t.friction};
+      return {0.0, s.most_load, t.friction};
     case JointFigure::zero:
-      return {-0.2, 0.2, t.zero};
+      return {-s.most_zero, s.most_zero, t.zero};
     case JointFigure::torque:
-      return {-0.5, 1.0, t.motor};
+      return {s.least_torque - 1.0, s.most_torque - 1.0, t.motor};
     case JointFigure::rotor:
       break;
   }
@@ -132,7 +133,8 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
       joint < 0 ? body.root : body.model.tree.joints[static_cast<std::size_t>(joint)].link;
   DriveTerm mass = term_of(effect_of(WholeFigure::mass_share), 1);
   mass.where = {link};
-  mass.low = {-0.9}, mass.high = {3.0}, mass.tolerance = asking.tolerances.mass;
+  mass.low = {-asking.stance.lost_mass}, mass.high = {asking.stance.most_mass},
+  mass.tolerance = asking.tolerances.mass;
   mass.columns = b.mass * kilogram;
   out.push_back(mass);
   const double most = asking.stance.most_place;
@@ -146,7 +148,8 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
   DriveTerm payload = term_of(effect_of(WholeFigure::payload), 4);
   payload.where = {link};
   payload.carried = true, payload.centre = eigen(b.com);
-  payload.low = {0.0, -most, -most, -most}, payload.high = {3.0 * body.mass(), most, most, most};
+  payload.low = {0.0, -most, -most, -most},
+  payload.high = {asking.stance.most_mass * body.mass(), most, most, most};
   payload.tolerance = asking.tolerances.mass * b.mass;
   payload.columns.resize(c.count(), 4);
   payload.columns << kilogram, centre.columns;

@@ -9,8 +9,6 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr int kParts = 3;  // of the groups; each is left out once
-
 int groups_of(const std::vector<ImuWindow>& windows) {
   int most = 0;
   for (const ImuWindow& w : windows) most = std::max(most, w.group + 1);
@@ -21,13 +19,13 @@ int groups_of(const std::vector<ImuWindow>& windows) {
 std::vector<double> left_out(const std::vector<ImuWindow>& windows, const WholeSettings& settings,
                              const ImuParts& parts, const ImuNoise& noise) {
   std::vector<double> out(static_cast<std::size_t>(groups_of(windows)), 0.0);
-  for (int part = 0; part < kParts; ++part) {
+  for (int part = 0; part < settings.parts; ++part) {
     std::vector<ImuWindow> fitted;
     for (const ImuWindow& w : windows)
-      if (w.group % kParts != part) fitted.push_back(w);
+      if (w.group % settings.parts != part) fitted.push_back(w);
     const ImuMount m = fit_mount(fitted, settings, parts);
     for (const ImuWindow& w : windows)
-      if (w.group % kParts == part)
+      if (w.group % settings.parts == part)
         out[static_cast<std::size_t>(w.group)] += loss_of(w, m, noise, settings.imu_outlier);
   }
   return out;
