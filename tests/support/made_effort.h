@@ -37,9 +37,9 @@ inline EffortRows made_effort(const ModelFolder& model, double noise, const Miss
   EffortRecording r;
   r.file = "made.csv";
   r.nominal = params_with_effects(model);
-  const int joints = model.tree.size();
-  r.effort.resize(static_cast<std::size_t>(joints));
-  r.moves.resize(static_cast<std::size_t>(joints));
+  const std::size_t joints = model.tree.size();
+  r.effort.resize(joints);
+  r.moves.resize(joints);
   for (const TreeJoint& joint : model.tree.joints)
     r.channels.push_back({"tau:" + joint.name, joint.prismatic ? "N" : "N m", true, false, {}});
   InverseEffort inverse(r.nominal);
@@ -47,20 +47,20 @@ inline EffortRows made_effort(const ModelFolder& model, double noise, const Miss
   constexpr std::size_t kInstants = 600, kBlock = 30;
   for (std::size_t k = 0; k < kInstants; ++k) {
     r.t.push_back(0.05 * static_cast<double>(k));
-    r.motion.push_back(made_motion(joints, r.t.back()));
+    r.motion.push_back(made_motion(static_cast<int>(joints), r.t.back()));
     r.nominal_needs.push_back(inverse.at(r.motion.back()));
-    for (int j = 0; j < joints; ++j) {
-      const auto i = static_cast<std::size_t>(j);
-      const NeededEffort& need = r.nominal_needs.back()[i];
-      EffortRow row{0, j, k, k + 1, static_cast<int>(k / kBlock), 0.0, need.total()};
-      row.effort = need.total() + missing(j, r.motion.back(), need) + noise * random.normal();
-      r.effort[i].push_back(row.effort);
-      r.moves[i].push_back(1);
+    for (std::size_t j = 0; j < joints; ++j) {
+      const NeededEffort& need = r.nominal_needs.back()[j];
+      EffortRow row{0, j, k, k + 1, k / kBlock, 0.0, need.total()};
+      row.effort = need.total() + missing(static_cast<int>(j), r.motion.back(), need) +
+                   noise * random.normal();
+      r.effort[j].push_back(row.effort);
+      r.moves[j].push_back(1);
       out.rows.push_back(row);
     }
   }
-  out.blocks = static_cast<int>(kInstants / kBlock);
-  out.recording_of_block.assign(static_cast<std::size_t>(out.blocks), 0);
+  out.blocks = kInstants / kBlock;
+  out.recording_of_block.assign(out.blocks, 0);
   out.recordings.push_back(std::move(r));
   return out;
 }

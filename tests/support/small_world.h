@@ -107,10 +107,10 @@ inline Drive make_test_drive(const ModelFolder& model, double duration, double p
   drive.name = "made";
   const auto rows = static_cast<std::size_t>(std::lround(duration / period)) + 1;
   for (std::size_t k = 0; k < rows; ++k) drive.t.push_back(static_cast<double>(k) * period);
-  for (int j = 0; j < model.tree.size(); ++j) {
+  for (std::size_t j = 0; j < model.tree.size(); ++j) {
     JointData data;
     data.q.assign(rows, 0.0);
-    for (double t : drive.t) data.command.push_back(command(j, t));
+    for (double t : drive.t) data.command.push_back(command(static_cast<int>(j), t));
     drive.joints.push_back(data);
   }
   return drive;
@@ -145,8 +145,8 @@ inline recording::Recording record(const ModelFolder& world, const Drive& drive,
   recording::Recording r;
   r.file = how.file;
   r.t = drive.t;
-  for (int j = 0; j < world.tree.size(); ++j) {
-    const std::string& name = world.tree.joints[static_cast<std::size_t>(j)].name;
+  for (std::size_t j = 0; j < world.tree.size(); ++j) {
+    const std::string& name = world.tree.joints[j].name;
     const auto set = [&](const std::string& kind, const std::vector<double>& channel) {
       const auto values = p.of(channel, j);
       r.set(kind + ":" + name, {values.begin(), values.end()});

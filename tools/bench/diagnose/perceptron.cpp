@@ -42,8 +42,7 @@ MatrixXd normal_matrix(Index rows, Index cols, double deviation, diagnose::Rando
 }
 
 void shuffle(std::vector<Index>& order, diagnose::Random& random) {
-  for (std::size_t i = order.size(); i > 1; --i)
-    std::swap(order[i - 1], order[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 }
 
 }  // namespace

@@ -126,8 +126,8 @@ std::string why_untestable(const Effect& effect, const SimParams& params,
   if (effect.needs & kImu) return "the base is fixed: its IMU sees no motion";
   if ((effect.needs & kTwoJoints) && params.size() < 2) return "one joint only";
   const auto any = [&](auto&& test) {
-    for (int j = 0; j < params.size(); ++j) {
-      if ((where < 0 || where == j) && test(static_cast<std::size_t>(j))) return true;
+    for (std::size_t j = 0; j < params.size(); ++j) {
+      if ((where < 0 || where == static_cast<int>(j)) && test(j)) return true;
     }
     return false;
   };

@@ -205,7 +205,7 @@ class Judge {
     std::vector<double> resampled;
     for (int b = 0; b < around_.settings().decisions.bootstrap; ++b) {
       std::vector<std::size_t> drawn = shots;
-      for (std::size_t& i : drawn) i = random_.below(static_cast<int>(shots.size()));
+      for (std::size_t& i : drawn) i = random_.below(shots.size());
       resampled.push_back(tried.size_of(drawn));
     }
     s.low = quantile(resampled, 0.025);

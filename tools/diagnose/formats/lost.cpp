@@ -90,7 +90,7 @@ const Row kRows[] = {
 
 std::string joints_with(const SimParams& params, const Row& row) {
   std::string names;
-  int count = 0;
+  std::size_t count = 0;
   for (std::size_t j = 0; j < params.joints.size(); ++j)
     if (row.there(params.joints[j])) {
       names += (count++ > 0 ? ", " : "") + params.tree.joints[j].name;

@@ -89,14 +89,14 @@ std::string bodies(const Parts& parts, int parent, const std::string& indent) {
   for (const Shape& shape : parts.shapes)
     if (shape.joint == parent && !geom(shape).empty()) out += indent + geom(shape) + "\n";
   const RobotTree& tree = parts.params.tree;
-  for (int i = 0; i < tree.size(); ++i) {
-    const TreeJoint& joint = tree.joints[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const TreeJoint& joint = tree.joints[i];
     if (joint.parent != parent) continue;
     out += fmt::format("{0}<body name=\"{1}\" pos=\"{2}\" quat=\"{3}\">\n{0}  {4}\n{0}  {5}\n{6}",
                        indent, joint.link, numbers(joint.p_parent_joint),
                        quaternion(joint.R_parent_joint), inertial(joint.body),
-                       joint_element(parts.params, static_cast<std::size_t>(i)),
-                       bodies(parts, i, indent + "  "));
+                       joint_element(parts.params, i),
+                       bodies(parts, static_cast<int>(i), indent + "  "));
     out += indent + "</body>\n";
   }
   return out;

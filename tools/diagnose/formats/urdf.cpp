@@ -84,7 +84,7 @@ Exported urdf_of(const ModelFolder& model) {
   out.text = fmt::format("<?xml version=\"1.0\"?>\n{}<robot name=\"{}\">\n{}",
                          head_comment("A model of sanso, with its effects.", out.lost), tree.name,
                          link(parts, -1));
-  for (int i = 0; i < tree.size(); ++i) out.text += link(parts, i);
+  for (std::size_t i = 0; i < tree.size(); ++i) out.text += link(parts, static_cast<int>(i));
   for (std::size_t i = 0; i < tree.joints.size(); ++i) out.text += moving_joint(parts, i);
   for (const auto& [name, place] : tree.links) {
     const std::string parent = link_name(parts, place.joint);

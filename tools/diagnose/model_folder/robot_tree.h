@@ -14,7 +14,7 @@ namespace sanso::diagnose {
 using Vec3 = std::array<double, 3>;
 using Mat3 = std::array<double, 9>;  // row by row
 inline constexpr Mat3 kIdentity3{1, 0, 0, 0, 1, 0, 0, 0, 1};
-inline constexpr int kMaxJoints = 20;
+inline constexpr std::size_t kMaxJoints = 20;
 
 /// Mass properties of one rigid body, in the axes of its link.
 struct BodyInertia {
@@ -58,7 +58,7 @@ struct RobotTree {
   std::vector<TreeJoint> joints;                 // parents before children
   std::map<std::string, LinkPlace> links;        // every link of the URDF
   int index_of(const std::string& joint) const;  // -1 when there is no such joint
-  int size() const { return static_cast<int>(joints.size()); }
+  std::size_t size() const { return joints.size(); }
 };
 
 /// Reads URDF text. Throws files::InputError naming link or joint; `file` is used in messages.

@@ -22,7 +22,8 @@ Vec3 vector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 class TreeBuilder {
  public:
-  TreeBuilder(const urdf::ModelInterface& model, std::string file, int most_joints, int rim_points)
+  TreeBuilder(const urdf::ModelInterface& model, std::string file, std::size_t most_joints,
+              int rim_points)
       : file_(std::move(file)), most_joints_(most_joints), rim_points_(rim_points) {
     body_.tree.name = model.getName();
     body_.root = model.getRoot()->name;
@@ -82,7 +83,7 @@ class TreeBuilder {
       t.speed = joint.limits->velocity;
     }
     body_.tree.joints.push_back(t);
-    add_link(child, body_.tree.size() - 1, kIdentity3, {0, 0, 0});
+    add_link(child, static_cast<int>(body_.tree.size()) - 1, kIdentity3, {0, 0, 0});
   }
 
   /// Boxes, spheres and cylinders; meshes are named, so that somebody can say what touches.
@@ -129,7 +130,8 @@ class TreeBuilder {
   }
 
   std::string file_;
-  int most_joints_, rim_points_;
+  std::size_t most_joints_;
+  int rim_points_;
   BodyTree body_;
 };
 

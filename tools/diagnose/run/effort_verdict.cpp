@@ -43,8 +43,8 @@ Finding finding_of(const JudgedTerm& t) {
 }
 
 TorqueSample sample_of(const EffortLeft& left, const EffortRows& rows, double noise) {
-  const EffortRecording& r = rows.recordings[static_cast<std::size_t>(left.row.recording)];
-  const auto j = static_cast<std::size_t>(left.row.joint);
+  const EffortRecording& r = rows.recordings[left.row.recording];
+  const std::size_t j = left.row.joint;
   const std::size_t middle = (left.row.first + left.row.last) / 2;
   TorqueSample s;
   s.source = left.row.recording, s.joint = left.row.joint, s.row = left.row.first;
@@ -55,13 +55,13 @@ TorqueSample sample_of(const EffortLeft& left, const EffortRows& rows, double no
 }
 
 std::vector<TorqueSample> samples_of(const EffortOutcome& outcome, const EffortRows& rows,
-                                     int joint, const RemainsSettings& settings) {
+                                     std::size_t joint, const RemainsSettings& settings) {
   std::vector<const EffortLeft*> of;
   for (const EffortLeft& left : outcome.left) {
     if (left.row.joint == joint) of.push_back(&left);
   }
-  const EffortScore* score = score_at(
-      outcome, rows.recordings.front().nominal.tree.joints[static_cast<std::size_t>(joint)].name);
+  const EffortScore* score =
+      score_at(outcome, rows.recordings.front().nominal.tree.joints[joint].name);
   const std::size_t stride = of.size() / static_cast<std::size_t>(settings.effort_samples) + 1;
   std::vector<TorqueSample> out;
   for (std::size_t k = 0; k < of.size(); k += stride)
@@ -104,7 +104,7 @@ std::optional<Unexplained> unnamed(const EffortOutcome& outcome, const EffortRow
   std::vector<std::vector<TorqueSample>> samples(rows.recordings.front().channels.size());
   for (std::size_t j = 0; j < samples.size(); ++j) {
     if (!rows.recordings.front().channels[j].known) continue;
-    samples[j] = samples_of(outcome, rows, static_cast<int>(j), options.settings.remains);
+    samples[j] = samples_of(outcome, rows, j, options.settings.remains);
     all.push_back(
         predictability(samples[j], static_cast<int>(j), Random(options.seed, j), options.settings));
   }

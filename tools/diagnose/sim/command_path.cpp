@@ -44,9 +44,8 @@ CommandPath::CommandPath(const SimParams& params, const Drive& drive, std::uint6
   }
 }
 
-CommandPath::Command CommandPath::over(int joint, double from, double until,
+CommandPath::Command CommandPath::over(std::size_t j, double from, double until,
                                        std::size_t& cursor) const {
-  const auto j = static_cast<std::size_t>(joint);
   if (series_[j] == nullptr) return {0.0, 0.0, true};
   const std::vector<double>& u = *series_[j];
   from -= delay_[j];

@@ -19,16 +19,16 @@ class CommandPath {
   using Command = CommandOf<double>;
   /// The command of joint j that acts during [from, until]. Calls for one joint go forward in time
   /// between rewinds.
-  Command over(int j, double from, double until) {
-    return over(j, from, until, cursor_[static_cast<std::size_t>(j)]);
+  Command over(std::size_t j, double from, double until) {
+    return over(j, from, until, cursor_[j]);
   }
   void rewind() { cursor_.assign(cursor_.size(), kUnset); }
   /// The same for who keeps the place in the series himself; it begins as kUnset.
-  Command over(int j, double from, double until, std::size_t& cursor) const;
+  Command over(std::size_t j, double from, double until, std::size_t& cursor) const;
   static constexpr std::size_t kUnset = static_cast<std::size_t>(-1);
   /// Joint j's commands by row, after hold and loss, before the delay; null: it has none.
-  const double* series(int j) const {
-    const std::vector<double>* s = series_[static_cast<std::size_t>(j)];
+  const double* series(std::size_t j) const {
+    const std::vector<double>* s = series_[j];
     return s == nullptr ? nullptr : s->data();
   }
 

@@ -25,31 +25,31 @@ struct StepTorquesOf {
 /// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place
 /// scratch L. No pivot is taken for less than `least`.
 template <class T>
-inline void invert_block(T* L, T* inverse, int b, int e, T least) {
-  const auto at = [](int i, int j) { return i * kMaxJoints + j; };
+inline void invert_block(T* L, T* inverse, std::size_t b, std::size_t e, T least) {
+  const auto at = [](std::size_t i, std::size_t j) { return i * kMaxJoints + j; };
   if (e - b == 1) {
     inverse[at(b, b)] = 1.0 / max_of(L[at(b, b)], least);
     return;
   }
-  for (int j = b; j < e; ++j) {  // Cholesky
-    for (int i = j; i < e; ++i) {
+  for (std::size_t j = b; j < e; ++j) {  // Cholesky
+    for (std::size_t i = j; i < e; ++i) {
       T sum = L[at(i, j)];
-      for (int k = b; k < j; ++k) sum -= L[at(i, k)] * L[at(j, k)];
+      for (std::size_t k = b; k < j; ++k) sum -= L[at(i, k)] * L[at(j, k)];
       // the diagonal holds reciprocals: one division a joint
       L[at(i, j)] = i == j ? 1.0 / sqrt_of(max_of(sum, least)) : sum * L[at(j, j)];
     }
   }
-  for (int j = b; j < e; ++j) {  // inverse of L, then L^-T L^-1
-    for (int i = j + 1; i < e; ++i) {
+  for (std::size_t j = b; j < e; ++j) {  // inverse of L, then L^-T L^-1
+    for (std::size_t i = j + 1; i < e; ++i) {
       T sum = 0.0;
-      for (int k = j; k < i; ++k) sum -= L[at(i, k)] * L[at(k, j)];
+      for (std::size_t k = j; k < i; ++k) sum -= L[at(i, k)] * L[at(k, j)];
       L[at(i, j)] = sum * L[at(i, i)];
     }
   }
-  for (int i = b; i < e; ++i) {
-    for (int j = b; j <= i; ++j) {
+  for (std::size_t i = b; i < e; ++i) {
+    for (std::size_t j = b; j <= i; ++j) {
       T sum = 0.0;
-      for (int k = i; k < e; ++k) sum += L[at(k, i)] * L[at(k, j)];
+      for (std::size_t k = i; k < e; ++k) sum += L[at(k, i)] * L[at(k, j)];
       inverse[at(i, j)] = inverse[at(j, i)] = sum;
     }
   }
@@ -65,11 +65,11 @@ class Integrator {
   void restart(T t) {
     double at[kLanes];
     store(t, at);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      payloads_on_[lane] = -1;
-      for (int j = 0; j < f_.n; ++j) warm_row_[lane][j] = row_at(f_, at[lane]);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      payloads_on_[lane] = kUnknown;
+      for (std::size_t j = 0; j < f_.n; ++j) warm_row_[lane][j] = row_at(f_, at[lane]);
     }
-    for (int j = 0; j < f_.n; ++j) change_[j] = 0.0;
+    for (std::size_t j = 0; j < f_.n; ++j) change_[j] = 0.0;
     supply_current_ = 0.0;
     tree_time_ = -kNone;
     update_bodies(t);
@@ -90,7 +90,7 @@ class Integrator {
     solve_free(h, state);
     solve_friction();
     MaskOf<T> sound = no_more(T(0.0), T(0.0));
-    for (int k = 0; k < f_.joint_count; ++k)
+    for (std::size_t k = 0; k < f_.joint_count; ++k)
       sound = both(sound, less(abs_of(dq_end_[f_.simulated[k]]), T(settings_.diverged)));
     finish(h, dq_end_, f_.simulated, f_.joint_count, true, state, out);
     return sound;
@@ -100,20 +100,21 @@ class Integrator {
   /// computed. The tree's inertia and bias are taken anew every `tree_refresh` only.
   /// `serves`: the joints whose servo and transmission are wanted; not `gears`: the servo alone.
   /// One lane.
-  void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end, const int* serves,
-              int count, bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+  void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end,
+              const std::size_t* serves, std::size_t count, bool gears, RobotStateOf<T>& state,
+              StepTorquesOf<T>& out) {
     if (gears && t >= tree_time_ + settings_.tree_refresh) {
       move_tree(t, h, state);
       tree_time_ = t;
     }
-    for (int i = 0; i < count; ++i) {
-      const int k = serves[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = serves[i];
       q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
       dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
     }
     prepare(t, h, commands, serves, count, gears, state, out);
-    for (int i = 0; gears && i < count; ++i) {
-      const int k = serves[i];
+    for (std::size_t i = 0; gears && i < count; ++i) {
+      const std::size_t k = serves[i];
       const JointPartOf<T>& p = part_[k];
       if (p.two_mass) {  // the motor still chooses its own velocity
         const T y = p.y0 + p.coupling * dq_end[k];
@@ -128,20 +129,21 @@ class Integrator {
   }
 
  private:
-  static constexpr int kLanes = Kind<T>::kLanes;
+  static constexpr std::size_t kLanes = Kind<T>::kLanes;
+  static constexpr std::size_t kUnknown = static_cast<std::size_t>(-1);
 
   void update_bodies(T t) {
     if (!f_.late_payloads && !f_.forces) return;
     double at[kLanes];
     store(t, at);
     bool changed = false;
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (f_.late_payloads) {
-        const int on = payloads_on(f_, at[lane]);
+        const std::size_t on = payloads_on(f_, at[lane]);
         if (on != payloads_on_[lane]) {
           BodyFigures bodies[kMaxJoints];
           bodies_at(f_, at[lane], bodies);
-          for (int j = 0; j < f_.n; ++j) tree_.set_body(lane, j, bodies[j]);
+          for (std::size_t j = 0; j < f_.n; ++j) tree_.set_body(lane, j, bodies[j]);
           payloads_on_[lane] = on;
           changed = true;
         }
@@ -149,20 +151,20 @@ class Integrator {
       if (f_.forces) {
         double forces[kMaxJoints][3];
         forces_at(f_, at[lane], forces);
-        for (int j = 0; j < f_.n; ++j) tree_.set_force(lane, j, forces[j]);
+        for (std::size_t j = 0; j < f_.n; ++j) tree_.set_force(lane, j, forces[j]);
       }
     }
     if (changed) tree_.settle_bodies();
   }
 
   /// K above the recording's first temperature; where none was recorded, above the start.
-  T warming_of(int j, T t, const InnerStateOf<T>& inner) {
+  T warming_of(std::size_t j, T t, const InnerStateOf<T>& inner) {
     if (!f_.heats) return 0.0;
     const double first = f_.first_temperature[j];
     if (!(first == first)) return inner.heat;
     double at[kLanes], out[kLanes];
     store(t, at);
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
       std::size_t& k = warm_row_[lane][j];
       while (k + 1 < f_.rows && f_.t[k + 1] <= at[lane]) ++k;
       const double above = f_.temperature[j][k] - first;
@@ -174,15 +176,15 @@ class Integrator {
   }
 
   void move_tree(T t, T h, const RobotStateOf<T>& state) {
-    for (int i = 0; i < f_.joint_count; ++i) {
-      const int k = f_.simulated[i];
+    for (std::size_t i = 0; i < f_.joint_count; ++i) {
+      const std::size_t k = f_.simulated[i];
       q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
       // the last change, extrapolated: centrifugal terms at mid-step
       dq_mid_[k] = state.dq[k] + 0.5 * change_[k];
     }
     update_bodies(t);
-    for (int i = 0; i < f_.branch_count; ++i) {
-      const int b = f_.branch[i];
+    for (std::size_t i = 0; i < f_.branch_count; ++i) {
+      const std::size_t b = f_.branch[i];
       tree_.set_positions(q_half_, b);
       tree_.mass_matrix(M_, b);
       tree_.bias(dq_mid_, bias_, b);
@@ -190,14 +192,14 @@ class Integrator {
   }
 
   /// Servo and, where `gears`, transmission of `count` joints.
-  void prepare(T t, T h, const CommandOf<T>* commands, const int* serves, int count, bool gears,
-               RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+  void prepare(T t, T h, const CommandOf<T>* commands, const std::size_t* serves, std::size_t count,
+               bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
     const SimParams& params = *f_.params;
     const T supply = 1.0 + params.supply_level + params.supply_slope * (t - f_.t[0]) / 60.0;
     T drop = 0.0, drawn = 0.0;
     if (f_.sags) drop = params.supply_resistance * supply_current_;
-    for (int i = 0; i < count; ++i) {
-      const int k = serves[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = serves[i];
       const JointParams& joint = f_.joints[k];
       InnerStateOf<T>& inner = state.inner[k];
       const T warming = warming_of(k, t, inner);
@@ -236,17 +238,18 @@ class Integrator {
   }
 
   void solve_free(T h, const RobotStateOf<T>& state) {
-    for (int i = 0; i < f_.joint_count; ++i) {
-      const int k = f_.simulated[i];
+    for (std::size_t i = 0; i < f_.joint_count; ++i) {
+      const std::size_t k = f_.simulated[i];
       M_[k * kMaxJoints + k] += part_[k].added;
     }
     const T least = settings_.least_inertia;
-    for (int n = 0; n < f_.branch_count; ++n) {
-      const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
+    for (std::size_t n = 0; n < f_.branch_count; ++n) {
+      const std::size_t b = tree_.branch_begin(f_.branch[n]),
+                        e = tree_.branch_begin(f_.branch[n] + 1);
       invert_block(M_, inverse_, b, e, least);
-      for (int i = b; i < e; ++i) {
+      for (std::size_t i = b; i < e; ++i) {
         T sum = 0.0;
-        for (int k = b; k < e; ++k)
+        for (std::size_t k = b; k < e; ++k)
           sum += inverse_[i * kMaxJoints + k] * (part_[k].impulse - h * bias_[k]);
         dq_end_[i] = state.dq[i] + sum;
       }
@@ -259,13 +262,14 @@ class Integrator {
   void solve_friction() {
     const T still = settings_.friction_settled;
     const int sweeps = settings_.friction_sweeps;
-    for (int i = 0; i < f_.joint_count; ++i) friction_[f_.simulated[i]] = 0.0;
-    for (int n = 0; n < f_.branch_count; ++n) {
-      const int b = tree_.branch_begin(f_.branch[n]), e = tree_.branch_begin(f_.branch[n] + 1);
+    for (std::size_t i = 0; i < f_.joint_count; ++i) friction_[f_.simulated[i]] = 0.0;
+    for (std::size_t n = 0; n < f_.branch_count; ++n) {
+      const std::size_t b = tree_.branch_begin(f_.branch[n]),
+                        e = tree_.branch_begin(f_.branch[n] + 1);
       MaskOf<T> moving = no_more(T(0.0), T(0.0));
       for (int sweep = 0; sweep < sweeps; ++sweep) {
         T largest = 0.0;
-        for (int j = b; j < e; ++j) {
+        for (std::size_t j = b; j < e; ++j) {
           if (part_[j].rubs) largest = max_of(largest, rub(j, b, e, sweep == 0, moving));
         }
         moving = both(moving, negated(less(largest, still)));
@@ -275,7 +279,7 @@ class Integrator {
   }
 
   /// One joint's turn in a sweep of branch [b, e), in `moving` lanes: the change of its speed.
-  T rub(int j, int b, int e, bool all, MaskOf<T> moving) {
+  T rub(std::size_t j, std::size_t b, std::size_t e, bool all, MaskOf<T> moving) {
     const JointPartOf<T>& p = part_[j];
     const T response = p.mobility + p.coupling * p.coupling * inverse_[j * kMaxJoints + j];
     const T y = p.y0 + p.mobility * friction_[j] + p.coupling * dq_end_[j];
@@ -283,14 +287,15 @@ class Integrator {
     if (!all) wanted = choose(moving, wanted, friction_[j]);
     const T change = wanted - friction_[j];
     friction_[j] = wanted;
-    for (int i = b; i < e; ++i) dq_end_[i] += inverse_[i * kMaxJoints + j] * p.coupling * change;
+    for (std::size_t i = b; i < e; ++i)
+      dq_end_[i] += inverse_[i * kMaxJoints + j] * p.coupling * change;
     return abs_of(change) * response;
   }
 
-  void finish(T h, const T* dq_end, const int* serves, int count, bool gears,
+  void finish(T h, const T* dq_end, const std::size_t* serves, std::size_t count, bool gears,
               RobotStateOf<T>& state, StepTorquesOf<T>& out) {
-    for (int i = 0; i < count; ++i) {
-      const int k = serves[i];
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t k = serves[i];
       const JointParams& joint = f_.joints[k];
       InnerStateOf<T>& inner = state.inner[k];
       if (gears) {
@@ -317,7 +322,7 @@ class Integrator {
   const SimFigures& f_;
   const SimulationSettings settings_;  // a copy: nothing that a step writes can change it
   Tree<T> tree_;
-  int payloads_on_[kLanes];
+  std::size_t payloads_on_[kLanes];
   std::size_t warm_row_[kLanes][kMaxJoints];
 
   // scratch of the step

@@ -13,14 +13,14 @@ constexpr double kRounding = 1e-9;  // s: instants that are the same
 template <class T>
 class LaneClocks {
  public:
-  static constexpr int kLanes = Kind<T>::kLanes;
+  static constexpr std::size_t kLanes = Kind<T>::kLanes;
 
   explicit LaneClocks(const SimFigures& figures) : f_(figures) {
     if (f_.joint_count > 0) command_delay_ = f_.command_delay[f_.simulated[0]];
   }
 
   /// Lane i runs from `start` to `end`, s.
-  void place(int i, double start, double end) {
+  void place(std::size_t i, double start, double end) {
     Lane& lane = lane_[i];
     lane.t = start_[i] = start;
     lane.end = end;
@@ -47,7 +47,7 @@ class LaneClocks {
     double from[kLanes], until[kLanes], limit[kLanes], h[kLanes];
     store(from_, from), store(until_, until), store(limit_, limit), store(h_, h);
     bool runs = false;
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       Lane& lane = lane_[i];
       if (step[i] < steps[i]) {
         runs = runs || !lane.ended;
@@ -100,10 +100,10 @@ class LaneClocks {
     double from[kLanes], span[kLanes];
     store(t, from);
     store(h, span);
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       if (all_joints || f_.command_delay[k] != command_delay_) {
-        for (int i = 0; i < kLanes; ++i) {
+        for (std::size_t i = 0; i < kLanes; ++i) {
           if (first_) cursor_[k][i] = CommandPath::kUnset;
           set_command(k, i, command_over(f_, k, from[i], from[i] + span[i], cursor_[k][i]));
         }
@@ -143,9 +143,9 @@ class LaneClocks {
   }
 
   /// What row `row` commands, to all joints whose commands arrive with those of the first.
-  void take_commands(int i, std::size_t row) {
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+  void take_commands(std::size_t i, std::size_t row) {
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       if (f_.command_delay[k] != command_delay_) continue;
       const double* u = f_.series[k];
       CommandOf<double> c{0.0, 0.0, true};
@@ -157,7 +157,7 @@ class LaneClocks {
     }
   }
   static bool is_number(double x) { return x - x == 0.0; }
-  void set_command(int k, int i, const CommandOf<double>& c) {
+  void set_command(std::size_t k, std::size_t i, const CommandOf<double>& c) {
     value_[k][i] = c.off ? 0.0 : c.value;
     rate_[k][i] = c.off ? 0.0 : c.rate;
     off_[k][i] = c.off ? 1.0 : 0.0;

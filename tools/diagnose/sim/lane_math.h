@@ -20,12 +20,12 @@ using Pack = kernel::Pack<W>;
 /// Lanes of a number, the answer to a comparison, and single lanes.
 template <class T>
 struct Kind {
-  static constexpr int kLanes = 1;
+  static constexpr std::size_t kLanes = 1;
   using Mask = bool;
 };
 template <int W>
 struct Kind<Pack<W>> {
-  static constexpr int kLanes = W;
+  static constexpr std::size_t kLanes = W;
   using Mask = decltype(typename Pack<W>::Lanes{} < typename Pack<W>::Lanes{});
 };
 template <class T>
@@ -34,12 +34,12 @@ using MaskOf = typename Kind<T>::Mask;
 inline void store(double x, double* out) { *out = x; }
 template <int W>
 inline void store(Pack<W> x, double* out) {
-  for (int i = 0; i < W; ++i) out[i] = x.v[i];
+  for (std::size_t i = 0; i < W; ++i) out[i] = x.v[i];
 }
 inline void load(const double* in, double& x) { x = *in; }
 template <int W>
 inline void load(const double* in, Pack<W>& x) {
-  for (int i = 0; i < W; ++i) x.v[i] = in[i];
+  for (std::size_t i = 0; i < W; ++i) x.v[i] = in[i];
 }
 
 inline bool less(double a, double b) { return a < b; }
@@ -109,7 +109,7 @@ template <int W, class Function>
 inline Pack<W> each(Pack<W> a, const Function& function) {
   double x[W];
   store(a, x);
-  for (int i = 0; i < W; ++i) x[i] = function(x[i]);
+  for (std::size_t i = 0; i < W; ++i) x[i] = function(x[i]);
   load(x, a);
   return a;
 }

@@ -9,7 +9,7 @@ void run_in_lanes(const SimFigures& figures, const WindowFigures* windows, std::
   constexpr std::size_t kWide = SANSO_LANES;
   WindowRun<Pack<SANSO_LANES>> run(figures);
   for (std::size_t w = 0; w < count; w += kWide)
-    run.run(windows + w, static_cast<int>(count - w < kWide ? count - w : kWide));
+    run.run(windows + w, count - w < kWide ? count - w : kWide);
 }
 
 }  // namespace sanso::diagnose::SANSO_ISA

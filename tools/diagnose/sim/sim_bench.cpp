@@ -13,12 +13,12 @@ namespace {
 using namespace sanso::diagnose;
 
 /// `legs` chains of `joints` links each, hanging from the base.
-std::string chains(int legs, int joints) {
+std::string chains(std::size_t legs, std::size_t joints) {
   std::string urdf = "<robot name='bench'><link name='base'/>";
   const char* axes[] = {"0 0 1", "1 0 0", "0 1 0", "0 1 0", "0 1 0", "1 0 0"};
-  for (int leg = 0; leg < legs; ++leg) {
+  for (std::size_t leg = 0; leg < legs; ++leg) {
     std::string parent = "base";
-    for (int j = 0; j < joints; ++j) {
+    for (std::size_t j = 0; j < joints; ++j) {
       const std::string id = std::to_string(leg) + "_" + std::to_string(j);
       const char* axis = joints == 1 ? axes[2] : joints == 2 ? axes[2 + j] : axes[j % 6];
       urdf +=
@@ -35,7 +35,7 @@ std::string chains(int legs, int joints) {
   return urdf + "</robot>";
 }
 
-void run(const char* what, int legs, int joints, double period) {
+void run(const char* what, std::size_t legs, std::size_t joints, double period) {
   const ModelFolder model = parse_model(
       "format = 1\n[joint_default]\nactuator = \"dc_servo\"\narmature = 0.01\nviscous = 0.05\n"
       "coulomb = 0.05\n",
@@ -43,16 +43,16 @@ void run(const char* what, int legs, int joints, double period) {
   Drive drive;
   const auto rows = static_cast<std::size_t>(60.0 / period) + 1;
   for (std::size_t k = 0; k < rows; ++k) drive.t.push_back(static_cast<double>(k) * period);
-  const int n = model.tree.size();
-  for (int j = 0; j < n; ++j) {
+  const std::size_t n = model.tree.size();
+  for (std::size_t j = 0; j < n; ++j) {
     JointData data;
     data.q.assign(rows, 0.0);
-    for (double t : drive.t) data.command.push_back(0.4 * std::sin(3 * t + j));
+    for (double t : drive.t) data.command.push_back(0.4 * std::sin(3 * t + static_cast<double>(j)));
     drive.joints.push_back(data);
   }
   std::vector<Window> windows;
   const auto step = static_cast<std::size_t>(0.5 / period);
-  const std::vector<double> zero(static_cast<std::size_t>(n), 0.0);
+  const std::vector<double> zero(n, 0.0);
   for (std::size_t first = 0; first + step < rows; first += step)
     windows.push_back({first, first + step, zero, zero});
   const SimParams params = make_params(model);

@@ -15,14 +15,13 @@ bool heats(const SimParams& params) {
 
 /// Joints and branches that are wanted.
 void choose_branches(const std::vector<char>& wanted, SimFigures& out) {
-  for (int b = 0; b < out.tree.branches; ++b) {
-    const int begin = out.tree.branch_begin[b], end = out.tree.branch_begin[b + 1];
-    const bool any =
-        wanted.empty() || out.sags ||
-        std::any_of(wanted.begin() + begin, wanted.begin() + end, [](char w) { return w != 0; });
+  for (std::size_t b = 0; b < out.tree.branches; ++b) {
+    const std::size_t begin = out.tree.branch_begin[b], end = out.tree.branch_begin[b + 1];
+    bool any = wanted.empty() || out.sags;
+    for (std::size_t j = begin; j < end && !any; ++j) any = wanted[j] != 0;
     if (!any) continue;
     out.branch[out.branch_count++] = b;
-    for (int j = begin; j < end; ++j) out.simulated[out.joint_count++] = j;
+    for (std::size_t j = begin; j < end; ++j) out.simulated[out.joint_count++] = j;
   }
 }
 
@@ -45,7 +44,7 @@ SimFigures sim_figures(const SimParams& params, const Drive& drive, const Comman
   out.forces = !params.forces.empty();
   for (std::size_t j = 0; j < params.joints.size(); ++j) {
     const JointParams& joint = params.joints[j];
-    out.series[j] = commands.series(static_cast<int>(j));
+    out.series[j] = commands.series(j);
     out.command_delay[j] = joint.nominal.command_delay_s + joint.command_delay;
     out.sensor_delay[j] = joint.nominal.sensor_delay_s + joint.sensor_delay;
     out.longest_sensor_delay = std::max(out.longest_sensor_delay, out.sensor_delay[j]);
@@ -64,9 +63,9 @@ std::size_t row_at(const SimFigures& figures, double t) {
   return after == figures.t ? 0 : static_cast<std::size_t>(after - figures.t) - 1;
 }
 
-int payloads_on(const SimFigures& figures, double t) {
+std::size_t payloads_on(const SimFigures& figures, double t) {
   const std::vector<LatePayload>& all = figures.params->late_payloads;
-  return static_cast<int>(
+  return static_cast<std::size_t>(
       std::count_if(all.begin(), all.end(), [t](const LatePayload& p) { return t >= p.from_s; }));
 }
 
@@ -79,14 +78,14 @@ void bodies_at(const SimFigures& figures, double t, BodyFigures* bodies) {
 }
 
 void forces_at(const SimFigures& figures, double t, double (*forces)[3]) {
-  for (int j = 0; j < figures.n; ++j) std::fill_n(forces[j], 3, 0.0);
+  for (std::size_t j = 0; j < figures.n; ++j) std::fill_n(forces[j], 3, 0.0);
   for (const WorldForce& f : figures.params->forces) {
     if (t < f.from_s || t >= f.until_s) continue;
     for (std::size_t k = 0; k < 3; ++k) forces[f.joint][k] += f.force[k];
   }
 }
 
-CommandOf<double> command_over(const SimFigures& figures, int j, double from, double until,
+CommandOf<double> command_over(const SimFigures& figures, std::size_t j, double from, double until,
                                std::size_t& cursor) {
   return figures.commands->over(j, from, until, cursor);
 }

@@ -15,11 +15,11 @@ struct SimFigures {
   const SimParams* params = nullptr;
   const CommandPath* commands = nullptr;
   const JointParams* joints = nullptr;  // n
-  int n = 0;
+  std::size_t n = 0;
   TreeFigures tree;
   // what is simulated, in order
-  int joint_count = 0, branch_count = 0;
-  int simulated[kMaxJoints], branch[kMaxJoints];
+  std::size_t joint_count = 0, branch_count = 0;
+  std::size_t simulated[kMaxJoints], branch[kMaxJoints];
   const double* t = nullptr;  // s, of the recording's rows
   std::size_t rows = 0;
   double max_step = 1e-3;  // s
@@ -40,12 +40,12 @@ SimFigures sim_figures(const SimParams& params, const Drive& drive, const Comman
 /// Row of the recording that holds at t, s.
 std::size_t row_at(const SimFigures& figures, double t);
 /// How many late payloads are on at t, and the bodies with them.
-int payloads_on(const SimFigures& figures, double t);
+std::size_t payloads_on(const SimFigures& figures, double t);
 void bodies_at(const SimFigures& figures, double t, BodyFigures* bodies);
 /// The forces at t, by joint, N.
 void forces_at(const SimFigures& figures, double t, double (*forces)[3]);
 /// The command of joint j that acts during [from, until]; see CommandPath.
-CommandOf<double> command_over(const SimFigures& figures, int j, double from, double until,
+CommandOf<double> command_over(const SimFigures& figures, std::size_t j, double from, double until,
                                std::size_t& cursor);
 
 /// Rows [first, last] of one window, its start, and where its prediction goes: n x rows each, volt

@@ -122,7 +122,7 @@ struct SimParams {
   std::vector<WorldForce> forces;
   std::vector<LatePayload> late_payloads;
   SimulationSettings settings;
-  int size() const { return tree.size(); }
+  std::size_t size() const { return tree.size(); }
 };
 
 /// The nominal model with its payloads. Its [[effect]] entries are not applied here

@@ -22,11 +22,12 @@ using InnerStates = std::array<InnerState, kMaxJoints>;
 
 /// Simulated joints whose inner states have to be brought to the start of a window. A sagging
 /// supply needs every current.
-std::vector<int> with_memory(const SimParams& params, const SimFigures& figures) {
-  const std::vector<int> simulated(figures.simulated, figures.simulated + figures.joint_count);
-  std::vector<int> out;
-  for (const int j : simulated) {
-    if (has_memory(params.joints[static_cast<std::size_t>(j)])) out.push_back(j);
+std::vector<std::size_t> with_memory(const SimParams& params, const SimFigures& figures) {
+  const std::vector<std::size_t> simulated(figures.simulated,
+                                           figures.simulated + figures.joint_count);
+  std::vector<std::size_t> out;
+  for (const std::size_t j : simulated) {
+    if (has_memory(params.joints[j])) out.push_back(j);
   }
   return out.empty() || params.supply_resistance == 0.0 ? out : simulated;
 }
@@ -46,7 +47,7 @@ LinkMotion link_motion(const JointParams& joint, double reading, double speed_re
 /// Follows a recording with the servos of some joints, and with their transmissions where `gears`.
 class Follower {
  public:
-  Follower(const SimFigures& figures, const MeasuredMotion& motion, std::vector<int> serves,
+  Follower(const SimFigures& figures, const MeasuredMotion& motion, std::vector<std::size_t> serves,
            bool gears)
       : f_(figures),
         motion_(motion),
@@ -61,8 +62,8 @@ class Follower {
   void follow(std::size_t last, AtRow&& at_row) {
     integrator_->restart(f_.t[0]);
     snap(0);
-    for (int i = 0; i < f_.joint_count; ++i) {
-      const int j = f_.simulated[i];
+    for (std::size_t i = 0; i < f_.joint_count; ++i) {
+      const std::size_t j = f_.simulated[i];
       state_.inner[j].velocity_channel = state_.dq[j];
     }
     settle();
@@ -76,11 +77,10 @@ class Follower {
 
  private:
   void snap(std::size_t row) {
-    for (int i = 0; i < f_.joint_count; ++i) {
-      const int j = f_.simulated[i];
-      const auto k = static_cast<std::size_t>(j);
+    for (std::size_t i = 0; i < f_.joint_count; ++i) {
+      const std::size_t j = f_.simulated[i];
       const LinkMotion m =
-          link_motion(f_.joints[j], motion_.q[k][row], motion_.dq[k][row], state_.inner[j]);
+          link_motion(f_.joints[j], motion_.q[j][row], motion_.dq[j][row], state_.inner[j]);
       state_.q[j] = m.q;
       state_.dq[j] = m.dq;
     }
@@ -91,7 +91,7 @@ class Follower {
     const double supply = 1.0 + f_.params->supply_level;
     const double* held = integrator_->held(f_.t[0], state_);
     const double seconds = f_.params->settings.held;
-    for (const int j : serves_)
+    for (const std::size_t j : serves_)
       settle_integral(f_.joints[j], held[j], supply, seconds, state_.inner[j]);
   }
 
@@ -102,19 +102,19 @@ class Follower {
     double end[kMaxJoints];
     for (int s = 0; s < steps; ++s) {
       const double share = (s + 1.0) / steps, t = f_.t[row] + s * h;
-      for (const int j : serves_) {
-        const std::vector<double>& dq = motion_.dq[static_cast<std::size_t>(j)];
+      for (const std::size_t j : serves_) {
+        const std::vector<double>& dq = motion_.dq[j];
         end[j] = (1 - share) * dq[row] + share * dq[row + 1];
-        command_[j] = command_over(f_, j, t, t + h, cursor_[static_cast<std::size_t>(j)]);
+        command_[j] = command_over(f_, j, t, t + h, cursor_[j]);
       }
-      integrator_->follow(t, h, command_, end, serves_.data(), static_cast<int>(serves_.size()),
-                          gears_, state_, torques_);
+      integrator_->follow(t, h, command_, end, serves_.data(), serves_.size(), gears_, state_,
+                          torques_);
     }
   }
 
   const SimFigures& f_;
   const MeasuredMotion& motion_;
-  std::vector<int> serves_;
+  std::vector<std::size_t> serves_;
   bool gears_;
   std::unique_ptr<portable::Integrator<double>> integrator_;
   State state_{};
@@ -128,7 +128,7 @@ class Follower {
 std::vector<InnerStates> inner_at_starts(const SimParams& params, const SimFigures& figures,
                                          std::span<const Window> windows,
                                          const MeasuredMotion* motion) {
-  std::vector<int> remembering = with_memory(params, figures);
+  std::vector<std::size_t> remembering = with_memory(params, figures);
   if (motion == nullptr || remembering.empty()) return {};
   const bool gears = std::any_of(params.joints.begin(), params.joints.end(), gears_remember);
   std::vector<InnerStates> inner(windows.size());
@@ -141,12 +141,12 @@ std::vector<InnerStates> inner_at_starts(const SimParams& params, const SimFigur
   return inner;
 }
 
-Prediction empty_prediction(const Window& window, int n) {
+Prediction empty_prediction(const Window& window, std::size_t n) {
   Prediction out;
   out.first = window.first;
   out.rows = window.last - window.first + 1;
   for (auto* channel : {&out.q, &out.dq, &out.tau, &out.i, &out.pwm})
-    channel->assign(static_cast<std::size_t>(n) * out.rows, 0.0);
+    channel->assign(n * out.rows, 0.0);
   out.volt.assign(out.rows, 0.0);
   return out;
 }
@@ -158,18 +158,17 @@ WindowFigures placed(const SimFigures& figures, const Window& window, bool remem
   WindowFigures w;
   w.first = window.first;
   w.last = window.last;
-  for (int i = 0; i < figures.joint_count; ++i) {
-    const int j = figures.simulated[i];
-    const auto k = static_cast<std::size_t>(j);
+  for (std::size_t i = 0; i < figures.joint_count; ++i) {
+    const std::size_t j = figures.simulated[i];
     const JointParams& joint = figures.joints[j];
     const double early = figures.longest_sensor_delay - figures.sensor_delay[j];
     const LinkMotion m =
-        link_motion(joint, window.q[k] - early * window.dq[k], window.dq[k], inner[k]);
+        link_motion(joint, window.q[j] - early * window.dq[j], window.dq[j], inner[j]);
     w.q[j] = m.q;
     w.dq[j] = m.dq;
     if (!remembers || joint.velocity_filter == 0.0)
-      inner[k].velocity_channel =
-          joint.encoder_at_motor ? m.dq + inner[k].motor_speed_offset : m.dq;
+      inner[j].velocity_channel =
+          joint.encoder_at_motor ? m.dq + inner[j].motor_speed_offset : m.dq;
   }
   w.inner = inner.data();
   w.out_q = out.q.data(), w.out_dq = out.dq.data(), w.out_tau = out.tau.data();
@@ -204,12 +203,12 @@ ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
                              const MeasuredMotion& motion, const SimOptions& options) {
   const CommandPath commands(params, drive, options.random_seed);
   const SimFigures figures = sim_figures(params, drive, commands, options.max_step_s, {});
-  const auto n = static_cast<std::size_t>(params.size());
+  const std::size_t n = params.size();
   ReplayTorques out;
   out.rows = drive.rows();
   for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty})
     v->assign(n * out.rows, 0.0);
-  std::vector<int> all(figures.simulated, figures.simulated + figures.joint_count);
+  std::vector<std::size_t> all(figures.simulated, figures.simulated + figures.joint_count);
   Follower(figures, motion, std::move(all), true)
       .follow(drive.rows() - 1, [&](std::size_t row, const State&, const StepTorques& torques) {
         for (std::size_t j = 0; j < n; ++j) {

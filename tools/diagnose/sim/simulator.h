@@ -37,8 +37,8 @@ struct Prediction {
   // n x rows; tau: motor torque at the output, before friction
   std::vector<double> q, dq, tau, i, pwm;
   std::vector<double> volt;  // rows, at the driver of joint 0
-  std::span<const double> of(const std::vector<double>& channel, int joint) const {
-    return {channel.data() + static_cast<std::size_t>(joint) * rows, rows};
+  std::span<const double> of(const std::vector<double>& channel, std::size_t joint) const {
+    return {channel.data() + joint * rows, rows};
   }
 };
 

@@ -6,7 +6,7 @@
 
 namespace sanso::diagnose::SANSO_ISA {
 
-constexpr int kSlipElements = 4;
+constexpr std::size_t kSlipElements = 4;
 
 /// Play or compliance are on: the motor is a mass of its own.
 inline bool has_two_masses(const JointParams& joint) {
@@ -84,7 +84,7 @@ inline Elastic<T> maxwell(const JointParams& joint, T h, T y, const InnerStateOf
   const double stiffness = joint.slip_stiffness / kSlipElements;
   double shares[kSlipElements];
   slip_shares(joint.slip_spread, shares);
-  for (int i = 0; i < kSlipElements; ++i) {
+  for (std::size_t i = 0; i < kSlipElements; ++i) {
     const T limit = joint.slip_torque * shares[i];
     const T stretched = inner.slip[i] + h * y;
     const MaskOf<T> sticks = less(abs_of(stiffness * stretched), limit);
@@ -99,7 +99,7 @@ inline void advance_maxwell(const JointParams& joint, T h, T y, InnerStateOf<T>&
   const double stiffness = joint.slip_stiffness / kSlipElements;
   double shares[kSlipElements];
   slip_shares(joint.slip_spread, shares);
-  for (int i = 0; i < kSlipElements; ++i) {
+  for (std::size_t i = 0; i < kSlipElements; ++i) {
     const T limit = joint.slip_torque * shares[i] / stiffness;
     inner.slip[i] = clamped(inner.slip[i] + h * y, -limit, limit);
   }

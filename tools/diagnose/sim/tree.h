@@ -10,8 +10,8 @@ namespace sanso::diagnose::SANSO_ISA {
 template <class T>
 struct V3 {
   T v[3];
-  T& operator[](int i) { return v[i]; }
-  const T& operator[](int i) const { return v[i]; }
+  T& operator[](std::size_t i) { return v[i]; }
+  const T& operator[](std::size_t i) const { return v[i]; }
 };
 template <class T>
 inline V3<T> lanes_of(const double* a) {
@@ -51,13 +51,13 @@ inline V3<T> symmetric_times(const T* I, const V3<T>& v) {
 template <class T>
 inline void congruent(const T* R, const T* I, T* out) {
   T P[9];  // R I
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     const T a = R[3 * i], b = R[3 * i + 1], c = R[3 * i + 2];
     P[3 * i] = a * I[0] + b * I[3] + c * I[4];
     P[3 * i + 1] = a * I[3] + b * I[1] + c * I[5];
     P[3 * i + 2] = a * I[4] + b * I[5] + c * I[2];
   }
-  const auto entry = [&](int i, int j) {
+  const auto entry = [&](std::size_t i, std::size_t j) {
     return P[3 * i] * R[3 * j] + P[3 * i + 1] * R[3 * j + 1] + P[3 * i + 2] * R[3 * j + 2];
   };
   out[0] = entry(0, 0);
@@ -73,20 +73,20 @@ template <class T>
 class Tree {
  public:
   explicit Tree(const TreeFigures& figures) : f_(figures) {
-    for (int j = 0; j < f_.n; ++j) {
+    for (std::size_t j = 0; j < f_.n; ++j) {
       body_[j].mass = f_.body[j].mass;
-      for (int k = 0; k < 3; ++k) body_[j].com[k] = f_.body[j].com[k];
-      for (int k = 0; k < 6; ++k) body_[j].I[k] = f_.body[j].I[k];
+      for (std::size_t k = 0; k < 3; ++k) body_[j].com[k] = f_.body[j].com[k];
+      for (std::size_t k = 0; k < 6; ++k) body_[j].I[k] = f_.body[j].I[k];
       force_[j] = {T(0.0), T(0.0), T(0.0)};
     }
     settle_bodies();
   }
 
   /// The body of one lane; settle_bodies() when all are set.
-  void set_body(int lane, int j, const BodyFigures& body) {
+  void set_body(std::size_t lane, std::size_t j, const BodyFigures& body) {
     set(lane, body.mass, body_[j].mass);
-    for (int k = 0; k < 3; ++k) set(lane, body.com[k], body_[j].com[k]);
-    for (int k = 0; k < 6; ++k) set(lane, body.I[k], body_[j].I[k]);
+    for (std::size_t k = 0; k < 3; ++k) set(lane, body.com[k], body_[j].com[k]);
+    for (std::size_t k = 0; k < 6; ++k) set(lane, body.I[k], body_[j].I[k]);
   }
   /// One revolute joint alone: its inertia is constant and gravity's torque is pull_sine_ sin q +
   /// pull_cosine_ cos q.
@@ -104,23 +104,23 @@ class Tree {
     lone_inertia_ = M[0];
   }
 
-  int branch_begin(int b) const { return f_.branch_begin[b]; }
-  int branches() const { return f_.branches; }
+  std::size_t branch_begin(std::size_t b) const { return f_.branch_begin[b]; }
+  std::size_t branches() const { return f_.branches; }
 
-  void set_positions(const T* q, int branch) {
+  void set_positions(const T* q, std::size_t branch) {
     if (f_.lone_hinge && !any_force_) {
       kernel::sincos(q[0], lone_sine_, lone_cosine_);
       return;
     }
     set_frames(q, branch_begin(branch), branch_begin(branch + 1));
   }
-  void mass_matrix(T* M, int branch) const {
+  void mass_matrix(T* M, std::size_t branch) const {
     if (f_.lone_hinge)
       M[0] = lone_inertia_;
     else
       composite_bodies(M, branch);
   }
-  void bias(const T* dq, T* h, int branch) const {
+  void bias(const T* dq, T* h, std::size_t branch) const {
     if (f_.lone_hinge && !any_force_) {
       h[0] = pull_sine_ * lone_sine_ + pull_cosine_ * lone_cosine_;
       return;
@@ -137,12 +137,12 @@ class Tree {
   }
 
   /// A force at the centre of mass of the link behind joint j, base axes, N; stays until changed.
-  void set_force(int lane, int j, const double* force) {
-    for (int k = 0; k < 3; ++k) set(lane, force[k], force_[j][k]);
+  void set_force(std::size_t lane, std::size_t j, const double* force) {
+    for (std::size_t k = 0; k < 3; ++k) set(lane, force[k], force_[j][k]);
     any_force_ = true;
   }
-  const V3<T>& origin(int j) const { return frame_[j].p; }
-  const V3<T>& com(int j) const { return frame_[j].com; }
+  const V3<T>& origin(std::size_t j) const { return frame_[j].p; }
+  const V3<T>& com(std::size_t j) const { return frame_[j].com; }
 
  private:
   struct Body {
@@ -161,34 +161,34 @@ class Tree {
     T I[6];
   };
 
-  static void set(int lane, double value, T& to) {
+  static void set(std::size_t lane, double value, T& to) {
     double x[Kind<T>::kLanes];
     store(to, x);
     x[lane] = value;
     load(x, to);
   }
 
-  void set_frames(const T* q, int begin, int end) {
-    for (int j = begin; j < end; ++j) {
+  void set_frames(const T* q, std::size_t begin, std::size_t end) {
+    for (std::size_t j = begin; j < end; ++j) {
       place_link(q, j);
       place_inertia(j);
     }
   }
 
-  void place_link(const T* q, int j) {
+  void place_link(const T* q, std::size_t j) {
     const JointFigures& c = f_.joint[j];
     Frame& f = frame_[j];
     T sine = 0.0, cosine = 1.0;
     if (!c.prismatic) kernel::sincos(q[j], sine, cosine);
     T R[9];
-    for (int k = 0; k < 9; ++k) R[k] = c.A[k] + sine * c.B[k] + cosine * c.C[k];
+    for (std::size_t k = 0; k < 9; ++k) R[k] = c.A[k] + sine * c.B[k] + cosine * c.C[k];
     V3<T> p = lanes_of<T>(c.p_parent_joint);
     V3<T> axis = lanes_of<T>(c.axis_parent);
     if (c.prismatic) add(p, scaled(q[j], axis));
     if (c.parent >= 0) {
       const Frame& up = frame_[c.parent];
-      for (int r = 0; r < 3; ++r) {
-        for (int s = 0; s < 3; ++s) {
+      for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t s = 0; s < 3; ++s) {
           f.R[3 * r + s] =
               up.R[3 * r] * R[s] + up.R[3 * r + 1] * R[3 + s] + up.R[3 * r + 2] * R[6 + s];
         }
@@ -197,7 +197,7 @@ class Tree {
       add(p, up.p);
       axis = times(up.R, axis);
     } else {
-      for (int k = 0; k < 9; ++k) f.R[k] = R[k];
+      for (std::size_t k = 0; k < 9; ++k) f.R[k] = R[k];
     }
     f.p = p;
     f.s_ang = c.prismatic ? V3<T>{T(0.0), T(0.0), T(0.0)} : axis;
@@ -207,7 +207,7 @@ class Tree {
   }
 
   /// About the base origin: the body's own, turned, plus m (c'c 1 - c c').
-  void place_inertia(int j) {
+  void place_inertia(std::size_t j) {
     Inertia& in = inertia_[j];
     const T mass = body_[j].mass;
     const V3<T>& r = frame_[j].com;
@@ -224,18 +224,18 @@ class Tree {
 
   /// Composite bodies, from the tips to the base; then M_ij = s_i . (I_j s_j) for every ancestor i
   /// of j.
-  void composite_bodies(T* M, int branch) const {
-    const int begin = branch_begin(branch), end = branch_begin(branch + 1);
+  void composite_bodies(T* M, std::size_t branch) const {
+    const std::size_t begin = branch_begin(branch), end = branch_begin(branch + 1);
     Inertia composite[kMaxJoints];
-    for (int j = begin; j < end; ++j) composite[j] = inertia_[j];
-    for (int j = end - 1; j >= begin; --j) {
+    for (std::size_t j = begin; j < end; ++j) composite[j] = inertia_[j];
+    for (std::size_t j = end; j-- > begin;) {
       const Inertia& in = composite[j];
       const int parent = f_.joint[j].parent;
       if (parent >= 0) {
         Inertia& up = composite[parent];
         up.m += in.m;
         add(up.mc, in.mc);
-        for (int k = 0; k < 6; ++k) up.I[k] += in.I[k];
+        for (std::size_t k = 0; k < 6; ++k) up.I[k] += in.I[k];
       }
       const Frame& f = frame_[j];
       V3<T> angular = symmetric_times(in.I, f.s_ang);
@@ -243,8 +243,8 @@ class Tree {
       V3<T> linear = scaled(in.m, f.s_lin);
       add(linear, cross(f.s_ang, in.mc));
       T* row = M + j * kMaxJoints;
-      for (int k = f_.root[j]; k < j; ++k) row[k] = 0.0;  // siblings inside the branch
-      for (int i = j; i >= 0; i = f_.joint[i].parent)
+      for (std::size_t k = f_.root[j]; k < j; ++k) row[k] = 0.0;  // siblings inside the branch
+      for (int i = static_cast<int>(j); i >= 0; i = f_.joint[i].parent)
         row[i] = dot(frame_[i].s_ang, angular) + dot(frame_[i].s_lin, linear);
     }
   }
@@ -254,9 +254,9 @@ class Tree {
   };
 
   template <bool kWithAcceleration>
-  void newton_euler(const T* dq, const T* ddq, T* tau, int begin, int end) const {
+  void newton_euler(const T* dq, const T* ddq, T* tau, std::size_t begin, std::size_t end) const {
     Motion motion[kMaxJoints];
-    for (int j = begin; j < end; ++j) {
+    for (std::size_t j = begin; j < end; ++j) {
       const int parent = f_.joint[j].parent;
       Motion& m = motion[j];
       if (parent < 0) {
@@ -281,7 +281,7 @@ class Tree {
       add(m.v, s_lin);
       wrench(j, m);
     }
-    for (int j = end - 1; j >= begin; --j) {
+    for (std::size_t j = end; j-- > begin;) {
       tau[j] = dot(frame_[j].s_ang, motion[j].n) + dot(frame_[j].s_lin, motion[j].f);
       const int parent = f_.joint[j].parent;
       if (parent >= 0) {
@@ -292,7 +292,7 @@ class Tree {
   }
 
   /// f = I a + v x* I v, and what acts from outside.
-  void wrench(int j, Motion& m) const {
+  void wrench(std::size_t j, Motion& m) const {
     const Inertia& in = inertia_[j];
     V3<T> angular = symmetric_times(in.I, m.w);
     add(angular, cross(in.mc, m.v));

@@ -49,8 +49,8 @@ TreeFigures tree_figures(const RobotTree& tree, const Vec3& gravity) {
   TreeFigures out;
   out.n = tree.size();
   std::copy_n(gravity.begin(), 3, out.gravity);
-  for (int j = 0; j < out.n; ++j) {
-    const TreeJoint& joint = tree.joints[static_cast<std::size_t>(j)];
+  for (std::size_t j = 0; j < out.n; ++j) {
+    const TreeJoint& joint = tree.joints[j];
     if (joint.parent < 0) out.branch_begin[out.branches++] = j;
     out.root[j] = out.branch_begin[out.branches - 1];
     out.joint[j] = joint_figures(joint);
@@ -62,28 +62,28 @@ TreeFigures tree_figures(const RobotTree& tree, const Vec3& gravity) {
 }
 
 void TreeDynamics::set_positions(const double* q) {
-  for (int b = 0; b < tree_.branches(); ++b) tree_.set_positions(q, b);
+  for (std::size_t b = 0; b < tree_.branches(); ++b) tree_.set_positions(q, b);
 }
 
 void TreeDynamics::mass_matrix(JointMatrix& M) const {
-  for (int b = 0; b < tree_.branches(); ++b) tree_.mass_matrix(M.data(), b);
+  for (std::size_t b = 0; b < tree_.branches(); ++b) tree_.mass_matrix(M.data(), b);
 }
 
 void TreeDynamics::bias(const double* dq, JointVector& h) const {
-  for (int b = 0; b < tree_.branches(); ++b) tree_.bias(dq, h.data(), b);
+  for (std::size_t b = 0; b < tree_.branches(); ++b) tree_.bias(dq, h.data(), b);
 }
 
 void TreeDynamics::inverse_dynamics(const double* dq, const double* ddq, JointVector& tau) const {
   tree_.inverse_dynamics(dq, ddq, tau.data());
 }
 
-void TreeDynamics::set_world_force(int j, const Vec3& force) {
-  force_[static_cast<std::size_t>(j)] = force;
+void TreeDynamics::set_world_force(std::size_t j, const Vec3& force) {
+  force_[j] = force;
   tree_.set_force(0, j, force.data());
 }
 
-void TreeDynamics::add_world_force(int j, const Vec3& force) {
-  set_world_force(j, force_[static_cast<std::size_t>(j)] + force);
+void TreeDynamics::add_world_force(std::size_t j, const Vec3& force) {
+  set_world_force(j, force_[j] + force);
 }
 
 }  // namespace sanso::diagnose

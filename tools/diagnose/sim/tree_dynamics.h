@@ -23,7 +23,7 @@ class TreeDynamics {
   TreeDynamics(const RobotTree& tree, const Vec3& gravity)
       : n_(tree.size()), tree_(tree_figures(tree, gravity)) {}
 
-  int size() const { return n_; }
+  std::size_t size() const { return n_; }
 
   /// Frames, axes and inertias at joint positions q (n). First call of every step.
   void set_positions(const double* q);
@@ -36,16 +36,16 @@ class TreeDynamics {
   void inverse_dynamics(const double* dq, const double* ddq, JointVector& tau) const;
 
   /// A force in base axes at the centre of mass of the link behind joint j, N; stays until changed.
-  void set_world_force(int j, const Vec3& force);
-  void add_world_force(int j, const Vec3& force);
+  void set_world_force(std::size_t j, const Vec3& force);
+  void add_world_force(std::size_t j, const Vec3& force);
   /// Base frame position of the joint's origin / of its link's centre of mass, m.
-  Vec3 origin(int j) const { return plain(tree_.origin(j)); }
-  Vec3 com(int j) const { return plain(tree_.com(j)); }
+  Vec3 origin(std::size_t j) const { return plain(tree_.origin(j)); }
+  Vec3 com(std::size_t j) const { return plain(tree_.com(j)); }
 
  private:
   static Vec3 plain(const portable::V3<double>& v) { return {v[0], v[1], v[2]}; }
 
-  int n_;
+  std::size_t n_;
   portable::Tree<double> tree_;
   std::array<Vec3, kMaxJoints> force_{};
 };

@@ -15,19 +15,19 @@ struct BodyFigures {
 
 /// One joint.
 struct JointFigures {
-  int parent = -1;
+  int parent = -1;  // -1: the base
   bool prismatic = false;
   double A[9], B[9], C[9];  // R_parent_link(q) = A + sin(q) B + cos(q) C, row by row
   double p_parent_joint[3], axis_parent[3];
 };
 
 struct TreeFigures {
-  int n = 0;
+  std::size_t n = 0;
   double gravity[3];  // acceleration of free fall in base axes, m/s^2
-  int branches = 0;
+  std::size_t branches = 0;
   /// Joints [branch_begin[b], branch_begin[b + 1]) hang on the base by themselves.
-  int branch_begin[kMaxJoints + 1];
-  int root[kMaxJoints];  // first joint of the branch a joint belongs to
+  std::size_t branch_begin[kMaxJoints + 1];
+  std::size_t root[kMaxJoints];  // first joint of the branch a joint belongs to
   JointFigures joint[kMaxJoints];
   BodyFigures body[kMaxJoints];
   bool lone_hinge = false;  // one revolute joint alone

@@ -14,14 +14,14 @@ class WindowRun {
       : f_(figures), integrator_(figures), clocks_(figures) {}
 
   /// Lanes beyond `count` (at least 1) repeat the last window and write nothing.
-  void run(const WindowFigures* windows, int count) {
+  void run(const WindowFigures* windows, std::size_t count) {
     place(windows, count);
     if (f_.longest_sensor_delay == 0.0) emit_start();  // row `first` is the start itself
     while (clocks_.schedule()) advance();
   }
 
  private:
-  static constexpr int kLanes = Kind<T>::kLanes;
+  static constexpr std::size_t kLanes = Kind<T>::kLanes;
 
   /// What a reading inside a step needs of the step's start.
   struct Before {
@@ -31,30 +31,31 @@ class WindowRun {
     T torque, current, duty, volt;
   };
   static MaskOf<T> all() { return no_more(T(0.0), T(0.0)); }
-  double delay(int k) const { return f_.sensor_delay[k]; }
+  double delay(std::size_t k) const { return f_.sensor_delay[k]; }
 
   /// Starts of the windows: the joints `delay` seconds before the first row.
-  void place(const WindowFigures* windows, int count) {
+  void place(const WindowFigures* windows, std::size_t count) {
     double x[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       const WindowFigures& w = window_[i] = windows[i < count ? i : count - 1];
       rows_[i] = w.last - w.first + 1;
       clocks_.place(i, f_.t[w.first] - f_.longest_sensor_delay, f_.t[w.last]);
     }
     clocks_.begin();
     const auto gather = [&](auto&& of) {
-      for (int i = 0; i < kLanes; ++i) x[i] = of(window_[i]);
+      for (std::size_t i = 0; i < kLanes; ++i) x[i] = of(window_[i]);
       T out;
       load(x, out);
       return out;
     };
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       state_.q[k] = gather([k](const WindowFigures& w) { return w.q[k]; });
       state_.dq[k] = gather([k](const WindowFigures& w) { return w.dq[k]; });
       place_inner(k, gather, state_.inner[k]);
       torques_.servo[k] = {};
-      for (int i = 0; i < kLanes; ++i) next_[k][i] = next_effort_[k][i] = i < count ? 0 : kAll;
+      for (std::size_t i = 0; i < kLanes; ++i)
+        next_[k][i] = next_effort_[k][i] = i < count ? 0 : kAll;
       set_instants(k, next_, instant_[k]);
       set_instants(k, next_effort_, effort_instant_[k]);
     }
@@ -64,7 +65,7 @@ class WindowRun {
   }
 
   template <class Gather>
-  void place_inner(int k, const Gather& gather, InnerStateOf<T>& to) {
+  void place_inner(std::size_t k, const Gather& gather, InnerStateOf<T>& to) {
     const auto of = [&](auto member) {
       return gather(
           [k, member](const WindowFigures& w) { return static_cast<double>(w.inner[k].*member); });
@@ -73,7 +74,7 @@ class WindowRun {
     to.motor_offset = of(&Inner::motor_offset);
     to.motor_speed_offset = of(&Inner::motor_speed_offset);
     to.bristle = of(&Inner::bristle);
-    for (int s = 0; s < kSlipElements; ++s)
+    for (std::size_t s = 0; s < kSlipElements; ++s)
       to.slip[s] = gather([k, s](const WindowFigures& w) { return w.inner[k].slip[s]; });
     to.integral = of(&Inner::integral);
     to.filtered = of(&Inner::filtered);
@@ -86,8 +87,8 @@ class WindowRun {
   }
 
   void keep_state() {
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       const InnerStateOf<T>& in = state_.inner[k];
       before_[k] = {state_.q[k], state_.dq[k], in.motor_offset, in.motor_speed_offset,
                     in.velocity_channel};
@@ -109,8 +110,8 @@ class WindowRun {
     const MaskOf<T> was_alive = alive_;
     alive_ = both(alive_, sound);
     if (!any(negated(alive_))) return;
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       InnerStateOf<T>& in = state_.inner[k];
       const Before& b = before_[k];
       state_.q[k] = choose(alive_, state_.q[k], b.q);
@@ -132,13 +133,13 @@ class WindowRun {
   /// instant: a probing step for the torques; the state stays.
   void emit_start() {
     double h[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       const std::size_t first = window_[i].first;
       const double row = first + 1 < f_.rows ? f_.t[first + 1] - f_.t[first] : f_.max_step;
       h[i] = row < f_.max_step ? row : f_.max_step;
     }
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       probe_.q[k] = state_.q[k], probe_.dq[k] = state_.dq[k];
       probe_.inner[k] = state_.inner[k];
     }
@@ -151,9 +152,9 @@ class WindowRun {
   }
 
   /// When the next sample of joint k is read, by lane.
-  void set_instants(int k, const std::size_t (*next)[kLanes], T& instants) {
+  void set_instants(std::size_t k, const std::size_t (*next)[kLanes], T& instants) {
     double at[kLanes];
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       at[i] = next[k][i] < rows_[i] ? f_.t[window_[i].first + next[k][i]] - delay(k) : kNone;
     }
     load(at, instants);
@@ -162,8 +163,8 @@ class WindowRun {
   /// Writes every sample whose instant (its time stamp minus the sensor's delay) has been reached,
   /// by cubic interpolation.
   void emit_until(T limit) {
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       for (MaskOf<T> now = no_more(instant_[k], limit); any(now);
            now = no_more(instant_[k], limit)) {
         emit(k, now);
@@ -172,7 +173,7 @@ class WindowRun {
     }
   }
 
-  void emit(int k, MaskOf<T> now) {
+  void emit(std::size_t k, MaskOf<T> now) {
     const JointParams& joint = f_.joints[k];
     const InnerStateOf<T>& inner = state_.inner[k];
     const Before& before = before_[k];
@@ -200,9 +201,9 @@ class WindowRun {
       store(servo.torque, efforts[0]), store(servo.current, efforts[1]);
       store(servo.duty, efforts[2]), store(servo.volt, efforts[3]);
     }
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       if (writes[i] == 0.0) continue;
-      const std::size_t row = next_[k][i]++, at = static_cast<std::size_t>(k) * rows_[i] + row;
+      const std::size_t row = next_[k][i]++, at = k * rows_[i] + row;
       window_[i].out_q[at] = q[i];
       window_[i].out_dq[at] = dq[i];
       if (delay(k) == 0.0)
@@ -210,10 +211,10 @@ class WindowRun {
     }
   }
 
-  void write_efforts(int k, int i, std::size_t row, double torque, double current, double duty,
-                     double volt) {
+  void write_efforts(std::size_t k, std::size_t i, std::size_t row, double torque, double current,
+                     double duty, double volt) {
     const WindowFigures& w = window_[i];
-    const std::size_t at = static_cast<std::size_t>(k) * rows_[i] + row;
+    const std::size_t at = k * rows_[i] + row;
     w.out_tau[at] = torque;
     w.out_i[at] = current;
     w.out_pwm[at] = duty;
@@ -227,8 +228,8 @@ class WindowRun {
     const T middle = 0.5 * (clocks_.before() + clocks_.now());
     // what is left at a window's end is read there
     const T limit = choose(clocks_.ends_window(), clocks_.read_until(), middle);
-    for (int n = 0; n < f_.joint_count; ++n) {
-      const int k = f_.simulated[n];
+    for (std::size_t n = 0; n < f_.joint_count; ++n) {
+      const std::size_t k = f_.simulated[n];
       if (delay(k) == 0.0) continue;
       const ServoOutputOf<T>& servo = torques_.servo[k];
       const Efforts now{servo.torque, servo.current, servo.duty, servo.volt};
@@ -242,7 +243,7 @@ class WindowRun {
     middle_before_ = middle;
   }
 
-  void emit_effort(int k, MaskOf<T> writes, T middle, const Efforts& now) {
+  void emit_effort(std::size_t k, MaskOf<T> writes, T middle, const Efforts& now) {
     const Efforts& before = efforts_before_[k];
     T s = 1.0;
     if (!clocks_.first_step()) {
@@ -259,7 +260,7 @@ class WindowRun {
     store(choose(between, before.duty + s * (now.duty - before.duty), now.duty), out[2]);
     store(choose(between, before.volt + s * (now.volt - before.volt), now.volt), out[3]);
     store(choose(writes, T(1.0), T(0.0)), out[4]);
-    for (int i = 0; i < kLanes; ++i) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
       if (out[4][i] == 0.0) continue;
       write_efforts(k, i, next_effort_[k][i]++, out[0][i], out[1][i], out[2][i], out[3][i]);
     }

@@ -22,7 +22,9 @@ class Random {
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
   /// Uniform integer in [0, n); n > 0.
-  int below(int n) { return static_cast<int>(uniform() * n); }
+  std::size_t below(std::size_t n) {
+    return static_cast<std::size_t>(uniform() * static_cast<double>(n));
+  }
   /// Standard normal (Box-Muller; the second value is not kept, so that the stream has no hidden
   /// state).
   double normal() {

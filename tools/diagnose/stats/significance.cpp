@@ -88,10 +88,10 @@ std::vector<double> moving_block_deviations(std::span<const double> x, int draws
   const double wanted = std::max(std::cbrt(n), 3.0 * autocorrelation_time(x));
   const auto block =
       static_cast<std::size_t>(std::clamp(std::ceil(wanted), 1.0, std::max(1.0, n / 3.0)));
-  const int starts = static_cast<int>(x.size() - block) + 1;
+  const std::size_t starts = x.size() - block + 1;
   for (double& sum : sums) {
     for (std::size_t taken = 0; taken < x.size();) {
-      const auto from = static_cast<std::size_t>(random.below(starts));
+      const std::size_t from = random.below(starts);
       for (std::size_t i = 0; i < block && taken < x.size(); ++i, ++taken) sum += x[from + i];
     }
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "tools/diagnose/compare/parallel.h"
 
@@ -15,18 +16,16 @@ namespace {
 
 bool is_ripple(const EffortTerm& term) { return term.law.kind == EffortKind::ripple; }
 
-std::vector<int> plus(std::vector<int> set, int more) {
+std::vector<std::size_t> plus(std::vector<std::size_t> set, std::size_t more) {
   set.push_back(more);
   return set;
 }
 
 /// Span of a joint's angle over the rows, rad.
-double range_of(const EffortRows& rows, int joint) {
+double range_of(const EffortRows& rows, std::size_t joint) {
   double low = 1e300, high = -1e300;
   for (const EffortRow& row : rows.rows) {
-    const double q = rows.recordings[static_cast<std::size_t>(row.recording)]
-                         .motion[row.first]
-                         .q[static_cast<std::size_t>(joint)];
+    const double q = rows.recordings[row.recording].motion[row.first].q[joint];
     if (row.joint == joint) low = std::min(low, q), high = std::max(high, q);
   }
   return std::max(0.0, high - low);
@@ -38,22 +37,21 @@ class Chooser {
           const ChooseOptions& options)
       : design_(design), split_(split), settings_(settings), options_(options) {
     for (std::size_t t = 0; t < design.terms().size(); ++t) {
-      if (design.terms()[t].nuisance) choice_.nuisances.push_back(static_cast<int>(t));
+      if (design.terms()[t].nuisance) choice_.nuisances.push_back(t);
     }
     const auto joints = design.rows().recordings.front().channels.size();
-    for (std::size_t j = 0; j < joints; ++j)
-      range_.push_back(range_of(design.rows(), static_cast<int>(j)));
+    for (std::size_t j = 0; j < joints; ++j) range_.push_back(range_of(design.rows(), j));
   }
 
   EffortChoice run() {
     for (int round = 0; round < settings_.effort.rounds; ++round) {
-      const std::vector<int> before = choice_.terms;
+      const std::vector<std::size_t> before = choice_.terms;
       weigh();
+      const auto most = static_cast<std::size_t>(settings_.effort.maximum_terms);
       // a drive that turns two joints is asked for what the joints' own terms leave
       for (const bool coupled : {false, true}) {
         coupled_ = coupled;
-        while (static_cast<int>(choice_.terms.size()) < settings_.effort.maximum_terms &&
-               forward()) {
+        while (choice_.terms.size() < most && forward()) {
         }
       }
       backward();
@@ -82,13 +80,13 @@ class Chooser {
   }
 
   /// Taken already, another size of what was taken, or not asked for.
-  bool open(int t) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+  bool open(std::size_t t) const {
+    const EffortTerm& term = design_.terms()[t];
     if (term.nuisance || !allowed(term.effect)) return false;
     if (term.effect == kCoupledDrive && !coupled_) return false;
     int ripples = 0;
-    for (const int taken : choice_.terms) {
-      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(taken)];
+    for (const std::size_t taken : choice_.terms) {
+      const EffortTerm& other = design_.terms()[taken];
       if (other.effect != term.effect || other.where != term.where) continue;
       if (!is_ripple(term) || term.same_as(other)) return false;
       ++ripples;
@@ -112,9 +110,9 @@ class Chooser {
       if (design_.rows().recordings.front().nominal.tree.joints[j].prismatic) continue;
       for (const Effect* effect : effort_effects(EffortKind::ripple)) {
         if (!allowed(effect->id)) continue;
-        const int order = strongest_order(left, static_cast<int>(j), *effect);
+        const int order = strongest_order(left, j, *effect);
         if (order == 0) continue;
-        EffortTerm term = ripple_term(design_.rows(), *effect, static_cast<int>(j), order);
+        EffortTerm term = ripple_term(design_.rows(), *effect, j, order);
         const bool known =
             std::any_of(design_.terms().begin(), design_.terms().end(),
                         [&](const EffortTerm& other) { return other.same_as(term); });
@@ -126,9 +124,9 @@ class Chooser {
 
   /// Order whose sine and cosine take most out of the joint's residual and is not taken; 0: the
   /// joint does not turn through a period of any.
-  int strongest_order(const Eigen::VectorXd& left, int joint, const Effect& effect) const {
+  int strongest_order(const Eigen::VectorXd& left, std::size_t joint, const Effect& effect) const {
     const bool friction = effect.effort.dry == DryFriction::ripples;
-    const double range = range_[static_cast<std::size_t>(joint)];
+    const double range = range_[joint];
     int highest = settings_.effort.highest_order;
     for (const EffectParameter& p : effect.parameters) {
       if (p.role == Role::order) highest = std::min(highest, static_cast<int>(p.high));
@@ -138,24 +136,22 @@ class Chooser {
     for (int order = 1; order <= highest; ++order) {
       if (order * range < 2.0 * std::numbers::pi) continue;
       const EffortTerm asked = ripple_term(design_.rows(), effect, joint, order);
-      const bool taken = std::any_of(choice_.terms.begin(), choice_.terms.end(), [&](int t) {
-        return design_.terms()[static_cast<std::size_t>(t)].same_as(asked);
-      });
+      const bool taken =
+          std::any_of(choice_.terms.begin(), choice_.terms.end(),
+                      [&](std::size_t t) { return design_.terms()[t].same_as(asked); });
       const double power = taken ? 0.0 : power_of(left, joint, order, friction);
       if (power > most) most = power, best = order;
     }
     return best;
   }
 
-  double power_of(const Eigen::VectorXd& left, int joint, int order, bool friction) const {
-    const auto j = static_cast<std::size_t>(joint);
+  double power_of(const Eigen::VectorXd& left, std::size_t j, int order, bool friction) const {
     double s = 0.0, c = 0.0;
     const EffortRows& rows = design_.rows();
     for (std::size_t i = 0; i < rows.rows.size(); ++i) {
       const EffortRow& row = rows.rows[i];
-      if (row.joint != joint || split_.fitted[static_cast<std::size_t>(row.block)] == 0.0) continue;
-      const MotionSample& m = rows.recordings[static_cast<std::size_t>(row.recording)]
-                                  .motion[(row.first + row.last) / 2];
+      if (row.joint != j || split_.fitted[row.block] == 0.0) continue;
+      const MotionSample& m = rows.recordings[row.recording].motion[(row.first + row.last) / 2];
       const auto k = static_cast<Eigen::Index>(i);
       const double e = left[k] * design_.weights()[k] * (friction && m.dq[j] < 0.0 ? -1.0 : 1.0);
       s += e * std::sin(order * m.q[j]), c += e * std::cos(order * m.q[j]);
@@ -166,15 +162,14 @@ class Chooser {
   /// Takes the first of the best terms that predicts blocks it was not fitted to.
   bool forward() {
     look_for_ripples();
-    const std::vector<int> active = choice_.active();
+    const std::vector<std::size_t> active = choice_.active();
     const double before = total(design_.fit(active, split_.fitted));
-    std::vector<int> candidates;
-    for (int t = 0; t < static_cast<int>(design_.terms().size()); ++t) {
+    std::vector<std::size_t> candidates;
+    for (std::size_t t = 0; t < design_.terms().size(); ++t) {
       if (open(t)) candidates.push_back(t);
     }
     std::vector<double> gain(candidates.size());
-    parallel_for(static_cast<int>(candidates.size()), [&](int i) {
-      const auto c = static_cast<std::size_t>(i);
+    parallel_for(candidates.size(), [&](std::size_t c) {
       gain[c] = before - total(design_.fit(plus(active, candidates[c]), split_.fitted));
     });
     std::vector<std::size_t> order(candidates.size());
@@ -188,7 +183,7 @@ class Chooser {
     const auto tried = std::min(order.size(), static_cast<std::size_t>(settings_.decisions.rivals));
     for (std::size_t i = 0; i < tried; ++i) {
       if (!pays(active, candidates[order[i]])) continue;
-      std::vector<int> next;
+      std::vector<std::size_t> next;
       for (std::size_t k = i + 1; k < order.size() && gain[order[k]] > 0.5 * gain[order[i]]; ++k)
         next.push_back(candidates[order[k]]);
       take(active, less_wild(active, simplest(active, candidates[order[i]], next), next));
@@ -199,21 +194,22 @@ class Chooser {
 
   /// A term that a limit stops stands for something else, and is no ground to go on from; nor is
   /// a friction that would be negative at some angle.
-  bool plausible(const std::vector<int>& active, int t) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
-    const std::vector<int> with = plus(active, t);
+  bool plausible(const std::vector<std::size_t>& active, std::size_t t) const {
+    const EffortTerm& term = design_.terms()[t];
+    const std::vector<std::size_t> with = plus(active, t);
     const EffortValues x = design_.fit(with, split_.fitted);
-    for (int c = 0; c < term.size(); ++c) {
-      if (term.stopped(c, x[design_.first_column(t) + c])) return false;
+    for (std::size_t c = 0; c < term.size(); ++c) {
+      if (term.stopped(c, design_.value(x, t, c))) return false;
     }
     return term.law.dry != DryFriction::ripples || friction_is_positive(design_, with, x);
   }
 
   /// The best term, or one with fewer numbers at the same joints that predicts as well.
-  int simplest(const std::vector<int>& active, int best, const std::vector<int>& next) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(best)];
-    for (const int t : next) {
-      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
+  std::size_t simplest(const std::vector<std::size_t>& active, std::size_t best,
+                       const std::vector<std::size_t>& next) const {
+    const EffortTerm& term = design_.terms()[best];
+    for (const std::size_t t : next) {
+      const EffortTerm& other = design_.terms()[t];
       if (other.size() >= term.size() || other.joints != term.joints) continue;
       const EffortGain g = crossed_gain(design_, plus(active, t), plus(active, best), split_.fitted,
                                         term.joints, settings_, options_.seed);
@@ -224,15 +220,18 @@ class Chooser {
 
   /// A link that is wild (EffortColumns) stands back where another term at its joint does nearly as
   /// well: a rotor does what an enormous mass does.
-  int less_wild(const std::vector<int>& active, int best, const std::vector<int>& next) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(best)];
-    const auto left = [&](int t) { return total(design_.fit(plus(active, t), split_.fitted)); };
+  std::size_t less_wild(const std::vector<std::size_t>& active, std::size_t best,
+                        const std::vector<std::size_t>& next) const {
+    const EffortTerm& term = design_.terms()[best];
+    const auto left = [&](std::size_t t) {
+      return total(design_.fit(plus(active, t), split_.fitted));
+    };
     const EffortValues x = design_.fit(plus(active, best), split_.fitted);
-    if (!(x[design_.first_column(best)] > term.law.wild)) return best;
+    if (!(design_.value(x, best, 0) > term.law.wild)) return best;
     const double before = total(design_.fit(active, split_.fitted)), gain = before - left(best);
     const double enough = (1.0 - settings_.effort.nearly) * gain;
-    for (const int t : next) {
-      const EffortTerm& other = design_.terms()[static_cast<std::size_t>(t)];
+    for (const std::size_t t : next) {
+      const EffortTerm& other = design_.terms()[t];
       const bool link = other.law.kind == EffortKind::link;
       if (link || other.joints.back() != term.joints.back()) continue;
       if (before - left(t) > enough && plausible(active, t) && pays(active, t)) return t;
@@ -240,8 +239,8 @@ class Chooser {
     return best;
   }
 
-  void take(const std::vector<int>& active, int t) {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+  void take(const std::vector<std::size_t>& active, std::size_t t) {
+    const EffortTerm& term = design_.terms()[t];
     const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
                                       settings_, options_.seed);
     choice_.terms.push_back(t);
@@ -253,13 +252,12 @@ class Chooser {
     if (!options_.reached) return;
     const EffortValues x = design_.fit(choice_.active(), split_.fitted);
     std::vector<JudgedTerm> chosen;
-    for (const int t : choice_.terms) {
+    for (const std::size_t t : choice_.terms) {
       JudgedTerm out;
-      out.term = design_.terms()[static_cast<std::size_t>(t)];
-      for (int c = 0; c < out.term.size(); ++c) {
-        const double value = x[design_.first_column(t) + c];
-        out.values.push_back(
-            {value, value, value, out.term.units[static_cast<std::size_t>(c)], false});
+      out.term = design_.terms()[t];
+      for (std::size_t c = 0; c < out.term.size(); ++c) {
+        const double value = design_.value(x, t, c);
+        out.values.push_back({value, value, value, out.term.units[c], false});
       }
       chosen.push_back(std::move(out));
     }
@@ -267,8 +265,8 @@ class Chooser {
     options_.reached(chosen, before > 0.0 ? 1.0 - total(x) / before : 0.0);
   }
 
-  bool pays(const std::vector<int>& active, int t) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+  bool pays(const std::vector<std::size_t>& active, std::size_t t) const {
+    const EffortTerm& term = design_.terms()[t];
     const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
                                       settings_, options_.seed);
     return g.low > 0.0 && g.share >= settings_.decisions.minimum_share;
@@ -276,17 +274,17 @@ class Chooser {
 
   void backward() {
     while (!choice_.terms.empty()) {
-      int worst = -1;
+      std::optional<std::size_t> worst;
       double least = 0.0;
-      for (const int t : choice_.terms) {
-        const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+      for (const std::size_t t : choice_.terms) {
+        const EffortTerm& term = design_.terms()[t];
         const EffortGain g = crossed_gain(design_, choice_.active_without(t), choice_.active(),
                                           split_.fitted, term.joints, settings_, options_.seed);
-        if (g.low <= 0.0 && (worst < 0 || g.share < least)) worst = t, least = g.share;
+        if (g.low <= 0.0 && (!worst || g.share < least)) worst = t, least = g.share;
       }
-      if (worst < 0) return;
-      say("- " + in_words(design_.terms()[static_cast<std::size_t>(worst)]));
-      std::erase(choice_.terms, worst);
+      if (!worst) return;
+      say("- " + in_words(design_.terms()[*worst]));
+      std::erase(choice_.terms, *worst);
     }
   }
 
@@ -321,11 +319,11 @@ EffortSplit split_blocks(const EffortRows& rows, const EffortSettings& settings)
   const std::vector<char> held = whole_recordings(rows);
   const bool whole = std::find(held.begin(), held.end(), 1) != held.end();
   EffortSplit out;
-  std::map<int, int> count, seen;
-  for (const int r : rows.recording_of_block) ++count[r];
-  for (const int r : rows.recording_of_block) {
+  std::map<std::size_t, int> count, seen;
+  for (const std::size_t r : rows.recording_of_block) ++count[r];
+  for (const std::size_t r : rows.recording_of_block) {
     const bool early = seen[r]++ < (1.0 - settings.judged_share) * count[r];
-    const bool fitted = whole ? held[static_cast<std::size_t>(r)] == 0 : early;
+    const bool fitted = whole ? held[r] == 0 : early;
     out.fitted.push_back(fitted ? 1.0 : 0.0), out.heldout.push_back(fitted ? 0.0 : 1.0);
   }
   for (std::size_t r = 0; r < held.size(); ++r) {
@@ -338,18 +336,21 @@ EffortSplit split_blocks(const EffortRows& rows, const EffortSettings& settings)
   return out;
 }
 
-std::vector<int> EffortChoice::active() const { return active_without(-1); }
+std::vector<std::size_t> EffortChoice::active() const {
+  return active_with([](std::size_t) { return true; });
+}
 
-std::vector<int> EffortChoice::active_without(int term) const {
-  std::vector<int> out = nuisances;
-  for (const int t : terms) {
+std::vector<std::size_t> EffortChoice::active_without(std::size_t term) const {
+  std::vector<std::size_t> out = nuisances;
+  for (const std::size_t t : terms) {
     if (t != term) out.push_back(t);
   }
   return out;
 }
 
-std::vector<int> EffortChoice::active_with(const std::function<bool(std::size_t)>& kept) const {
-  std::vector<int> out = nuisances;
+std::vector<std::size_t> EffortChoice::active_with(
+    const std::function<bool(std::size_t)>& kept) const {
+  std::vector<std::size_t> out = nuisances;
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (kept(i)) out.push_back(terms[i]);
   }

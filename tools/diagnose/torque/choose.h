@@ -46,12 +46,12 @@ struct EffortSplit {
 EffortSplit split_blocks(const EffortRows& rows, const EffortSettings& settings);
 
 struct EffortChoice {
-  std::vector<int> nuisances, terms;  // indices of the design's terms
+  std::vector<std::size_t> nuisances, terms;  // indices of the design's terms
   std::vector<std::string> log;
-  std::vector<int> active() const;                  // both
-  std::vector<int> active_without(int term) const;  // both but one
+  std::vector<std::size_t> active() const;                          // both
+  std::vector<std::size_t> active_without(std::size_t term) const;  // both but one
   /// The nuisances, and the terms whose place in `terms` is kept.
-  std::vector<int> active_with(const std::function<bool(std::size_t)>& kept) const;
+  std::vector<std::size_t> active_with(const std::function<bool(std::size_t)>& kept) const;
 };
 
 /// Appends the ripples it looks at to the design, and leaves it with the weights of the end.

@@ -7,23 +7,23 @@
 namespace sanso::diagnose {
 namespace {
 
-/// The nuisance that is the joint's gain; -1: none.
-int gain_term(const EffortDesign& design, const std::string& joint) {
+/// The nuisance that is the joint's gain.
+std::optional<std::size_t> gain_term(const EffortDesign& design, const std::string& joint) {
   for (std::size_t t = 0; t < design.terms().size(); ++t) {
     const EffortTerm& term = design.terms()[t];
     if (term.law.kind == EffortKind::share && term.nuisance && term.where.front() == joint)
-      return static_cast<int>(t);
+      return t;
   }
-  return -1;
+  return std::nullopt;
 }
 
 /// Of the friction and the constant that are fitted beside a gain.
-std::vector<int> columns_beside(const EffortDesign& design, const std::string& joint) {
-  std::vector<int> out;
+std::vector<Eigen::Index> columns_beside(const EffortDesign& design, const std::string& joint) {
+  std::vector<Eigen::Index> out;
   for (std::size_t t = 0; t < design.terms().size(); ++t) {
     const EffortTerm& term = design.terms()[t];
     if (term.law.beside_gain && !term.nuisance && term.where.front() == joint)
-      out.push_back(design.first_column(static_cast<int>(t)));
+      out.push_back(design.first_column(t));
   }
   return out;
 }
@@ -34,8 +34,8 @@ struct Estimate {
 };
 
 /// Squared error of a plain least-squares fit of the effort on these columns.
-double left_by(const EffortDesign& design, int joint, const std::vector<int>& columns,
-               double* first_value) {
+double left_by(const EffortDesign& design, std::size_t joint,
+               const std::vector<Eigen::Index>& columns, double* first_value) {
   std::vector<Eigen::Index> members;
   for (std::size_t i = 0; i < design.rows().rows.size(); ++i) {
     if (design.rows().rows[i].joint == joint) members.push_back(static_cast<Eigen::Index>(i));
@@ -57,10 +57,10 @@ double left_by(const EffortDesign& design, int joint, const std::vector<int>& co
   return (y - X * x).squaredNorm();
 }
 
-Estimate estimate(const EffortDesign& design, int joint, const std::string& name) {
-  const std::vector<int> others = columns_beside(design, name);
-  std::vector<int> with = others;
-  with.insert(with.begin(), gain_column(design, name));
+Estimate estimate(const EffortDesign& design, std::size_t joint, const std::string& name) {
+  const std::vector<Eigen::Index> others = columns_beside(design, name);
+  std::vector<Eigen::Index> with = others;
+  with.insert(with.begin(), *gain_column(design, name));
   Estimate out;
   const double before = left_by(design, joint, others, nullptr);
   const double after = left_by(design, joint, with, &out.a);
@@ -70,9 +70,10 @@ Estimate estimate(const EffortDesign& design, int joint, const std::string& name
 
 }  // namespace
 
-int gain_column(const EffortDesign& design, const std::string& joint) {
-  const int term = gain_term(design, joint);
-  return term < 0 ? -1 : design.first_column(term);
+std::optional<Eigen::Index> gain_column(const EffortDesign& design, const std::string& joint) {
+  const std::optional<std::size_t> term = gain_term(design, joint);
+  if (!term) return std::nullopt;
+  return design.first_column(*term);
 }
 
 std::vector<EffortGainFound> scale_unknown_gains(EffortDesign& design, const Settings& settings) {
@@ -85,11 +86,11 @@ std::vector<EffortGainFound> scale_unknown_gains(EffortDesign& design, const Set
     gain.joint = first.nominal.tree.joints[j].name;
     gain.unit = channel.unit;
     gain.stated = false;
-    const Estimate e = estimate(design, static_cast<int>(j), gain.joint);
+    const Estimate e = estimate(design, j, gain.joint);
     gain.determined = e.a > 0.0 && e.share > settings.effort.gain_share;
     gain.value = gain.determined ? 1.0 / e.a : 1.0;
-    design.scale(static_cast<int>(j), gain.value, !gain.determined);
-    if (!gain.determined) design.hold(gain_term(design, gain.joint), gain.unit);
+    design.scale(j, gain.value, !gain.determined);
+    if (!gain.determined) design.hold(*gain_term(design, gain.joint), gain.unit);
     out.push_back(gain);
   }
   return out;

@@ -2,6 +2,8 @@
 // links' known inertia and weight, before anything else is asked.
 #pragma once
 
+#include <optional>
+
 #include "tools/diagnose/torque/judge.h"
 
 namespace sanso::diagnose {
@@ -10,7 +12,7 @@ namespace sanso::diagnose {
 /// for every such joint, its value the scale that was applied.
 std::vector<EffortGainFound> scale_unknown_gains(EffortDesign& design, const Settings& settings);
 
-/// Column of the joint's gain among the nuisances; -1: it has none.
-int gain_column(const EffortDesign& design, const std::string& joint);
+/// Column of the joint's gain among the nuisances; nothing: it has none.
+std::optional<Eigen::Index> gain_column(const EffortDesign& design, const std::string& joint);
 
 }  // namespace sanso::diagnose

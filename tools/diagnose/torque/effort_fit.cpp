@@ -14,7 +14,7 @@ namespace {
 
 /// Rows of one recording by instant, so that a window's columns are summed in one pass.
 Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
-  const auto n = static_cast<std::size_t>(term.size());
+  const std::size_t n = term.size();
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.rows.size()),
                                               static_cast<Eigen::Index>(n));
   for (std::size_t r = 0; r < rows.recordings.size(); ++r) {
@@ -26,7 +26,7 @@ Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
       const EffortRow& row = rows.rows[i];
       const bool concerned =
           std::find(term.joints.begin(), term.joints.end(), row.joint) != term.joints.end();
-      if (row.recording != static_cast<int>(r) || !concerned) continue;
+      if (row.recording != r || !concerned) continue;
       for (std::size_t k = row.first; k < row.last; ++k) {
         if (instants[k].empty()) {
           instants[k].assign(joints * n, 0.0);
@@ -34,8 +34,7 @@ Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
         }
         for (std::size_t c = 0; c < n; ++c)
           out(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) +=
-              instants[k][static_cast<std::size_t>(row.joint) * n + c] /
-              static_cast<double>(row.last - row.first);
+              instants[k][row.joint * n + c] / static_cast<double>(row.last - row.first);
       }
     }
   }
@@ -57,8 +56,8 @@ EffortDesign::EffortDesign(const EffortRows& rows) : rows_(&rows) {
   from_zero_.assign(gain_.size(), 0);
 }
 
-void EffortDesign::hold(int term, const std::string& unit) {
-  EffortTerm& held = terms_[static_cast<std::size_t>(term)];
+void EffortDesign::hold(std::size_t term, const std::string& unit) {
+  EffortTerm& held = terms_[term];
   held.low.assign(held.low.size(), 0.0), held.high.assign(held.high.size(), 0.0);
   for (EffortTerm& other : terms_) {
     if (other.joints.size() != 1 || other.joints != held.joints) continue;
@@ -71,28 +70,25 @@ void EffortDesign::hold(int term, const std::string& unit) {
 
 double EffortDesign::recorded(std::size_t row) const {
   const EffortRow& r = rows_->rows[row];
-  return gain_[static_cast<std::size_t>(r.joint)] * r.effort;
+  return gain_[r.joint] * r.effort;
 }
 
-std::string EffortDesign::unit(int joint) const {
-  const auto j = static_cast<std::size_t>(joint);
+std::string EffortDesign::unit(std::size_t j) const {
   const EffortRecording& first = rows_->recordings.front();
   if (from_zero_[j] != 0) return first.channels[j].unit;
   return at_joint("N m", first.nominal.tree.joints[j].prismatic);
 }
 
-int EffortDesign::append(std::vector<EffortTerm> terms) {
-  const int before = static_cast<int>(terms_.size());
+std::size_t EffortDesign::append(std::vector<EffortTerm> terms) {
+  const std::size_t before = terms_.size();
   std::vector<Eigen::MatrixXd> columns(terms.size());
-  parallel_for(static_cast<int>(terms.size()), [&](int t) {
-    columns[static_cast<std::size_t>(t)] = columns_of(*rows_, terms[static_cast<std::size_t>(t)]);
-  });
+  parallel_for(terms.size(), [&](std::size_t t) { columns[t] = columns_of(*rows_, terms[t]); });
   Eigen::Index total = X_.cols();
-  for (const EffortTerm& term : terms) total += term.size();
+  for (const EffortTerm& term : terms) total += static_cast<Eigen::Index>(term.size());
   Eigen::Index at = X_.cols();
   X_.conservativeResize(Eigen::NoChange, total);
   for (std::size_t t = 0; t < terms.size(); ++t) {
-    first_column_.push_back(static_cast<int>(at));
+    first_column_.push_back(at);
     X_.middleCols(at, columns[t].cols()) = columns[t];
     at += columns[t].cols();
     terms_.push_back(std::move(terms[t]));
@@ -101,9 +97,9 @@ int EffortDesign::append(std::vector<EffortTerm> terms) {
   return before;
 }
 
-void EffortDesign::scale(int joint, double gain, bool from_zero) {
-  gain_[static_cast<std::size_t>(joint)] = gain;
-  from_zero_[static_cast<std::size_t>(joint)] = from_zero ? 1 : 0;
+void EffortDesign::scale(std::size_t joint, double gain, bool from_zero) {
+  gain_[joint] = gain;
+  from_zero_[joint] = from_zero ? 1 : 0;
   for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
     const EffortRow& row = rows_->rows[i];
     if (row.joint == joint)
@@ -118,13 +114,13 @@ void EffortDesign::set_weights(const Eigen::VectorXd& weights) {
 }
 
 void EffortDesign::form_blocks() {
-  const auto blocks = static_cast<std::size_t>(rows_->blocks);
+  const std::size_t blocks = rows_->blocks;
   std::vector<std::vector<Eigen::Index>> members(blocks);
   for (std::size_t i = 0; i < rows_->rows.size(); ++i)
-    members[static_cast<std::size_t>(rows_->rows[i].block)].push_back(static_cast<Eigen::Index>(i));
+    members[rows_->rows[i].block].push_back(static_cast<Eigen::Index>(i));
   block_.resize(blocks);
-  parallel_for(static_cast<int>(blocks), [&](int b) {
-    const std::vector<Eigen::Index>& rows = members[static_cast<std::size_t>(b)];
+  parallel_for(blocks, [&](std::size_t b) {
+    const std::vector<Eigen::Index>& rows = members[b];
     Eigen::MatrixXd X(static_cast<Eigen::Index>(rows.size()), X_.cols());
     Eigen::VectorXd y(X.rows());
     for (Eigen::Index k = 0; k < X.rows(); ++k) {
@@ -133,22 +129,23 @@ void EffortDesign::form_blocks() {
       X.row(k) = root * X_.row(i);
       y[k] = root * target_[i];
     }
-    Normal& normal = block_[static_cast<std::size_t>(b)];
+    Normal& normal = block_[b];
     normal.G.noalias() = X.transpose() * X;
     normal.c.noalias() = X.transpose() * y;
     normal.yy = y.squaredNorm();
   });
 }
 
-EffortValues EffortDesign::fit(const std::vector<int>& active, const BlockCounts& counts) const {
+EffortValues EffortDesign::fit(const std::vector<std::size_t>& active,
+                               const BlockCounts& counts) const {
   std::vector<Eigen::Index> index;
   std::vector<double> low, high, precision;
-  for (const int t : active) {
-    const EffortTerm& term = terms_[static_cast<std::size_t>(t)];
-    for (int c = 0; c < term.size(); ++c) {
-      index.push_back(first_column(t) + c);
-      low.push_back(term.low[static_cast<std::size_t>(c)]);
-      high.push_back(term.high[static_cast<std::size_t>(c)]);
+  for (const std::size_t t : active) {
+    const EffortTerm& term = terms_[t];
+    for (std::size_t c = 0; c < term.size(); ++c) {
+      index.push_back(first_column(t) + static_cast<Eigen::Index>(c));
+      low.push_back(term.low[c]);
+      high.push_back(term.high[c]);
       precision.push_back(term.precision);
     }
   }
@@ -174,7 +171,7 @@ EffortValues EffortDesign::fit(const std::vector<int>& active, const BlockCounts
 }
 
 std::vector<double> EffortDesign::losses(const EffortValues& x,
-                                         const std::vector<int>& joints) const {
+                                         const std::vector<std::size_t>& joints) const {
   std::vector<double> out(block_.size(), 0.0);
   const Eigen::VectorXd r = residual(x);
   for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
@@ -182,7 +179,7 @@ std::vector<double> EffortDesign::losses(const EffortValues& x,
     if (!joints.empty() &&
         std::find(joints.begin(), joints.end(), rows_->rows[i].joint) == joints.end())
       continue;
-    out[static_cast<std::size_t>(rows_->rows[i].block)] += weights_[k] * r[k] * r[k];
+    out[rows_->rows[i].block] += weights_[k] * r[k] * r[k];
   }
   return out;
 }
@@ -192,15 +189,14 @@ Eigen::VectorXd robust_weights(const EffortRows& rows, const Eigen::VectorXd& re
   const std::size_t joints = rows.recordings.front().channels.size();
   std::vector<std::vector<double>> of(joints);
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
-    of[static_cast<std::size_t>(rows.rows[i].joint)].push_back(
-        std::abs(residual[static_cast<Eigen::Index>(i)]));
+    of[rows.rows[i].joint].push_back(std::abs(residual[static_cast<Eigen::Index>(i)]));
   std::vector<double> sigma(joints, 1.0);
   for (std::size_t j = 0; j < joints; ++j) {
     if (!of[j].empty()) sigma[j] = std::max(1.4826 * median(of[j]), 1e-12);
   }
   Eigen::VectorXd out(residual.size());
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
-    const double s = sigma[static_cast<std::size_t>(rows.rows[i].joint)];
+    const double s = sigma[rows.rows[i].joint];
     const double e = std::abs(residual[static_cast<Eigen::Index>(i)]) / s;
     out[static_cast<Eigen::Index>(i)] = (e > outlier ? outlier / e : 1.0) / (s * s);
   }

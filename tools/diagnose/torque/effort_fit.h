@@ -21,20 +21,24 @@ class EffortDesign {
 
   const EffortRows& rows() const { return *rows_; }
   const std::vector<EffortTerm>& terms() const { return terms_; }
-  int first_column(int term) const { return first_column_[static_cast<std::size_t>(term)]; }
-  int columns() const { return static_cast<int>(X_.cols()); }
+  Eigen::Index first_column(std::size_t term) const { return first_column_[term]; }
+  /// Value c of a term.
+  double value(const EffortValues& x, std::size_t term, std::size_t c) const {
+    return x[first_column(term) + static_cast<Eigen::Index>(c)];
+  }
+  Eigen::Index columns() const { return X_.cols(); }
   /// Mean of the columns over every row, N m a unit. Returns the index of the first.
-  int append(std::vector<EffortTerm> terms);
+  std::size_t append(std::vector<EffortTerm> terms);
 
   /// What one unit of the recorded effort is in N m at a joint (1: nothing to scale); its rows'
   /// targets are scaled by it. `from_zero`: of a drive whose gain these data do not determine the
   /// nominal effort is not subtracted.
-  void scale(int joint, double gain, bool from_zero);
+  void scale(std::size_t joint, double gain, bool from_zero);
   /// Keeps a one-column term at zero, and says in which unit the joint's others are.
-  void hold(int term, const std::string& unit);
+  void hold(std::size_t term, const std::string& unit);
   /// Recorded effort of a row in the unit of its target; that unit.
   double recorded(std::size_t row) const;
-  std::string unit(int joint) const;
+  std::string unit(std::size_t joint) const;
 
   /// effort less what the nominal model needs, N m, by row.
   const Eigen::VectorXd& target() const { return target_; }
@@ -44,9 +48,10 @@ class EffortDesign {
   const Eigen::VectorXd& weights() const { return weights_; }
 
   /// Best values of the columns of `active` terms within their bounds, on `counts`.
-  EffortValues fit(const std::vector<int>& active, const BlockCounts& counts) const;
+  EffortValues fit(const std::vector<std::size_t>& active, const BlockCounts& counts) const;
   /// Weighted squared error of every block (not counted), of all joints or of these.
-  std::vector<double> losses(const EffortValues& x, const std::vector<int>& joints = {}) const;
+  std::vector<double> losses(const EffortValues& x,
+                             const std::vector<std::size_t>& joints = {}) const;
   /// target - X x by row, N m.
   Eigen::VectorXd residual(const EffortValues& x) const { return target_ - X_ * x; }
 
@@ -60,7 +65,7 @@ class EffortDesign {
 
   const EffortRows* rows_;
   std::vector<EffortTerm> terms_;
-  std::vector<int> first_column_;
+  std::vector<Eigen::Index> first_column_;
   std::vector<double> gain_;     // by joint
   std::vector<char> from_zero_;  // by joint
   Eigen::MatrixXd X_;

@@ -38,18 +38,17 @@ EffortGain gain_of(const std::vector<double>& a, const std::vector<double>& b,
   return sure(energy) >= sure(bounded) ? energy : bounded;
 }
 
-bool friction_is_positive(const EffortDesign& design, const std::vector<int>& active,
+bool friction_is_positive(const EffortDesign& design, const std::vector<std::size_t>& active,
                           const EffortValues& x) {
   const EffortRecording& first = design.rows().recordings.front();
   for (std::size_t j = 0; j < first.channels.size(); ++j) {
     double dry = first.nominal.joints[j].nominal.coulomb + first.nominal.joints[j].coulomb,
            ripple = 0.0;
-    for (const int t : active) {
-      const EffortTerm& term = design.terms()[static_cast<std::size_t>(t)];
-      const bool here = std::find(term.joints.begin(), term.joints.end(), static_cast<int>(j)) !=
-                        term.joints.end();
+    for (const std::size_t t : active) {
+      const EffortTerm& term = design.terms()[t];
+      const bool here = std::find(term.joints.begin(), term.joints.end(), j) != term.joints.end();
       if (!here || term.nuisance) continue;
-      const int column = design.first_column(t);
+      const Eigen::Index column = design.first_column(t);
       if (term.law.dry == DryFriction::ripples) ripple += std::hypot(x[column], x[column + 1]);
       if (term.law.dry == DryFriction::adds) dry += x[column];
     }
@@ -58,21 +57,21 @@ bool friction_is_positive(const EffortDesign& design, const std::vector<int>& ac
   return true;
 }
 
-EffortGain crossed_gain(const EffortDesign& design, const std::vector<int>& without,
-                        const std::vector<int>& with, const BlockCounts& fitted,
-                        const std::vector<int>& joints, const Settings& settings,
+EffortGain crossed_gain(const EffortDesign& design, const std::vector<std::size_t>& without,
+                        const std::vector<std::size_t>& with, const BlockCounts& fitted,
+                        const std::vector<std::size_t>& joints, const Settings& settings,
                         unsigned long seed) {
-  const int folds = settings.decisions.folds;
+  const auto folds = static_cast<std::size_t>(settings.decisions.folds);
   std::vector<double> a(fitted.size()), b(fitted.size());
-  for (int fold = 0; fold < folds; ++fold) {
+  for (std::size_t fold = 0; fold < folds; ++fold) {
     BlockCounts counts = fitted;
     for (std::size_t k = 0; k < counts.size(); ++k) {
-      if (static_cast<int>(k) % folds == fold) counts[k] = 0.0;
+      if (k % folds == fold) counts[k] = 0.0;
     }
     const std::vector<double> la = design.losses(design.fit(without, counts), joints),
                               lb = design.losses(design.fit(with, counts), joints);
     for (std::size_t k = 0; k < counts.size(); ++k) {
-      if (static_cast<int>(k) % folds == fold) a[k] = la[k], b[k] = lb[k];
+      if (k % folds == fold) a[k] = la[k], b[k] = lb[k];
     }
   }
   return gain_of(a, b, fitted, settings, seed);

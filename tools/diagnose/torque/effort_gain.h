@@ -21,14 +21,14 @@ struct EffortGain {
 /// a, b: losses by block without and with it; blocks with counts 0 are left out.
 EffortGain gain_of(const std::vector<double>& a, const std::vector<double>& b,
                    const BlockCounts& counts, const Settings& settings, unsigned long seed);
-EffortGain crossed_gain(const EffortDesign& design, const std::vector<int>& without,
-                        const std::vector<int>& with, const BlockCounts& fitted,
-                        const std::vector<int>& joints, const Settings& settings,
+EffortGain crossed_gain(const EffortDesign& design, const std::vector<std::size_t>& without,
+                        const std::vector<std::size_t>& with, const BlockCounts& fitted,
+                        const std::vector<std::size_t>& joints, const Settings& settings,
                         unsigned long seed);
 
 /// Ripples of the friction are no larger than the dry friction that they ripple, at any joint:
 /// friction takes energy at every angle.
-bool friction_is_positive(const EffortDesign& design, const std::vector<int>& active,
+bool friction_is_positive(const EffortDesign& design, const std::vector<std::size_t>& active,
                           const EffortValues& x);
 
 }  // namespace sanso::diagnose

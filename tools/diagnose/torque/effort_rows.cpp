@@ -84,9 +84,8 @@ EffortRecording read(const ModelFolder& model, const Recording& recording, bool 
   out.motion.resize(out.t.size());
   out.effort.resize(joints), out.moves.resize(joints);
   std::vector<SmoothedState> states(joints);
-  parallel_for(static_cast<int>(joints), [&](int j) {
-    const auto i = static_cast<std::size_t>(j);
-    states[i] = smoothed(recording, out.nominal.tree.joints[i].name, settings);
+  parallel_for(joints, [&](std::size_t j) {
+    states[j] = smoothed(recording, out.nominal.tree.joints[j].name, settings);
   });
   for (std::size_t j = 0; j < joints; ++j) {
     fill_joint(out, j, states[j], out.channels[j].effort, stride, settings.effort);
@@ -98,11 +97,12 @@ EffortRecording read(const ModelFolder& model, const Recording& recording, bool 
 }
 
 /// Rows of one window; a joint that stands, or whose effort is not known, has none.
-void add_window(EffortRows& all, int r, std::size_t first, std::size_t last, int block) {
-  const EffortRecording& recording = all.recordings[static_cast<std::size_t>(r)];
+void add_window(EffortRows& all, std::size_t r, std::size_t first, std::size_t last,
+                std::size_t block) {
+  const EffortRecording& recording = all.recordings[r];
   for (std::size_t j = 0; j < recording.channels.size(); ++j) {
     if (!recording.channels[j].known) continue;
-    EffortRow row{r, static_cast<int>(j), first, last, block};
+    EffortRow row{r, j, first, last, block};
     bool whole = true;
     for (std::size_t k = first; k < last; ++k) {
       whole = whole && recording.moves[j][k] != 0 && std::isfinite(recording.effort[j][k]);
@@ -116,16 +116,17 @@ void add_window(EffortRows& all, int r, std::size_t first, std::size_t last, int
 }
 
 /// `block`: length of a block, s.
-void cut(EffortRows& all, int r, double block_s, const EffortSettings& settings) {
-  const EffortRecording& recording = all.recordings[static_cast<std::size_t>(r)];
+void cut(EffortRows& all, std::size_t r, double block_s, const EffortSettings& settings) {
+  const EffortRecording& recording = all.recordings[r];
   const std::vector<double>& t = recording.t;
   const double begin = t.front() + settings.ends, end = t.back() - settings.ends;
-  const int first_block = all.blocks;
+  const std::size_t first_block = all.blocks;
   for (std::size_t first = 0; first < t.size();) {
     std::size_t last = first + 1;
     while (last < t.size() && t[last] - t[first] < settings.window - 1e-9) ++last;
     if (t[first] >= begin && t[last - 1] <= end) {
-      const int block = first_block + static_cast<int>((t[first] - begin) / block_s);
+      const std::size_t block =
+          first_block + static_cast<std::size_t>((t[first] - begin) / block_s);
       while (all.blocks <= block) ++all.blocks, all.recording_of_block.push_back(r);
       add_window(all, r, first, last, block);
     }
@@ -143,7 +144,7 @@ void note_channels(EffortRows& all) {
       continue;
     }
     std::size_t rows = 0;
-    for (const EffortRow& row : all.rows) rows += row.joint == static_cast<int>(j) ? 1 : 0;
+    for (const EffortRow& row : all.rows) rows += row.joint == j ? 1 : 0;
     all.notes.push_back(fmt::format("effort of {}: {}, {}{} windows in motion", name,
                                     c.column.empty() ? "none, the joint is passive" : c.column,
                                     c.gain_unknown ? "its gain unknown, " : "", rows));
@@ -165,8 +166,7 @@ EffortRows effort_rows(const ModelFolder& model, const std::vector<Recording>& r
     seconds += out.recordings.back().t.back() - out.recordings.back().t.front();
   }
   const double block = std::max(settings.effort.block, seconds / settings.effort.blocks);
-  for (std::size_t r = 0; r < recordings.size(); ++r)
-    cut(out, static_cast<int>(r), block, settings.effort);
+  for (std::size_t r = 0; r < recordings.size(); ++r) cut(out, r, block, settings.effort);
   if (out.rows.empty()) {
     throw files::InputError(recordings.front().file, recordings.front().header_line,
                             "tau:", "no effort", "",

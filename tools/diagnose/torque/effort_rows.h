@@ -26,9 +26,9 @@ struct EffortRecording {
 
 /// A stretch of one recording and one joint, the unit of the regression.
 struct EffortRow {
-  int recording = 0, joint = 0;
+  std::size_t recording = 0, joint = 0;
   std::size_t first = 0, last = 0;  // instants [first, last)
-  int block = 0;                    // stretches of effort.block, counted over all recordings
+  std::size_t block = 0;            // stretches of effort.block, counted over all recordings
   double effort = 0.0;              // mean recorded, channel's unit
   double nominal = 0.0;             // mean that the nominal model needs, N m
 };
@@ -36,8 +36,8 @@ struct EffortRow {
 struct EffortRows {
   std::vector<EffortRecording> recordings;
   std::vector<EffortRow> rows;
-  int blocks = 0;
-  std::vector<int> recording_of_block;
+  std::size_t blocks = 0;
+  std::vector<std::size_t> recording_of_block;
   std::vector<std::string> notes;
 };
 

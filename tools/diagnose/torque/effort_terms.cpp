@@ -17,8 +17,8 @@ constexpr double kLengthStep = 1e-3;  // m, of a centre of mass
 constexpr double kAngleStep = 1e-4;   // rad, of an encoder's zero
 
 const EffortRecording& first_of(const EffortRows& rows) { return rows.recordings.front(); }
-const TreeJoint& joint_of(const EffortRows& rows, int j) {
-  return first_of(rows).nominal.tree.joints[static_cast<std::size_t>(j)];
+const TreeJoint& joint_of(const EffortRows& rows, std::size_t j) {
+  return first_of(rows).nominal.tree.joints[j];
 }
 
 /// A joint of which nothing acts but `effect` with theta.
@@ -39,7 +39,7 @@ EffortTerm term_of(const Effect& effect) {
 }
 
 /// A term of the library at one joint. `theta`: values of the parameters that are no columns.
-EffortTerm at_joint_term(const EffortRows& rows, const Effect& effect, int j,
+EffortTerm at_joint_term(const EffortRows& rows, const Effect& effect, std::size_t j,
                          const std::vector<double>& theta) {
   const TreeJoint& joint = joint_of(rows, j);
   const std::vector<std::size_t>& sizes = effect.effort.values;
@@ -64,16 +64,15 @@ EffortTerm at_joint_term(const EffortRows& rows, const Effect& effect, int j,
   term.columns = [laws, j](const EffortRecording&) -> ColumnsAt {
     return [laws, j](const MotionSample& m, const std::vector<NeededEffort>& needed,
                      std::vector<double>& out) {
-      const auto i = static_cast<std::size_t>(j);
       for (std::size_t c = 0; c < laws.size(); ++c)
-        out[i * laws.size() + c] +=
-            joint_effort(laws[c], m.q[i], m.dq[i], m.ddq[i], needed[i].load, needed[i].external);
+        out[j * laws.size() + c] +=
+            joint_effort(laws[c], m.q[j], m.dq[j], m.ddq[j], needed[j].load, needed[j].external);
     };
   };
   return term;
 }
 
-EffortTerm offset_term(const EffortRows& rows, int j) {
+EffortTerm offset_term(const EffortRows& rows, std::size_t j) {
   EffortTerm term;
   term.effect = kEffortOffset;
   term.law.beside_gain = true;
@@ -85,14 +84,14 @@ EffortTerm offset_term(const EffortRows& rows, int j) {
   term.low = {-kInf}, term.high = {kInf};
   term.columns = [j](const EffortRecording&) -> ColumnsAt {
     return [j](const MotionSample&, const std::vector<NeededEffort>&, std::vector<double>& out) {
-      out[static_cast<std::size_t>(j)] += 1.0;
+      out[j] += 1.0;
     };
   };
   return term;
 }
 
 /// The recorded effort is a multiple of what the joint needs.
-EffortTerm share_term(const EffortRows& rows, const Effect& effect, int j) {
+EffortTerm share_term(const EffortRows& rows, const Effect& effect, std::size_t j) {
   EffortTerm term = term_of(effect);
   term.where = {joint_of(rows, j).name};
   term.joints = {j};
@@ -102,42 +101,39 @@ EffortTerm share_term(const EffortRows& rows, const Effect& effect, int j) {
   term.low_is_nothing = false;
   term.columns = [j](const EffortRecording&) -> ColumnsAt {
     return [j](const MotionSample&, const std::vector<NeededEffort>& needed,
-               std::vector<double>& out) {
-      out[static_cast<std::size_t>(j)] += needed[static_cast<std::size_t>(j)].total();
-    };
+               std::vector<double>& out) { out[j] += needed[j].total(); };
   };
   return term;
 }
 
 /// Difference of the links' inverse dynamics for one unit of each parameter. `change` alters the
 /// model by `step` of parameter c.
-using Change = std::function<void(SimParams&, int parameter)>;
-std::function<ColumnsAt(const EffortRecording&)> link_columns(int columns, double step,
+using Change = std::function<void(SimParams&, std::size_t parameter)>;
+std::function<ColumnsAt(const EffortRecording&)> link_columns(std::size_t columns, double step,
                                                               const Change& change) {
   return [columns, step, change](const EffortRecording& recording) -> ColumnsAt {
     auto changed = std::make_shared<std::vector<InverseEffort>>();
-    for (int c = 0; c < columns; ++c) {
+    for (std::size_t c = 0; c < columns; ++c) {
       SimParams params = recording.nominal;
       change(params, c);
       changed->emplace_back(params);
     }
     return [changed, columns, step](const MotionSample& m, const std::vector<NeededEffort>& needed,
                                     std::vector<double>& out) {
-      const auto n = static_cast<std::size_t>(columns);
-      for (std::size_t c = 0; c < n; ++c) {
+      for (std::size_t c = 0; c < columns; ++c) {
         JointVector load{};
         (*changed)[c].loads(m, load);
         for (std::size_t j = 0; j < needed.size(); ++j)
-          out[j * n + c] += (load[j] - needed[j].load) / step;
+          out[j * columns + c] += (load[j] - needed[j].load) / step;
       }
     };
   };
 }
 
-EffortTerm link_term(const EffortRows& rows, const Effect& effect, int j) {
+EffortTerm link_term(const EffortRows& rows, const Effect& effect, std::size_t j) {
   EffortTerm term = term_of(effect);
   term.where = {joint_of(rows, j).link};
-  for (int k = 0; k <= j; ++k) term.joints.push_back(k);
+  for (std::size_t k = 0; k <= j; ++k) term.joints.push_back(k);
   const bool lengths = effect.effort.lengths;
   const Vec3& com = joint_of(rows, j).body.com;
   // a link reaches from its joint to about twice the distance of its centre of mass
@@ -152,20 +148,20 @@ EffortTerm link_term(const EffortRows& rows, const Effect& effect, int j) {
   }
   term.low_is_nothing = !lengths;
   const double step = lengths ? kLengthStep : 1.0;
-  term.columns = link_columns(term.size(), step, [&effect, j, step](SimParams& p, int c) {
+  term.columns = link_columns(term.size(), step, [&effect, j, step](SimParams& p, std::size_t c) {
     std::vector<double> theta = effect.null();
-    theta[effect.effort.values[static_cast<std::size_t>(c)]] = step;
-    effect.apply(p, j, theta);
+    theta[effect.effort.values[c]] = step;
+    effect.apply(p, static_cast<int>(j), theta);
   });
   return term;
 }
 
 /// The encoder's zero as a change of the pose in which the links are weighed.
-EffortTerm zero_term(const EffortRows& rows, const Effect& effect, int j) {
+EffortTerm zero_term(const EffortRows& rows, const Effect& effect, std::size_t j) {
   EffortTerm term = term_of(effect);
   const EffectParameter& offset = effect.parameters[effect.effort.values.front()];
   term.where = {joint_of(rows, j).name};
-  for (int k = 0; k <= j; ++k) term.joints.push_back(k);
+  for (std::size_t k = 0; k <= j; ++k) term.joints.push_back(k);
   term.parameters = {std::string(offset.name)};
   term.units = {std::string(offset.unit)};
   term.low = {-kInf}, term.high = {kInf};
@@ -174,7 +170,7 @@ EffortTerm zero_term(const EffortRows& rows, const Effect& effect, int j) {
     return [turned, j](const MotionSample& m, const std::vector<NeededEffort>& needed,
                        std::vector<double>& out) {
       MotionSample there = m;
-      there.q[static_cast<std::size_t>(j)] -= kAngleStep;
+      there.q[j] -= kAngleStep;
       JointVector load{};
       turned->loads(there, load);
       for (std::size_t k = 0; k < needed.size(); ++k)
@@ -186,7 +182,7 @@ EffortTerm zero_term(const EffortRows& rows, const Effect& effect, int j) {
 
 /// A motor that turns with joint k and, one to one, with joint j before it, as in a wrist whose
 /// last motor sits behind the bend: its friction and rotor act on both.
-EffortTerm coupled_term(const EffortRows& rows, int j, int k, double ratio) {
+EffortTerm coupled_term(const EffortRows& rows, std::size_t j, std::size_t k, double ratio) {
   EffortTerm term;
   term.effect = kCoupledDrive;
   term.law.dry = DryFriction::adds;
@@ -200,12 +196,11 @@ EffortTerm coupled_term(const EffortRows& rows, int j, int k, double ratio) {
   term.columns = [j, k, ratio](const EffortRecording&) -> ColumnsAt {
     return [j, k, ratio](const MotionSample& m, const std::vector<NeededEffort>&,
                          std::vector<double>& out) {
-      const auto a = static_cast<std::size_t>(j), b = static_cast<std::size_t>(k);
-      const double speed = m.dq[b] + ratio * m.dq[a];
+      const double speed = m.dq[k] + ratio * m.dq[j];
       const double each[] = {speed > 0.0 ? 1.0 : (speed < 0.0 ? -1.0 : 0.0), speed,
-                             m.ddq[b] + ratio * m.ddq[a]};
+                             m.ddq[k] + ratio * m.ddq[j]};
       for (std::size_t c = 0; c < 3; ++c)
-        out[b * 3 + c] += each[c], out[a * 3 + c] += ratio * each[c];
+        out[k * 3 + c] += each[c], out[j * 3 + c] += ratio * each[c];
     };
   };
   return term;
@@ -232,7 +227,7 @@ std::vector<const Effect*> tolerated_efforts() {
   return out;
 }
 
-EffortTerm term_at(const EffortRows& rows, const Effect& effect, int j) {
+EffortTerm term_at(const EffortRows& rows, const Effect& effect, std::size_t j) {
   switch (effect.effort.kind) {
     case EffortKind::link:
       return link_term(rows, effect, j);
@@ -245,13 +240,12 @@ EffortTerm term_at(const EffortRows& rows, const Effect& effect, int j) {
   }
 }
 
-void add_nuisances(std::vector<EffortTerm>& all, const EffortRows& rows, int j,
+void add_nuisances(std::vector<EffortTerm>& all, const EffortRows& rows, std::size_t j,
                    const ToleranceSettings& t) {
-  const auto i = static_cast<std::size_t>(j);
-  const EffortChannel& channel = first_of(rows).channels[i];
+  const EffortChannel& channel = first_of(rows).channels[j];
   for (const Effect* effect : tolerated_efforts()) {
     const EffortTolerance& stated = *effect->effort.tolerance;
-    double tolerance = t.*stated.deviation * stated.of(first_of(rows).nominal, i);
+    double tolerance = t.*stated.deviation * stated.of(first_of(rows).nominal, j);
     if (effect->effort.kind == EffortKind::share) {
       if (!channel.known || channel.column.empty()) continue;
       if (channel.gain_unknown) tolerance = kInf;
@@ -261,13 +255,11 @@ void add_nuisances(std::vector<EffortTerm>& all, const EffortRows& rows, int j,
 }
 
 /// Median speed of a joint in motion.
-double usual_speed(const EffortRows& rows, int j) {
+double usual_speed(const EffortRows& rows, std::size_t j) {
   std::vector<double> speed;
   for (const EffortRow& row : rows.rows) {
     if (row.joint == j)
-      speed.push_back(std::abs(rows.recordings[static_cast<std::size_t>(row.recording)]
-                                   .motion[row.first]
-                                   .dq[static_cast<std::size_t>(j)]));
+      speed.push_back(std::abs(rows.recordings[row.recording].motion[row.first].dq[j]));
   }
   if (speed.empty()) return 1.0;
   std::nth_element(speed.begin(), speed.begin() + static_cast<long>(speed.size() / 2), speed.end());
@@ -275,7 +267,7 @@ double usual_speed(const EffortRows& rows, int j) {
 }
 
 /// Values that are held, speeds as shares of the usual one at the joint.
-std::vector<double> held_at(const EffortRows& rows, const Effect& effect, int j,
+std::vector<double> held_at(const EffortRows& rows, const Effect& effect, std::size_t j,
                             std::vector<double> theta) {
   for (std::size_t p = 0; p < theta.size(); ++p) {
     if (effect.parameters[p].scale == Unit::speed) theta[p] *= usual_speed(rows, j);
@@ -283,10 +275,9 @@ std::vector<double> held_at(const EffortRows& rows, const Effect& effect, int j,
   return theta;
 }
 
-void add_joint_terms(std::vector<EffortTerm>& all, const EffortRows& rows, int j) {
-  const auto i = static_cast<std::size_t>(j);
-  const JointSettings& s = first_of(rows).nominal.joints[i].nominal;
-  const EffortChannel& channel = first_of(rows).channels[i];
+void add_joint_terms(std::vector<EffortTerm>& all, const EffortRows& rows, std::size_t j) {
+  const JointSettings& s = first_of(rows).nominal.joints[j].nominal;
+  const EffortChannel& channel = first_of(rows).channels[j];
   if (!channel.known) return;
   for (const Effect* effect : effort_effects(EffortKind::joint)) {
     for (const std::vector<double>& held : effect->effort.held)
@@ -307,22 +298,21 @@ void add_joint_terms(std::vector<EffortTerm>& all, const EffortRows& rows, int j
 std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& settings) {
   std::vector<EffortTerm> all;
   const RobotTree& tree = first_of(rows).nominal.tree;
-  for (int j = 0; j < tree.size(); ++j) add_nuisances(all, rows, j, settings.tolerances);
-  for (int j = 0; j < tree.size(); ++j) add_joint_terms(all, rows, j);
-  for (int j = 0; j < tree.size(); ++j) {
+  for (std::size_t j = 0; j < tree.size(); ++j) add_nuisances(all, rows, j, settings.tolerances);
+  for (std::size_t j = 0; j < tree.size(); ++j) add_joint_terms(all, rows, j);
+  for (std::size_t j = 0; j < tree.size(); ++j) {
     for (const Effect* effect : effort_effects(EffortKind::link))
       all.push_back(link_term(rows, *effect, j));
     const TreeJoint& joint = joint_of(rows, j);
-    const bool turn_both =
-        joint.parent >= 0 && !joint.prismatic && !joint_of(rows, joint.parent).prismatic;
-    for (const double ratio : {1.0, -1.0}) {
-      if (turn_both) all.push_back(coupled_term(rows, joint.parent, j, ratio));
-    }
+    if (joint.parent < 0 || joint.prismatic) continue;
+    const auto before = static_cast<std::size_t>(joint.parent);
+    if (joint_of(rows, before).prismatic) continue;
+    for (const double ratio : {1.0, -1.0}) all.push_back(coupled_term(rows, before, j, ratio));
   }
   return all;
 }
 
-EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, int joint, int order) {
+EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, std::size_t joint, int order) {
   std::vector<double> theta = effect.null();
   for (std::size_t p = 0; p < theta.size(); ++p) {
     if (effect.parameters[p].role == Role::order) theta[p] = static_cast<double>(order);

@@ -24,9 +24,9 @@ using ColumnsAt = std::function<void(const MotionSample&, const std::vector<Need
 struct EffortTerm {
   std::string effect;  // library id or one of the two above
   std::string family;
-  EffortColumns law;               // as the library has it; of the two above, the same of them
-  std::vector<std::string> where;  // joints or a link
-  std::vector<int> joints;         // whose effort it may change
+  EffortColumns law;                // as the library has it; of the two above, the same of them
+  std::vector<std::string> where;   // joints or a link
+  std::vector<std::size_t> joints;  // whose effort it may change
   std::vector<std::string> parameters, units;
   std::vector<double> low, high;  // bounds of the values, natural units
   // `low` is where nothing of it is left (no friction, no mass); else a limit like `high`
@@ -36,11 +36,10 @@ struct EffortTerm {
   double precision = 0.0;               // of a nuisance: 1 / variance
   std::function<ColumnsAt(const EffortRecording&)> columns;
 
-  int size() const { return static_cast<int>(parameters.size()); }
+  std::size_t size() const { return parameters.size(); }
   /// A limit of what is plausible, not of what is possible, stopped the value of column c.
-  bool stopped(int c, double value) const {
-    const auto i = static_cast<std::size_t>(c);
-    return value >= high[i] || (!low_is_nothing && value <= low[i]);
+  bool stopped(std::size_t c, double value) const {
+    return value >= high[c] || (!low_is_nothing && value <= low[c]);
   }
   bool same_as(const EffortTerm& other) const {
     return effect == other.effect && where == other.where && fixed == other.fixed &&
@@ -53,6 +52,6 @@ struct EffortTerm {
 std::vector<EffortTerm> effort_terms(const EffortRows& rows, const Settings& settings);
 
 /// A ripple of the library, of one order, at a joint.
-EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, int joint, int order);
+EffortTerm ripple_term(const EffortRows& rows, const Effect& effect, std::size_t joint, int order);
 
 }  // namespace sanso::diagnose

@@ -39,14 +39,12 @@ class Judge {
 
   std::vector<JudgedTerm> terms() const {
     std::vector<JudgedTerm> out(choice_.terms.size());
-    parallel_for(static_cast<int>(out.size()), [&](int i) {
-      out[static_cast<std::size_t>(i)] = judged(choice_.terms[static_cast<std::size_t>(i)]);
-    });
+    parallel_for(out.size(), [&](std::size_t i) { out[i] = judged(choice_.terms[i]); });
     return out;
   }
 
   /// Value of any column with its interval.
-  JudgedValue value(int column) const {
+  JudgedValue value(Eigen::Index column) const {
     std::vector<double> drawn;
     for (const EffortValues& x : draws_) drawn.push_back(x[column]);
     const double deviation = standard_deviation(drawn);
@@ -61,12 +59,12 @@ class Judge {
  private:
   /// Blocks drawn with replacement in pairs of neighbours, and few blocks spread too little.
   void resample() {
-    const std::vector<int> active = choice_.active();
+    const std::vector<std::size_t> active = choice_.active();
     draws_.resize(static_cast<std::size_t>(settings_.decisions.bootstrap));
     const int blocks = static_cast<int>(all_.size());
     const int length = std::max(1, std::min(blocks / 3, static_cast<int>(std::cbrt(blocks))));
-    parallel_for(settings_.decisions.bootstrap, [&](int d) {
-      Random random(seed_, static_cast<std::uint64_t>(d));
+    parallel_for(draws_.size(), [&](std::size_t d) {
+      Random random(seed_, d);
       BlockCounts counts(all_.size(), 0.0);
       for (int taken = 0; taken < blocks;) {
         const int from = random.below(blocks - length + 1);
@@ -74,19 +72,18 @@ class Judge {
           counts[static_cast<std::size_t>(from + k)] += 1.0;
       }
       const double wider = std::sqrt(blocks / std::max(1.0, static_cast<double>(blocks - length)));
-      draws_[static_cast<std::size_t>(d)] = final_ + wider * (design_.fit(active, counts) - final_);
+      draws_[d] = final_ + wider * (design_.fit(active, counts) - final_);
     });
   }
 
-  JudgedTerm judged(int t) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+  JudgedTerm judged(std::size_t t) const {
+    const EffortTerm& term = design_.terms()[t];
     JudgedTerm out;
     out.term = term;
-    for (int c = 0; c < term.size(); ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      JudgedValue v = value(design_.first_column(t) + c);
-      v.low = std::max(v.low, term.low[i]), v.high = std::min(v.high, term.high[i]);
-      v.unit = term.units[i];
+    for (std::size_t c = 0; c < term.size(); ++c) {
+      JudgedValue v = value(design_.first_column(t) + static_cast<Eigen::Index>(c));
+      v.low = std::max(v.low, term.low[c]), v.high = std::min(v.high, term.high[c]);
+      v.unit = term.units[c];
       v.at_bound = term.stopped(c, v.value);
       if (v.low > 0.0 || v.high < 0.0) out.spans_null = false;
       out.values.push_back(v);
@@ -109,17 +106,17 @@ class Judge {
 
   /// Names at the same joints, with no more numbers, that leave no more on held-out data beyond
   /// chance when they stand in for term t.
-  std::vector<std::string> equally_good(int t, const std::vector<double>& full) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(t)];
+  std::vector<std::string> equally_good(std::size_t t, const std::vector<double>& full) const {
+    const EffortTerm& term = design_.terms()[t];
     std::vector<std::string> out;
-    for (int r = 0; r < static_cast<int>(design_.terms().size()); ++r) {
-      const EffortTerm& rival = design_.terms()[static_cast<std::size_t>(r)];
+    for (std::size_t r = 0; r < design_.terms().size(); ++r) {
+      const EffortTerm& rival = design_.terms()[r];
       const bool taken =
           std::find(choice_.terms.begin(), choice_.terms.end(), r) != choice_.terms.end();
       if (taken || rival.nuisance || rival.effect == term.effect || rival.size() > term.size() ||
           !acts_alike(rival, term))
         continue;
-      std::vector<int> active = choice_.active_without(t);
+      std::vector<std::size_t> active = choice_.active_without(t);
       const std::vector<double> none =
           design_.losses(design_.fit(active, split_.fitted), term.joints);
       active.push_back(r);
@@ -141,10 +138,11 @@ class Judge {
   }
 
   /// As of a term that is chosen: no limit stops it, no friction is negative.
-  bool plausible(int r, const std::vector<int>& active, const EffortValues& x) const {
-    const EffortTerm& term = design_.terms()[static_cast<std::size_t>(r)];
-    for (int c = 0; c < term.size(); ++c) {
-      if (term.stopped(c, x[design_.first_column(r) + c])) return false;
+  bool plausible(std::size_t r, const std::vector<std::size_t>& active,
+                 const EffortValues& x) const {
+    const EffortTerm& term = design_.terms()[r];
+    for (std::size_t c = 0; c < term.size(); ++c) {
+      if (term.stopped(c, design_.value(x, r, c))) return false;
     }
     return term.law.dry != DryFriction::ripples || friction_is_positive(design_, active, x);
   }
@@ -177,39 +175,35 @@ double noise_of(const std::vector<double>& left) {
 struct Reach {
   double speed = 0.0, acceleration = 0.0;
 
-  static Reach of(const EffortRows& rows, const EffortSplit& split, int joint) {
+  static Reach of(const EffortRows& rows, const EffortSplit& split, std::size_t joint) {
     Reach out;
     for (const EffortRow& row : rows.rows) {
-      if (row.joint != joint || split.fitted[static_cast<std::size_t>(row.block)] == 0.0) continue;
+      if (row.joint != joint || split.fitted[row.block] == 0.0) continue;
       const MotionSample& m = middle(rows, row);
-      out.speed = std::max(out.speed, std::abs(m.dq[static_cast<std::size_t>(joint)]));
-      out.acceleration =
-          std::max(out.acceleration, std::abs(m.ddq[static_cast<std::size_t>(joint)]));
+      out.speed = std::max(out.speed, std::abs(m.dq[joint]));
+      out.acceleration = std::max(out.acceleration, std::abs(m.ddq[joint]));
     }
     return out;
   }
   /// Not faster than `beyond` times what was fitted.
   bool holds(const EffortRows& rows, const EffortRow& row, double beyond) const {
     const MotionSample& m = middle(rows, row);
-    const auto j = static_cast<std::size_t>(row.joint);
+    const std::size_t j = row.joint;
     return std::abs(m.dq[j]) <= beyond * speed && std::abs(m.ddq[j]) <= beyond * acceleration;
   }
 
  private:
   static const MotionSample& middle(const EffortRows& rows, const EffortRow& row) {
-    return rows.recordings[static_cast<std::size_t>(row.recording)]
-        .motion[(row.first + row.last) / 2];
+    return rows.recordings[row.recording].motion[(row.first + row.last) / 2];
   }
 };
 
 /// Held-out scores of one joint. `named`: values of the terms alone that predict.
 EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const EffortValues& x,
-                     const EffortValues& named, int joint, double beyond) {
+                     const EffortValues& named, std::size_t joint, double beyond) {
   const EffortRows& rows = design.rows();
   const Eigen::VectorXd left = design.residual(x), left_by_named = design.residual(named);
-  const auto held = [&](const EffortRow& row) {
-    return split.heldout[static_cast<std::size_t>(row.block)] != 0.0;
-  };
+  const auto held = [&](const EffortRow& row) { return split.heldout[row.block] != 0.0; };
   const Reach reach = Reach::of(rows, split, joint);
   EffortScore out;
   std::vector<double> before, after, after_named, effort, fitted_effort;
@@ -230,9 +224,9 @@ EffortScore score_of(const EffortDesign& design, const EffortSplit& split, const
     after_named.push_back(left_by_named[k]);
   }
   const EffortRecording& first = rows.recordings.front();
-  const auto j = static_cast<std::size_t>(joint);
-  out.joint = first.nominal.tree.joints[j].name;
-  out.channel = first.channels[j].column.empty() ? "tau:" + out.joint : first.channels[j].column;
+  const std::string& column = first.channels[joint].column;
+  out.joint = first.nominal.tree.joints[joint].name;
+  out.channel = column.empty() ? "tau:" + out.joint : column;
   out.unit = design.unit(joint);
   const double middle = fitted_effort.empty() ? 0.0 : mean(fitted_effort);
   out.zero = rms(effort);
@@ -249,8 +243,7 @@ std::map<std::string, BlockCounts> groups_of(const EffortRows& rows) {
   for (const EffortRecording& r : rows.recordings) ++conditions[r.condition];
   std::map<std::string, BlockCounts> out;
   for (std::size_t b = 0; b < rows.recording_of_block.size(); ++b) {
-    const EffortRecording& r =
-        rows.recordings[static_cast<std::size_t>(rows.recording_of_block[b])];
+    const EffortRecording& r = rows.recordings[rows.recording_of_block[b]];
     BlockCounts& counts =
         out[conditions.size() > 1 ? r.condition : std::filesystem::path(r.file).stem().string()];
     counts.resize(rows.recording_of_block.size(), 0.0);
@@ -261,7 +254,7 @@ std::map<std::string, BlockCounts> groups_of(const EffortRows& rows) {
 
 /// A group's own values of all columns, and their deviations between pieces of it left out.
 std::pair<EffortValues, EffortValues> told_by(const EffortDesign& design,
-                                              const std::vector<int>& active,
+                                              const std::vector<std::size_t>& active,
                                               const BlockCounts& group, int pieces) {
   const EffortValues all = design.fit(active, group);
   EffortValues squares = EffortValues::Zero(all.size());
@@ -292,14 +285,14 @@ std::vector<std::string> disagreements(const EffortDesign& design, const EffortC
     told[name] = told_by(design, choice.active(), counts, settings.effort.pieces);
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const JudgedTerm& t = terms[i];
-    for (int c = 0; t.predicts && c < t.term.size(); ++c) {
-      const int column = design.first_column(choice.terms[i]) + c;
+    for (std::size_t c = 0; t.predicts && c < t.term.size(); ++c) {
+      const Eigen::Index column =
+          design.first_column(choice.terms[i]) + static_cast<Eigen::Index>(c);
       std::vector<GroupValue> values;
       for (const auto& [name, value] : told)
         values.push_back({name, value.first[column], value.second[column]});
-      const auto k = static_cast<std::size_t>(c);
-      const std::string text = disagreement(in_words(t.term) + ", " + t.term.parameters[k],
-                                            t.term.units[k], values, settings.decisions);
+      const std::string text = disagreement(in_words(t.term) + ", " + t.term.parameters[c],
+                                            t.term.units[c], values, settings.decisions);
       if (!text.empty()) out.push_back(text);
     }
   }
@@ -324,10 +317,10 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
   for (std::string& text : disagreements(design, choice, out.terms, settings))
     out.notes.push_back(std::move(text));
   for (EffortGainFound& gain : out.gains) {
-    const int column = gain_column(design, gain.joint);
-    if (column < 0 || !gain.determined) continue;
+    const std::optional<Eigen::Index> column = gain_column(design, gain.joint);
+    if (!column || !gain.determined) continue;
     // recorded = (1 + x) needed, so one unit of it is worth 1 / (1 + x)
-    const JudgedValue x = judge.value(column);
+    const JudgedValue x = judge.value(*column);
     const double scale = gain.value;
     gain.value = scale / (1.0 + x.value);
     gain.low = scale / (1.0 + x.high), gain.high = scale / std::max(1e-9, 1.0 + x.low);
@@ -338,8 +331,8 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
                                         split.fitted);
   for (std::size_t j = 0; j < rows.recordings.front().channels.size(); ++j) {
     if (rows.recordings.front().channels[j].known)
-      out.scores.push_back(score_of(design, split, judge.fitted(), named, static_cast<int>(j),
-                                    settings.effort.beyond));
+      out.scores.push_back(
+          score_of(design, split, judge.fitted(), named, j, settings.effort.beyond));
   }
   const Eigen::VectorXd left = design.residual(judge.fitted());
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {

@@ -19,9 +19,9 @@ struct Sum {
 };
 
 std::vector<Sum> sums_of(const Samples& s) {
-  std::vector<Sum> out(static_cast<std::size_t>(s.groups()));
+  std::vector<Sum> out(s.groups());
   for (std::size_t i = 0; i < s.value.size(); ++i) {
-    Sum& sum = out[static_cast<std::size_t>(s.group[i])];
+    Sum& sum = out[s.group[i]];
     sum.w += s.weight[i], sum.wx += s.weight[i] * s.value[i];
   }
   return out;
@@ -39,11 +39,10 @@ double mean_of(const std::vector<Sum>& sums, const auto& take) {
 std::vector<double> resampled(const std::vector<Sum>& sums, const Chance& chance) {
   Random random(chance.seed, 17);
   std::vector<double> out;
-  const int n = static_cast<int>(sums.size());
   for (int d = 0; d < chance.whole.draws; ++d) {
     Sum all;
-    for (int k = 0; k < n; ++k) {
-      const Sum& s = sums[static_cast<std::size_t>(random.below(n))];
+    for (std::size_t k = 0; k < sums.size(); ++k) {
+      const Sum& s = sums[random.below(sums.size())];
       all.w += s.w, all.wx += s.wx;
     }
     if (all.w > 0.0) out.push_back(all.wx / all.w);
@@ -65,7 +64,7 @@ void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const
   std::vector<double> before(sums.size(), 0.0), after(sums.size(), 0.0);
   double weight = 0.0, b = 0.0, a = 0.0;
   for (std::size_t i = 0; i < s.value.size(); ++i) {
-    const auto g = static_cast<std::size_t>(s.group[i]);
+    const std::size_t g = s.group[i];
     if (!held_out(g, chance.whole)) continue;
     const double x = s.value[i], w = s.weight[i];
     before[g] += w * (x - nominal) * (x - nominal), after[g] += w * (x - fitted) * (x - fitted);
@@ -105,7 +104,7 @@ std::string number_of(const std::string& effect, const std::string& parameter,
   return effect + "." + parameter + (where.empty() ? "" : " at " + where.front());
 }
 
-int Samples::groups() const {
+std::size_t Samples::groups() const {
   return group.empty() ? 0 : *std::max_element(group.begin(), group.end()) + 1;
 }
 
@@ -118,21 +117,21 @@ double Chance::family_wise(double deviations) const {
 std::optional<Measured> measured(const Samples& samples, double nominal, const Chance& chance) {
   std::vector<Sum> sums;
   Samples packed;  // groups numbered without holes
-  std::vector<int> number(static_cast<std::size_t>(samples.groups()), -1);
-  int next = 0;
+  std::vector<std::optional<std::size_t>> number(samples.groups());
+  std::size_t next = 0;
   for (std::size_t i = 0; i < samples.value.size(); ++i) {
-    int& n = number[static_cast<std::size_t>(samples.group[i])];
-    if (n < 0) n = next++;
-    packed.add(samples.value[i], samples.weight[i], n);
+    std::optional<std::size_t>& n = number[samples.group[i]];
+    if (!n) n = next++;
+    packed.add(samples.value[i], samples.weight[i], *n);
   }
-  if (next < chance.whole.least_groups) return std::nullopt;
+  if (next < static_cast<std::size_t>(chance.whole.least_groups)) return std::nullopt;
   sums = sums_of(packed);
   Measured m;
   m.groups = next;
   m.value = mean_of(sums, [](std::size_t) { return true; });
   const std::vector<double> draws = resampled(sums, chance);
   // few groups spread too little by sqrt((n - 1) / n)
-  const double widen = std::sqrt(static_cast<double>(next) / (next - 1));
+  const double widen = std::sqrt(static_cast<double>(next) / static_cast<double>(next - 1));
   m.low = m.value - widen * (m.value - quantile(draws, 0.025));
   m.high = m.value + widen * (quantile(draws, 0.975) - m.value);
   m.sigma = widen * standard_deviation(draws);

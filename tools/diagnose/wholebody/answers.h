@@ -17,11 +17,11 @@ namespace sanso::diagnose {
 /// of one.
 struct Samples {
   std::vector<double> value, weight;
-  std::vector<int> group;
-  void add(double v, double w, int g) {
+  std::vector<std::size_t> group;
+  void add(double v, double w, std::size_t g) {
     value.push_back(v), weight.push_back(w), group.push_back(g);
   }
-  int groups() const;
+  std::size_t groups() const;
 };
 
 /// Weighted mean of samples with its 95 % interval (groups resampled), and what it does on every
@@ -30,7 +30,7 @@ struct Measured {
   double value = 0.0, low = 0.0, high = 0.0, sigma = 0.0;
   double before = 0.0, after = 0.0, noise = 0.0;
   double gain = 0.0, gain_low = 0.0;  // share of the squared error that it removes there
-  int groups = 0;
+  std::size_t groups = 0;
 };
 /// By what chance is judged.
 struct Chance {
@@ -73,7 +73,7 @@ struct WholeAnswers {
   std::vector<Detectable> detectable;
   std::vector<std::string> notes, log;
   std::map<std::string, FitScore> scores;   // by channel, on data that were not fitted
-  int asked = 0;                            // numbers that these data could answer
+  std::size_t asked = 0;                    // numbers that these data could answer
   std::map<std::string, Measured> numbers;  // all that were judged, by "effect.parameter at place"
 
   /// Adds a finding where the number is further from nominal than its tolerance and chance allow,

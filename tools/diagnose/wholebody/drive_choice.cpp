@@ -55,6 +55,7 @@ class Chooser {
         nuisances_(drive_nuisances(asking, rows)) {}
 
   DriveChoice run() {
+    const auto most = static_cast<std::size_t>(asking_.stance.maximum_terms);
     Eigen::VectorXd figures = Eigen::VectorXd::Zero(rows_.columns.count());
     for (int round = 0; round < asking_.stance.rounds; ++round) {
       weigh(figures);
@@ -62,7 +63,7 @@ class Chooser {
       weigh(figures);
       const Terms before = taken_;
       taken_.clear();
-      while (static_cast<int>(taken_.size()) < asking_.stance.maximum_terms && forward()) {
+      while (taken_.size() < most && forward()) {
       }
       backward();
       figures = all_->fit(taken_).figures;
@@ -123,7 +124,7 @@ class Chooser {
       at += other->size();
     }
     double size = 0.0;
-    for (int i = 0; i < t.size(); ++i) {
+    for (Eigen::Index i = 0; i < t.size(); ++i) {
       const double x = fit.x[at + i];
       const bool nothing = t.low[static_cast<std::size_t>(i)] == 0.0 && x <= 0.0;
       const double low = t.low[static_cast<std::size_t>(i)],
@@ -146,7 +147,8 @@ class Chooser {
                      [&](std::size_t a, std::size_t b) { return gains[a] > gains[b]; });
     std::vector<const DriveTerm*> out;
     for (const std::size_t i : order) {
-      if (!(gains[i] > 0.0) || static_cast<int>(out.size()) >= asking_.decisions.rivals) break;
+      if (!(gains[i] > 0.0) || out.size() >= static_cast<std::size_t>(asking_.decisions.rivals))
+        break;
       if (plausible(plus(taken_, &terms_[i]), terms_[i])) out.push_back(&terms_[i]);
     }
     return out;
@@ -200,12 +202,12 @@ class Chooser {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(x.size());
     const int draws = asking_.decisions.bootstrap;
     for (const Way& way : ways_) {
-      const int n = static_cast<int>(way.groups->size());
+      const std::size_t n = way.groups->size();
       std::vector<Eigen::VectorXd> squares(static_cast<std::size_t>(draws));
       parallel_for(static_cast<std::size_t>(draws), [&](std::size_t d) {
         Random random(asking_.seed, 1000 + d);
-        std::vector<double> times(static_cast<std::size_t>(n), 0.0);
-        for (int k = 0; k < n; ++k) times[static_cast<std::size_t>(random.below(n))] += 1.0;
+        std::vector<double> times(n, 0.0);
+        for (std::size_t k = 0; k < n; ++k) times[random.below(n)] += 1.0;
         Normal drawn(rows_.columns.count());
         for (std::size_t g = 0; g < times.size(); ++g)
           if (times[g] > 0.0) drawn.add((*way.groups)[g], times[g]);
@@ -213,7 +215,9 @@ class Chooser {
       });
       Eigen::VectorXd mean = Eigen::VectorXd::Zero(x.size());
       for (const Eigen::VectorXd& s : squares) mean += s / draws;
-      out = out.cwiseMax((mean * n / std::max(1, n - 1)).cwiseSqrt());
+      out =
+          out.cwiseMax((mean * static_cast<double>(n) / std::max(1.0, static_cast<double>(n) - 1.0))
+                           .cwiseSqrt());
     }
     return out;
   }

@@ -12,10 +12,9 @@ namespace sanso::diagnose {
 namespace {
 
 std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left, double least) {
-  std::vector<std::vector<double>> by(static_cast<std::size_t>(rows.channels));
+  std::vector<std::vector<double>> by(rows.channels);
   for (std::size_t i = 0; i < rows.channel.size(); ++i)
-    by[static_cast<std::size_t>(rows.channel[i])].push_back(
-        std::abs(left[static_cast<Eigen::Index>(i)]));
+    by[rows.channel[i]].push_back(std::abs(left[static_cast<Eigen::Index>(i)]));
   std::vector<double> out;
   for (const auto& x : by) out.push_back(std::max(least, x.empty() ? 1.0 : 1.4826 * median(x)));
   return out;
@@ -45,7 +44,7 @@ Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) con
   Eigen::Index at = 0;
   for (const DriveTerm* t : active) {
     C.middleCols(at, t->size()) = t->columns;
-    for (int i = 0; i < t->size(); ++i, ++at)
+    for (Eigen::Index i = 0; i < t->size(); ++i, ++at)
       low[at] = t->low[static_cast<std::size_t>(i)],
       high[at] = t->high[static_cast<std::size_t>(i)];
   }
@@ -61,9 +60,9 @@ Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) con
 
 std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
-  std::vector<double> squares(static_cast<std::size_t>(rows.channels), 0.0), counts = squares;
+  std::vector<double> squares(rows.channels, 0.0), counts = squares;
   for (std::size_t i = 0; i < rows.channel.size(); ++i) {
-    const auto c = static_cast<std::size_t>(rows.channel[i]);
+    const std::size_t c = rows.channel[i];
     squares[c] += std::pow(left[static_cast<Eigen::Index>(i)], 2), counts[c] += 1.0;
   }
   for (std::size_t c = 0; c < squares.size(); ++c)
@@ -75,15 +74,16 @@ DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, doubl
                     const StanceSettings& stance) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
   const std::vector<double> scatter = scatter_of(rows, left, stance.least_scatter);
-  const int recordings = *std::max_element(rows.recording.begin(), rows.recording.end()) + 1;
-  const int pieces = *std::max_element(rows.piece.begin(), rows.piece.end()) + 1;
-  const bool whole = recordings >= stance.fewest_recordings;
+  const std::size_t recordings =
+      *std::max_element(rows.recording.begin(), rows.recording.end()) + 1;
+  const std::size_t pieces = *std::max_element(rows.piece.begin(), rows.piece.end()) + 1;
+  const bool whole = recordings >= static_cast<std::size_t>(stance.fewest_recordings);
   const Eigen::Index P = rows.X.cols();
   DriveGroups out;
   out.all = Normal(P);
   out.by.assign(whole ? 2 : 1, {});
-  out.by.back().assign(static_cast<std::size_t>(pieces), Normal(P));
-  if (whole) out.by.front().assign(static_cast<std::size_t>(recordings), Normal(P));
+  out.by.back().assign(pieces, Normal(P));
+  if (whole) out.by.front().assign(recordings, Normal(P));
   // rows of one piece of one recording are together
   for (std::size_t first = 0; first < rows.channel.size();) {
     std::size_t last = first;
@@ -94,8 +94,7 @@ DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, doubl
     Eigen::MatrixXd X = rows.X.middleRows(a, n);
     Eigen::VectorXd y = rows.y.segment(a, n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const double s =
-          scatter[static_cast<std::size_t>(rows.channel[first + static_cast<std::size_t>(i)])];
+      const double s = scatter[rows.channel[first + static_cast<std::size_t>(i)]];
       const double size = std::abs(left[a + i]) / s;
       const double weight = std::sqrt(size > outlier ? outlier / size : 1.0) / s;
       X.row(i) *= weight, y[i] *= weight;
@@ -105,8 +104,8 @@ DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, doubl
     here.G = Eigen::MatrixXd(here.G.selfadjointView<Eigen::Lower>());
     here.c = X.transpose() * y, here.yy = y.squaredNorm();
     out.all.add(here);
-    out.by.back()[static_cast<std::size_t>(rows.piece[first])].add(here);
-    if (whole) out.by.front()[static_cast<std::size_t>(rows.recording[first])].add(here);
+    out.by.back()[rows.piece[first]].add(here);
+    if (whole) out.by.front()[rows.recording[first]].add(here);
     first = last;
   }
   return out;

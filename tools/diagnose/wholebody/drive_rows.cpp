@@ -35,7 +35,7 @@ std::vector<double> differences(const std::vector<double>& t, const std::vector<
   return out;
 }
 
-JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, int j) {
+JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::Index j) {
   JointTrack out;
   const Vector row = r.q.row(j);
   out.q.assign(row.data(), row.data() + row.size());
@@ -59,7 +59,7 @@ Track track_of(const Asking& asking, const WholeRecording& r) {
   std::array<SmoothedState, 3> turning;
   parallel_for(joints + 3, [&](std::size_t i) {
     if (i < joints) {
-      out.joints[i] = track_of_joint(asking, r, static_cast<int>(i));
+      out.joints[i] = track_of_joint(asking, r, static_cast<Eigen::Index>(i));
       return;
     }
     std::vector<double> w;
@@ -122,7 +122,7 @@ class Builder {
   }
 
   /// Wrenches may leave nothing of the equations.
-  bool determined() const { return 6 * static_cast<int>(soles_.size()) < 6 + n_; }
+  bool determined() const { return 6 * static_cast<Eigen::Index>(soles_.size()) < 6 + n_; }
 
   void add(std::size_t recording) {
     const WholeRecording& r = asking_.recordings[recording];
@@ -133,8 +133,8 @@ class Builder {
       if (r.piece[a - 1] != r.piece[a + step - 1]) continue;
       const Window w = window_of(track, a, a + step, s.creeping);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
-      piece_ = static_cast<int>((r.t[a] - r.t.front()) / asking_.settings.block);
-      recording_ = static_cast<int>(recording);
+      piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
+      recording_ = recording;
       if (out_.current) add_loops(w);
       add_motion(w);
     }
@@ -148,19 +148,21 @@ class Builder {
       out_.X.row(k) = rows_[i].head(out_.columns.count());
       out_.y[k] = rows_[i][out_.columns.count()];
     }
-    out_.channels = (out_.current ? n_ : 0) + 1;
+    out_.channels = motion_channel() + 1;
   }
 
  private:
-  const DriveLaw& law(int j) const { return out_.laws[static_cast<std::size_t>(j)]; }
+  /// Of what is no joint's loop: the last.
+  std::size_t motion_channel() const { return out_.current ? static_cast<std::size_t>(n_) : 0; }
+  const DriveLaw& law(Eigen::Index j) const { return out_.laws[static_cast<std::size_t>(j)]; }
 
   /// Standard deviation of a joint's balance, N m: readings, and what no model knows of a drive.
-  double deviation(int j, double torque, double dq) const {
+  double deviation(Eigen::Index j, double torque, double dq) const {
     const StanceSettings& s = asking_.stance;
     return std::hypot(s.torque_noise, s.drive_share * torque, s.drive_share * law(j).damping * dq);
   }
 
-  void put(const Vector& row, int channel) {
+  void put(const Vector& row, std::size_t channel) {
     rows_.push_back(row), out_.channel.push_back(channel);
     out_.recording.push_back(recording_), out_.piece.push_back(piece_);
   }
@@ -168,7 +170,7 @@ class Builder {
   /// The current's torque against that of the position loop.
   void add_loops(const Window& w) {
     const DriveColumns& c = out_.columns;
-    for (int j = 0; j < n_; ++j) {
+    for (Eigen::Index j = 0; j < n_; ++j) {
       const DriveLaw& l = law(j);
       const double torque = l.torque_constant * w.current[j];
       Vector row = Vector::Zero(c.count() + 1);
@@ -177,7 +179,7 @@ class Builder {
       row[c.joint(JointFigure::torque, j)] = -torque;
       row[c.back_emf()] = -w.motion.dq[j];
       row[c.count()] = torque - l.stiffness * w.error[j] + l.damping * w.motion.dq[j];
-      put(row / deviation(j, torque, w.motion.dq[j]), j);
+      put(row / deviation(j, torque, w.motion.dq[j]), static_cast<std::size_t>(j));
     }
   }
 
@@ -198,16 +200,16 @@ class Builder {
     const StanceSettings& s = asking_.stance;
     Vector noise = Vector::Constant(6 + n_, s.torque_noise * s.torque_noise);
     noise.head<3>().setConstant(s.force_noise * s.force_noise);
-    for (int j = 0; j < n_; ++j)
+    for (Eigen::Index j = 0; j < n_; ++j)
       noise[6 + j] = std::pow(deviation(j, needed[6 + j], w.motion.dq[j]), 2);
-    for (int j = 0; j < n_; ++j) {
+    for (Eigen::Index j = 0; j < n_; ++j) {
       const double held = s.held_friction * (1.0 - std::abs(w.sign[j]));
       noise[6 + j] += held * held;
     }
     Matrix V = noise.asDiagonal();
     const Vector as_is = tree_.needed();
     FloatingMotion moved = w.motion;
-    for (int j = 0; j < n_; ++j) {
+    for (Eigen::Index j = 0; j < n_; ++j) {
       const double before = moved.ddq[j];
       moved.ddq[j] += s.acceleration_noise + s.acceleration * std::abs(before);
       tree_.set(moved);
@@ -234,9 +236,9 @@ class Builder {
     y = tree_.needed();
     // scales of a torque take the torque that the motion needs: what is measured has noise, which
     // would make every scale too small
-    for (int j = 0; j < n_; ++j) {
+    for (Eigen::Index j = 0; j < n_; ++j) {
       const DriveLaw& l = law(j);
-      const int at = 6 + j;
+      const Eigen::Index at = 6 + j;
       const double dq = w.motion.dq[j], by_current = l.torque_constant * w.current[j];
       const double by_loop = l.stiffness * w.error[j] - l.damping * dq;
       const double torque = out_.current ? by_current : by_loop;
@@ -269,7 +271,7 @@ class Builder {
     constexpr double kStep = 1e-4;
     const Vector needed = tree_.needed();
     const std::vector<M3> turned = sole_axes();
-    for (int j = 0; j < n_; ++j) {
+    for (Eigen::Index j = 0; j < n_; ++j) {
       moved.q[j] += kStep;
       tree_.set(moved);
       const std::vector<M3> now = sole_axes();
@@ -308,17 +310,16 @@ class Builder {
     const Eigen::LLT<Matrix> root(covariance(w, needed));
     const Eigen::ColPivHouseholderQR<Matrix> made(root.matrixL().solve(J));
     const Matrix left = made.householderQ().transpose() * Matrix(root.matrixL().solve(E));
-    const int channel = out_.current ? n_ : 0;
-    for (auto i = made.rank(); i < left.rows(); ++i) put(left.row(i), channel);
+    for (auto i = made.rank(); i < left.rows(); ++i) put(left.row(i), motion_channel());
   }
 
   const Asking& asking_;
   FloatingTree tree_;
   DriveRows& out_;
-  int n_;
+  Eigen::Index n_;
   std::vector<int> soles_;
   std::vector<Vector> rows_;
-  int recording_ = 0, piece_ = 0;
+  std::size_t recording_ = 0, piece_ = 0;
 };
 
 std::string drive_unknown(const WholeBody& body) {
@@ -349,7 +350,7 @@ DriveLaw law_of(const JointSettings& s) {
 DriveRows drive_rows(const Asking& asking) {
   DriveRows out;
   const WholeBody& body = asking.body;
-  out.columns.joints = body.model.tree.size();
+  out.columns.joints = static_cast<Eigen::Index>(body.model.tree.size());
   if (out.columns.joints == 0) out.why_not = "the robot has no joints";
   for (const WholeRecording& r : asking.recordings) {
     if (!r.commands) out.why_not = r.file + ": not every joint's goal and position is recorded";

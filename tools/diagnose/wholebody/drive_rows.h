@@ -22,25 +22,28 @@ struct DriveLaw {
 
 /// Places of the columns.
 struct DriveColumns {
-  int joints = 0;
-  int joint(JointFigure what, int j) const { return static_cast<int>(what) * joints + j; }
+  Eigen::Index joints = 0;
+  Eigen::Index joint(JointFigure what, Eigen::Index j) const {
+    return static_cast<Eigen::Index>(what) * joints + j;
+  }
   // of the link of joint j (-1: the base): kg at its origin, then kg m along its axes
-  int mass(int j) const { return kJointFigures * joints + 4 * (j + 1); }
-  int back_emf() const { return kJointFigures * joints + 4 * (joints + 1); }  // of all drives
-  int acc_bias() const { return back_emf() + 1; }                             // three
-  int count() const { return acc_bias() + 3; }
+  Eigen::Index mass(Eigen::Index j) const { return kJointFigures * joints + 4 * (j + 1); }
+  // of all drives
+  Eigen::Index back_emf() const { return kJointFigures * joints + 4 * (joints + 1); }
+  Eigen::Index acc_bias() const { return back_emf() + 1; }  // three
+  Eigen::Index count() const { return acc_bias() + 3; }
 };
 
 struct DriveRows {
   DriveColumns columns;
-  std::vector<DriveLaw> laws;           // by joint
-  bool current = false;                 // recorded; else torques are the position loop's
-  std::vector<std::string> sole_links;  // that may touch
-  Eigen::MatrixXd X;                    // rows x columns
-  Eigen::VectorXd y;                    // in deviations, as far as they are known beforehand
-  std::vector<int> channel;             // by row: rows of one kind scatter alike
-  std::vector<int> recording, piece;    // by row
-  int channels = 0;
+  std::vector<DriveLaw> laws;                 // by joint
+  bool current = false;                       // recorded; else torques are the position loop's
+  std::vector<std::string> sole_links;        // that may touch
+  Eigen::MatrixXd X;                          // rows x columns
+  Eigen::VectorXd y;                          // in deviations, as far as they are known beforehand
+  std::vector<std::size_t> channel;           // by row: rows of one kind scatter alike
+  std::vector<std::size_t> recording, piece;  // by row
+  std::size_t channels = 0;
   std::string why_not;  // not empty: nothing can be asked, and why
 };
 

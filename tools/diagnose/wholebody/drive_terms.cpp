@@ -9,7 +9,7 @@
 namespace sanso::diagnose {
 namespace {
 
-using Joints = std::vector<int>;
+using Joints = std::vector<std::size_t>;
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 bool one_kind(const DriveLaw& a, const DriveLaw& b) {
@@ -18,10 +18,10 @@ bool one_kind(const DriveLaw& a, const DriveLaw& b) {
 }
 
 /// Joints before this one in its branch, and the branch's first joint.
-std::pair<int, int> place_of(const RobotTree& tree, int joint) {
-  int depth = 0;
-  while (tree.joints[static_cast<std::size_t>(joint)].parent >= 0)
-    joint = tree.joints[static_cast<std::size_t>(joint)].parent, ++depth;
+std::pair<std::size_t, std::size_t> place_of(const RobotTree& tree, std::size_t joint) {
+  std::size_t depth = 0;
+  while (tree.joints[joint].parent >= 0)
+    joint = static_cast<std::size_t>(tree.joints[joint].parent), ++depth;
   return {depth, joint};
 }
 
@@ -29,19 +29,22 @@ std::pair<int, int> place_of(const RobotTree& tree, int joint) {
 std::vector<Joints> groups_of(const RobotTree& tree, const std::vector<DriveLaw>& laws) {
   std::set<Joints> out;
   const auto collect = [&](const auto& alike) {
-    for (int a = 0; a < tree.size(); ++a) {
+    for (std::size_t a = 0; a < tree.size(); ++a) {
       Joints group;
-      for (int b = 0; b < tree.size(); ++b) {
-        const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
-        if (one_kind(laws[i], laws[k]) && alike(a, b)) group.push_back(b);
+      for (std::size_t b = 0; b < tree.size(); ++b) {
+        if (one_kind(laws[a], laws[b]) && alike(a, b)) group.push_back(b);
       }
       out.insert(group);
     }
   };
-  collect([](int, int) { return true; });
-  collect([](int a, int b) { return a == b; });
-  collect([&](int a, int b) { return place_of(tree, a).second == place_of(tree, b).second; });
-  collect([&](int a, int b) { return place_of(tree, a).first == place_of(tree, b).first; });
+  collect([](std::size_t, std::size_t) { return true; });
+  collect([](std::size_t a, std::size_t b) { return a == b; });
+  collect([&](std::size_t a, std::size_t b) {
+    return place_of(tree, a).second == place_of(tree, b).second;
+  });
+  collect([&](std::size_t a, std::size_t b) {
+    return place_of(tree, a).first == place_of(tree, b).first;
+  });
   return {out.begin(), out.end()};
 }
 
@@ -97,16 +100,16 @@ DriveTerm term_of(const Effect& effect, std::size_t numbers) {
 DriveTerm at_joints(const Asking& asking, const DriveRows& rows, JointFigure figure,
                     const Joints& joints) {
   const Effect& effect = *effect_of(figure);
-  const DriveLaw& law = rows.laws[static_cast<std::size_t>(joints.front())];
+  const DriveLaw& law = rows.laws[joints.front()];
   const Bounds bounds = bounds_of(figure, asking, law, rows.current);
   DriveTerm out = term_of(effect, 1);
   out.inverse = figure == JointFigure::gain && !rows.current;
   out.low = {bounds.low}, out.high = {bounds.high}, out.tolerance = bounds.tolerance;
   out.nothing = effect.parameters.front().null;
   out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
-  for (const int j : joints) {
-    out.where.push_back(asking.body.model.tree.joints[static_cast<std::size_t>(j)].name);
-    out.columns(rows.columns.joint(figure, j), 0) = 1.0;
+  for (const std::size_t j : joints) {
+    out.where.push_back(asking.body.model.tree.joints[j].name);
+    out.columns(rows.columns.joint(figure, static_cast<Eigen::Index>(j)), 0) = 1.0;
   }
   return out;
 }
@@ -143,7 +146,7 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
   centre.low.assign(3, -most), centre.high.assign(3, most);
   centre.tolerance = asking.stance.centre * b.mass, centre.mass = b.mass;
   centre.columns = Eigen::MatrixXd::Zero(c.count(), 3);
-  for (int i = 0; i < 3; ++i) centre.columns(c.mass(joint) + 1 + i, i) = 1.0;
+  for (Eigen::Index i = 0; i < 3; ++i) centre.columns(c.mass(joint) + 1 + i, i) = 1.0;
   out.push_back(centre);
   DriveTerm payload = term_of(effect_of(WholeFigure::payload), 4);
   payload.where = {link};
@@ -169,7 +172,8 @@ std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows) 
       out.push_back(at_joints(asking, rows, figure, joints));
     }
   }
-  for (int joint = -1; joint < tree.size(); ++joint) add_link(asking, rows, joint, out);
+  for (int joint = -1; joint < static_cast<int>(tree.size()); ++joint)
+    add_link(asking, rows, joint, out);
   return out;
 }
 
@@ -180,20 +184,22 @@ DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows) {
   const auto add = [&](const Eigen::VectorXd& column, double spread) {
     if (spread > 0.0) columns.push_back(column), spreads.push_back(spread);
   };
-  const auto unit = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(c.count(), at)); };
+  const auto unit = [&](Eigen::Index at) {
+    return Eigen::VectorXd(Eigen::VectorXd::Unit(c.count(), at));
+  };
   double damping = 0.0;
-  for (int j = 0; j < c.joints; ++j) {
-    const DriveLaw& l = rows.laws[static_cast<std::size_t>(j)];
-    damping = std::max(damping, l.damping);
+  for (Eigen::Index j = 0; j < c.joints; ++j) {
+    damping = std::max(damping, rows.laws[static_cast<std::size_t>(j)].damping);
     add(unit(c.joint(JointFigure::zero, j)), asking.tolerances.zero);
   }
   for (int joint = -1; joint < c.joints; ++joint) {
     const double mass = inertia_of(asking.body, joint).mass;
     add(at_centre(asking.body, c, joint), asking.tolerances.mass * mass);
-    for (int i = 0; i < 3; ++i) add(unit(c.mass(joint) + 1 + i), asking.stance.moment * mass);
+    for (Eigen::Index i = 0; i < 3; ++i)
+      add(unit(c.mass(joint) + 1 + i), asking.stance.moment * mass);
   }
   if (rows.current) add(unit(c.back_emf()), asking.stance.back_emf * damping);
-  for (int i = 0; i < 3; ++i) add(unit(c.acc_bias() + i), asking.stance.acc_bias);
+  for (Eigen::Index i = 0; i < 3; ++i) add(unit(c.acc_bias() + i), asking.stance.acc_bias);
   DriveNuisances out;
   out.columns.resize(c.count(), static_cast<Eigen::Index>(columns.size()));
   out.precision.resize(static_cast<Eigen::Index>(columns.size()));

@@ -23,7 +23,7 @@ struct DriveTerm {
   bool carried = false;           // a payload: its own mass is the first number
   V3 centre = V3::Zero();         // of the link: where a payload's moments count from, m
   Eigen::MatrixXd columns;        // figures x numbers
-  int size() const { return static_cast<int>(parameters.size()); }
+  Eigen::Index size() const { return static_cast<Eigen::Index>(parameters.size()); }
 };
 
 /// Drives by kind, by leg, by mirrored pair and one by one; links one by one.

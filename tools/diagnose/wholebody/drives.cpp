@@ -83,7 +83,7 @@ void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     for (const std::string& effect : placed()) answers.cannot(effect, rows.why_not);
     return;
   }
-  answers.asked += static_cast<int>(placed().size());
+  answers.asked += placed().size();
   const char* no_centre = "torques of legs on unmeasured soles were not shown to place a mass";
   answers.cannot(WholeFigure::centre, no_centre);
   const DriveChoice choice = choose_drive_terms(asking, rows);

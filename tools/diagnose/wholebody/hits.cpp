@@ -82,7 +82,7 @@ void add_hit(const Asking& asking, std::size_t number, const Clearance& c, const
   const V3 va = a.v + a.w.cross(arm), vb = b.v + b.w.cross(arm);
   const double into = -up.dot(va);
   if (into < asking.settings.hit_speed) return;
-  const int group = asking.group_of(number, r.t[k] - r.t.front());
+  const std::size_t group = asking.group_of(number, r.t[k] - r.t.front());
   hits.restitution.add(up.dot(vb) / into, into * into, group);
   const V3 impulse = b.v + b.w.cross(com) - a.v - a.w.cross(com);  // over the mass
   const double across = up.dot(impulse);

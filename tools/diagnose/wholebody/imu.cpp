@@ -82,8 +82,8 @@ void add_windows(const Asking& asking, std::size_t number, std::vector<ImuWindow
     const V3 felt = track.R[m] * mount->turn.transpose() * (w.acc - mount->acc_bias);
     const V3 upright = felt - mean_of(track.acceleration, a, b);
     leans->add(level.lean(upright.normalized()) - lean_of(asking.known.pose_tilt),
-               level.heading(r.R[m]), "imu", static_cast<int>(number),
-               static_cast<int>(t / asking.settings.block), w.group);
+               level.heading(r.R[m]), "imu", number,
+               static_cast<std::size_t>(t / asking.settings.block), w.group);
   }
 }
 
@@ -108,19 +108,18 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
                  const ImuParts& parts, const Asking& asking) {
   std::vector<std::vector<const ImuWindow*>> groups;
   for (const ImuWindow& w : windows) {
-    groups.resize(std::max(groups.size(), static_cast<std::size_t>(w.group) + 1));
-    groups[static_cast<std::size_t>(w.group)].push_back(&w);
+    groups.resize(std::max(groups.size(), w.group + 1));
+    groups[w.group].push_back(&w);
   }
   std::erase_if(groups, [](const auto& g) { return g.empty(); });
   Random random(asking.seed, 31);
   Spread out;
-  const int n = static_cast<int>(groups.size());
+  const std::size_t n = groups.size();
   const int draws = asking.settings.imu_draws;
   for (int d = 0; d < draws; ++d) {
     std::vector<ImuWindow> drawn;
-    for (int k = 0; k < n; ++k) {
-      for (const ImuWindow* w : groups[static_cast<std::size_t>(random.below(n))])
-        drawn.push_back(*w);
+    for (std::size_t k = 0; k < n; ++k) {
+      for (const ImuWindow* w : groups[random.below(n)]) drawn.push_back(*w);
     }
     const ImuMount m = fit_mount(drawn, asking.settings, parts);
     const V3 turn = rotation_vector(m.turn * whole.turn.transpose());
@@ -283,8 +282,8 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const std::vector<ImuWindow> windows = all_windows(asking);
   std::vector<char> seen;
   for (const ImuWindow& w : windows) {
-    seen.resize(std::max(seen.size(), static_cast<std::size_t>(w.group) + 1), 0);
-    seen[static_cast<std::size_t>(w.group)] = 1;
+    seen.resize(std::max(seen.size(), w.group + 1), 0);
+    seen[w.group] = 1;
   }
   if (std::count(seen.begin(), seen.end(), 1) < asking.settings.imu_groups) {
     const char* why = "no IMU beside a base attitude (imu_acc:, base_q:) over some seconds";

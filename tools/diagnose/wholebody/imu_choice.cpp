@@ -9,8 +9,8 @@
 namespace sanso::diagnose {
 namespace {
 
-int groups_of(const std::vector<ImuWindow>& windows) {
-  int most = 0;
+std::size_t groups_of(const std::vector<ImuWindow>& windows) {
+  std::size_t most = 0;
   for (const ImuWindow& w : windows) most = std::max(most, w.group + 1);
   return most;
 }
@@ -18,15 +18,16 @@ int groups_of(const std::vector<ImuWindow>& windows) {
 /// By group, each predicted by the other thirds.
 std::vector<double> left_out(const std::vector<ImuWindow>& windows, const WholeSettings& settings,
                              const ImuParts& parts, const ImuNoise& noise) {
-  std::vector<double> out(static_cast<std::size_t>(groups_of(windows)), 0.0);
-  for (int part = 0; part < settings.parts; ++part) {
+  const auto parts_of_groups = static_cast<std::size_t>(settings.parts);
+  std::vector<double> out(groups_of(windows), 0.0);
+  for (std::size_t part = 0; part < parts_of_groups; ++part) {
     std::vector<ImuWindow> fitted;
     for (const ImuWindow& w : windows)
-      if (w.group % settings.parts != part) fitted.push_back(w);
+      if (w.group % parts_of_groups != part) fitted.push_back(w);
     const ImuMount m = fit_mount(fitted, settings, parts);
     for (const ImuWindow& w : windows)
-      if (w.group % settings.parts == part)
-        out[static_cast<std::size_t>(w.group)] += loss_of(w, m, noise, settings.imu_outlier);
+      if (w.group % parts_of_groups == part)
+        out[w.group] += loss_of(w, m, noise, settings.imu_outlier);
   }
   return out;
 }

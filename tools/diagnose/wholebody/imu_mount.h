@@ -14,7 +14,7 @@ struct ImuWindow {
   V3 acc_predicted = V3::Zero(), acc = V3::Zero();    // specific force, m/s^2
   V3 gyro_predicted = V3::Zero(), gyro = V3::Zero();  // rad/s
   bool with_gyro = false;
-  int group = 0;
+  std::size_t group = 0;
 };
 
 struct ImuMount {

@@ -183,16 +183,15 @@ Vec3 rpy_of(const M3& R) {
 
 }  // namespace
 
-int Asking::group_of(std::size_t recording, double seconds_since_start) const {
-  if (recordings.size() >= static_cast<std::size_t>(settings.recordings))
-    return static_cast<int>(recording);
-  constexpr int kMost = 100000;
-  int before = 0;
+std::size_t Asking::group_of(std::size_t recording, double seconds_since_start) const {
+  if (recordings.size() >= static_cast<std::size_t>(settings.recordings)) return recording;
+  constexpr std::size_t kMost = 100000;
+  std::size_t before = 0;
   for (std::size_t r = 0; r < recording; ++r) {
     const WholeRecording& other = recordings[r];
-    before += 1 + static_cast<int>((other.t.back() - other.t.front()) / settings.block);
+    before += 1 + static_cast<std::size_t>((other.t.back() - other.t.front()) / settings.block);
   }
-  return std::min(before + static_cast<int>(seconds_since_start / settings.block), kMost);
+  return std::min(before + static_cast<std::size_t>(seconds_since_start / settings.block), kMost);
 }
 
 Known apply_effects(WholeBody& body) {

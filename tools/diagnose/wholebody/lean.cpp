@@ -24,8 +24,8 @@ double Level::heading(const M3& R_world_base) const {
   return std::atan2(ahead[1], ahead[0]);
 }
 
-void Leans::add(const V2& lean, double heading, const std::string& part, int recording, int piece,
-                int group) {
+void Leans::add(const V2& lean, double heading, const std::string& part, std::size_t recording,
+                std::size_t piece, std::size_t group) {
   const auto at = std::find(parts_.begin(), parts_.end(), part);
   const auto number = static_cast<std::size_t>(at - parts_.begin());
   if (at == parts_.end()) parts_.push_back(part);
@@ -60,7 +60,7 @@ struct Sums {
 
 /// A piece of readings with what resampling and the hold-out need to know.
 struct Piece {
-  int recording = 0, group = 0;
+  std::size_t recording = 0, group = 0;
   bool held_out = false;
   Sums sums;
   Matrix design;  // sum of the rows' derivatives: 2 x numbers
@@ -97,7 +97,7 @@ class LeanProblem {
   /// What wandering between recordings and the prior leave unknown, beside chance.
   Matrix unknown(Using which) const {
     Sums sums(numbers_);
-    std::map<int, Matrix> by_recording;
+    std::map<std::size_t, Matrix> by_recording;
     for (const Piece& p : pieces_) {
       sums.add(p.sums);
       auto& S = by_recording.try_emplace(p.recording, Matrix::Zero(2, numbers_)).first->second;
@@ -144,18 +144,18 @@ Matrix first_two(long numbers) {
 
 /// Covariance of the numbers when groups are resampled.
 Matrix scatter(const LeanProblem& problem, LeanProblem::Using which, const Chance& chance) {
-  std::map<int, Sums> by_group;
+  std::map<std::size_t, Sums> by_group;
   for (const Piece& p : problem.pieces())
     by_group.try_emplace(p.group, problem.numbers()).first->second.add(p.sums);
   std::vector<const Sums*> groups;
   for (const auto& entry : by_group) groups.push_back(&entry.second);
-  const int n = static_cast<int>(groups.size());
+  const std::size_t n = groups.size();
   Random random(chance.seed, 41);
   const Vector whole = problem.solved(which, [](const Piece&) { return 1.0; });
   Matrix out = Matrix::Zero(problem.numbers(), problem.numbers());
   for (int d = 0; d < chance.whole.draws; ++d) {
     Sums drawn(problem.numbers());
-    for (int k = 0; k < n; ++k) drawn.add(*groups[static_cast<std::size_t>(random.below(n))]);
+    for (std::size_t k = 0; k < n; ++k) drawn.add(*groups[random.below(n)]);
     const Vector off = problem.solved(which, drawn) - whole;
     out += off * off.transpose();
   }
@@ -181,7 +181,7 @@ Measured sized(const V2& value, const Matrix& covariance, const LeanProblem& pro
     const double b = p.sums.error(other), a = p.sums.error(x);
     removed.push_back(b - a), before += b, after += a, rows += p.sums.rows;
   }
-  m.groups = static_cast<int>(removed.size());
+  m.groups = removed.size();
   if (rows <= 0.0 || before <= 0.0) return m;
   m.before = std::sqrt(before / rows), m.after = std::sqrt(after / rows);
   m.gain = 1.0 - after / before;
@@ -216,7 +216,7 @@ Measured between(const LeanProblem& problem, const Vector& x, double wander, con
     removed.push_back(2.0 * mean.dot(left) - p.sums.rows * mean.squaredNorm());
     before += p.sums.error(x);
   }
-  m.groups = static_cast<int>(own.size());
+  m.groups = own.size();
   m.value = std::sqrt(squares / static_cast<double>(own.size()));
   m.sigma = wander;
   m.low = std::max(0.0, m.value - 1.96 * wander), m.high = m.value + 1.96 * wander;
@@ -232,7 +232,7 @@ Measured between(const LeanProblem& problem, const Vector& x, double wander, con
 std::optional<LeanFit> LeanFit::of(const Leans& leans, double wander, const Chance& chance) {
   const long numbers = 2 + 2 * static_cast<long>(leans.parts_.size());
   std::vector<Piece> pieces;
-  std::vector<int> groups;
+  std::vector<std::size_t> groups;
   for (const Leans::Cell& c : leans.cells_) {
     Piece p{c.recording, c.group, c.piece % 3 == 2, Sums(numbers), Matrix::Zero(2, numbers)};
     const long at = 2 + 2 * static_cast<long>(c.part);

@@ -32,14 +32,14 @@ class Leans {
  public:
   /// `part`: what leans with the robot on its own account (a foot). `group`: resampled as one.
   /// `piece`: of the recording; every third is held out.
-  void add(const V2& lean, double heading, const std::string& part, int recording, int piece,
-           int group);
+  void add(const V2& lean, double heading, const std::string& part, std::size_t recording,
+           std::size_t piece, std::size_t group);
   bool empty() const { return cells_.empty(); }
 
  private:
   friend struct LeanFit;
   struct Cell {
-    int recording = 0, piece = 0, group = 0;
+    std::size_t recording = 0, piece = 0, group = 0;
     std::size_t part = 0;
     double rows = 0.0, squares = 0.0;
     V2 world = V2::Zero(), body = V2::Zero();        // sums of leans in world axes, in the robot's

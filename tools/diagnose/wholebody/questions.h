@@ -33,7 +33,7 @@ struct Asking {
   SmootherSettings smoother = {};
   Chance chance() const { return {settings, decisions, seed}; }
   // group of a moment: the recording where there are several, else a piece of it
-  int group_of(std::size_t recording, double seconds_since_start) const;
+  std::size_t group_of(std::size_t recording, double seconds_since_start) const;
 };
 
 /// What goes into the patched model.

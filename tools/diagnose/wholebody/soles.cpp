@@ -34,7 +34,8 @@ std::optional<V3> sole_normal(const WholeBody& body, const FootForce& foot) {
   }
   if (points.size() < 4) return std::nullopt;
   BodyKinematics kinematics(body);
-  kinematics.set(M3::Identity(), V3::Zero(), Eigen::VectorXd::Zero(body.model.tree.size()));
+  kinematics.set(M3::Identity(), V3::Zero(),
+                 Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.model.tree.size())));
   const M3& R = kinematics.rotation(foot.joint);
   const V3 up = upwards(body);
   std::sort(points.begin(), points.end(),
@@ -74,8 +75,9 @@ void add_foot(const Asking& asking, std::size_t number, const FootForce& foot, S
       if (!normal) continue;
       const double t = r.t[k] - r.t.front();
       soles.leans.add(level.lean(kinematics.rotation(foot.joint) * *normal) - known,
-                      level.heading(r.R[k]), foot.link, static_cast<int>(number),
-                      static_cast<int>(t / asking.settings.block), asking.group_of(number, t));
+                      level.heading(r.R[k]), foot.link, number,
+                      static_cast<std::size_t>(t / asking.settings.block),
+                      asking.group_of(number, t));
     }
     const double seconds = r.t[s.last - edge - 1] - r.t[s.first + edge];
     const V3 along = (last - first) - level.up.dot(last - first) * level.up;

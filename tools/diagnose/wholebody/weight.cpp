@@ -53,10 +53,10 @@ void add_loads(const Asking& asking, std::size_t number, Loads& loads) {
     if (seconds > 0.5 * asking.settings.block && std::isfinite(sum)) {
       const double pushed = sum / seconds / asking.known.force_scale;
       const double share = pushed / (mass * (gravity + (v[last] - v[first]) / seconds)) - 1.0;
-      const int group = asking.group_of(number, r.t[first] - r.t.front());
+      const std::size_t group = asking.group_of(number, r.t[first] - r.t.front());
       loads.share.add(share, 1.0, group);
       loads.by_recording[r.name].add(
-          share, 1.0, static_cast<int>((r.t[first] - r.t.front()) / asking.settings.block));
+          share, 1.0, static_cast<std::size_t>((r.t[first] - r.t.front()) / asking.settings.block));
     }
     first = std::max(last, first + 1);
   }

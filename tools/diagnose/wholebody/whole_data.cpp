@@ -71,13 +71,15 @@ std::vector<V3> slopes(const WholeRecording& r, Difference difference) {
 
 void set_joints(const recording::Recording& r, const WholeBody& body, WholeRecording& out) {
   const RobotTree& tree = body.model.tree;
-  out.q = Eigen::MatrixXd::Zero(tree.size(), static_cast<Eigen::Index>(r.rows()));
-  for (int j = 0; j < tree.size(); ++j) {
-    const auto column = r.find("q:" + tree.joints[static_cast<std::size_t>(j)].name);
+  out.q = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(tree.size()),
+                                static_cast<Eigen::Index>(r.rows()));
+  for (std::size_t j = 0; j < tree.size(); ++j) {
+    const auto column = r.find("q:" + tree.joints[j].name);
     if (column.empty()) continue;
     std::vector<double> q = gate::without_glitches(column);
     hold(q);
-    for (std::size_t k = 0; k < q.size(); ++k) out.q(j, static_cast<Eigen::Index>(k)) = q[k];
+    for (std::size_t k = 0; k < q.size(); ++k)
+      out.q(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) = q[k];
   }
 }
 
@@ -85,13 +87,14 @@ void set_joints(const recording::Recording& r, const WholeBody& body, WholeRecor
 Eigen::MatrixXd of_all_joints(const recording::Recording& r, const WholeBody& body,
                               const std::string& kind) {
   const RobotTree& tree = body.model.tree;
-  Eigen::MatrixXd out(tree.size(), static_cast<Eigen::Index>(r.rows()));
-  for (int j = 0; j < tree.size(); ++j) {
-    const auto column = r.find(kind + tree.joints[static_cast<std::size_t>(j)].name);
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(tree.size()), static_cast<Eigen::Index>(r.rows()));
+  for (std::size_t j = 0; j < tree.size(); ++j) {
+    const auto column = r.find(kind + tree.joints[j].name);
     if (column.empty()) return {};
     std::vector<double> x(column.begin(), column.end());
     hold(x);
-    for (std::size_t k = 0; k < x.size(); ++k) out(j, static_cast<Eigen::Index>(k)) = x[k];
+    for (std::size_t k = 0; k < x.size(); ++k)
+      out(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) = x[k];
   }
   return out;
 }

@@ -62,8 +62,8 @@ struct Trial {
   SimParams with(const Effect& effect, const Values& theta) const {
     SimParams params = make_params(model);
     if (effect.scope == Scope::robot) effect.apply(params, -1, theta);
-    for (int j = 0; effect.scope != Scope::robot && j < params.size(); ++j)
-      effect.apply(params, j, theta);
+    for (std::size_t j = 0; effect.scope != Scope::robot && j < params.size(); ++j)
+      effect.apply(params, static_cast<int>(j), theta);
     return params;
   }
   std::vector<EffectParameter> parameters(const Effect& effect) const {

@@ -64,22 +64,21 @@ TEST(Formats, MuJoCoPredictsTheMjcfAsOurSimulatorPredictsTheModel) {
   for (const auto& [name, model] : rich_models()) {
     SCOPED_TRACE(name);
     const Drive drive = test::make_test_drive(model, 3.0, 0.01, command);
-    const auto n = static_cast<std::size_t>(model.tree.size());
+    const std::size_t n = model.tree.size();
     const auto ours =
         simulate(params_with_effects(model), drive,
                  std::vector{test::whole(drive, std::vector(n, 0.0), std::vector(n, 0.0))});
     sanso::testing::Mujoco mujoco(mjcf_of(model).text);
     ASSERT_EQ(mujoco.model->nu, static_cast<int>(n));
     const int steps = static_cast<int>(std::lround(0.01 / mujoco.model->opt.timestep));
-    for (int j = 0; j < model.tree.size(); ++j) {
+    for (std::size_t j = 0; j < n; ++j) {
       mj_resetData(mujoco.model.get(), mujoco.data.get());
       double low = 0, high = 0, worst = 0;
       for (std::size_t r = 0; r + 1 < drive.rows(); ++r) {
         const double q = ours[0].of(ours[0].q, j)[r];
         low = std::min(low, q), high = std::max(high, q);
         worst = std::max(worst, std::abs(q - mujoco.data->qpos[j]));
-        for (int k = 0; k < model.tree.size(); ++k)
-          mujoco.data->ctrl[k] = drive.joints[static_cast<std::size_t>(k)].command[r];
+        for (std::size_t k = 0; k < n; ++k) mujoco.data->ctrl[k] = drive.joints[k].command[r];
         for (int s = 0; s < steps; ++s) mj_step(mujoco.model.get(), mujoco.data.get());
       }
       EXPECT_GT(high - low, 0.02) << "it moves";

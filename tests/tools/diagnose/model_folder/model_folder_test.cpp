@@ -57,7 +57,7 @@ TEST(ModelFolder, ReadsSettingsByJoint) {
 
 TEST(ModelFolder, MergesFixedJointsIntoOneBody) {
   const ModelFolder m = parse_model(kToml, kUrdf, "model.toml");
-  ASSERT_EQ(m.tree.size(), 2);
+  ASSERT_EQ(m.tree.size(), 2u);
   const TreeJoint& a = m.tree.joints[0];
   EXPECT_EQ(a.axis[1], 1.0) << "axes are made unit vectors";
   EXPECT_EQ(a.body.mass, 4.0);

@@ -122,8 +122,8 @@ TEST(RobotTree, ParentsStandBeforeTheirChildrenAndNamesFindThem) {
       tree("<link name=\"base\"/>" + link("l1") + link("l2") + link("r1") +
            joint("tip", "continuous", "l1", "l2") + joint("left", "revolute", "base", "l1") +
            joint("right", "prismatic", "base", "r1"));
-  ASSERT_EQ(t.size(), 3);
-  for (int j = 0; j < t.size(); ++j) EXPECT_LT(t.joints[static_cast<std::size_t>(j)].parent, j);
+  ASSERT_EQ(t.size(), 3u);
+  for (int j = 0; j < 3; ++j) EXPECT_LT(t.joints[static_cast<std::size_t>(j)].parent, j);
   const auto& tip = t.joints[static_cast<std::size_t>(t.index_of("tip"))];
   EXPECT_EQ(tip.parent, t.index_of("left"));
   EXPECT_EQ(tip.link, "l2");

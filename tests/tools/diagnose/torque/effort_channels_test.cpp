@@ -177,7 +177,7 @@ TEST(EffortRows, OfTheWorldItselfAreWhatTheModelNeeds) {
       mean += r.effort[static_cast<std::size_t>(row.joint)][k];
     }
     EXPECT_NEAR(row.effort, mean / static_cast<double>(row.last - row.first), 1e-12);
-    EXPECT_EQ(rows.recording_of_block[static_cast<std::size_t>(row.block)], row.recording);
+    EXPECT_EQ(rows.recording_of_block[row.block], row.recording);
   }
   EXPECT_GT(rows.rows.size(), 800u);
   EXPECT_LT(left, 0.01 * all);
@@ -194,7 +194,7 @@ TEST(EffortRows, WindowsAreOfTheSettingsLengthAndDoNotOverlap) {
     EXPECT_GE(row.first, before);
     before = row.last;
   }
-  EXPECT_EQ(rows.blocks, static_cast<int>(rows.recording_of_block.size()));
+  EXPECT_EQ(rows.blocks, rows.recording_of_block.size());
 }
 
 TEST(EffortRows, SayNothingWhereAJointStandsOrItsEffortIsMissing) {

@@ -55,10 +55,10 @@ Fitted fitted(const EffortRows& rows, const std::vector<EffortTerm>& terms) {
   design.append(terms);
   const auto n = static_cast<Eigen::Index>(rows.rows.size());
   design.set_weights(Eigen::VectorXd::Constant(n, 1.0 / (kNoise * kNoise)));
-  std::vector<int> active;
-  for (std::size_t t = 0; t < terms.size(); ++t) active.push_back(static_cast<int>(t));
+  std::vector<std::size_t> active;
+  for (std::size_t t = 0; t < terms.size(); ++t) active.push_back(t);
   Fitted out;
-  out.value = design.fit(active, BlockCounts(static_cast<std::size_t>(rows.blocks), 1.0));
+  out.value = design.fit(active, BlockCounts(rows.blocks, 1.0));
   const Eigen::MatrixXd G = design.X().transpose() * design.X() / (kNoise * kNoise);
   out.deviation = G.inverse().diagonal().cwiseSqrt();
   out.left = design.residual(out.value).squaredNorm() / (kNoise * kNoise * static_cast<double>(n));
@@ -336,8 +336,8 @@ TEST(EffortTerms, LinksKeepAMassAndACentreWithinReach) {
     EXPECT_NEAR(com.low[c], -0.4, 1e-12);
     EXPECT_NEAR(com.high[c], 0.4, 1e-12);
   }
-  EXPECT_EQ(com.joints, (std::vector<int>{0, 1}));
-  EXPECT_EQ(the(rows, "link_com", "upper").joints, std::vector<int>{0});
+  EXPECT_EQ(com.joints, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(the(rows, "link_com", "upper").joints, std::vector<std::size_t>{0});
 }
 
 TEST(EffortTerms, NuisancesStayWithinWhatAModelMayBeWrongBy) {

@@ -35,9 +35,8 @@ double largest_error(const ModelFolder& world, int* compared = nullptr) {
   double worst = 0.0;
   for (std::size_t k = 0; k + 1 < drive.rows(); ++k) {
     MotionSample m;
-    for (int j = 0; j < params.size(); ++j) {
-      const auto i = static_cast<std::size_t>(j);
-      const auto q = p.of(p.q, j), dq = p.of(p.dq, j);
+    for (std::size_t i = 0; i < params.size(); ++i) {
+      const auto q = p.of(p.q, i), dq = p.of(p.dq, i);
       m.q[i] = 0.5 * (q[k] + q[k + 1]);
       m.dq[i] = 0.5 * (dq[k] + dq[k + 1]);
       m.ddq[i] = (dq[k + 1] - dq[k]) / kStep;

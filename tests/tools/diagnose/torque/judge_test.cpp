@@ -15,10 +15,9 @@ namespace {
 
 using namespace test;
 
-int index_of(const EffortDesign& design, const std::string& words) {
+std::size_t index_of(const EffortDesign& design, const std::string& words) {
   for (std::size_t t = 0; t < design.terms().size(); ++t) {
-    if (!design.terms()[t].nuisance && in_words(design.terms()[t]) == words)
-      return static_cast<int>(t);
+    if (!design.terms()[t].nuisance && in_words(design.terms()[t]) == words) return t;
   }
   throw std::logic_error("no term " + words);
 }
@@ -32,24 +31,24 @@ TEST(EffortFit, IsTheLeastSquaresOfAllCountedRows) {
   });
   EffortDesign design(rows);
   design.append(effort_terms(rows, Settings{}));
-  const std::vector<int> active = {
+  const std::vector<std::size_t> active = {
       index_of(design, "cable_spring at b"), index_of(design, "coulomb_friction at a"),
       index_of(design, "effort_offset at a"), index_of(design, "link_mass at lower")};
   Eigen::VectorXd weights(static_cast<Eigen::Index>(rows.rows.size()));
   for (Eigen::Index i = 0; i < weights.size(); ++i) weights[i] = 1.0 + static_cast<double>(i % 3);
   design.set_weights(weights);
-  BlockCounts counts(static_cast<std::size_t>(rows.blocks));
+  BlockCounts counts(rows.blocks);
   for (std::size_t b = 0; b < counts.size(); ++b) counts[b] = static_cast<double>(b % 4);
   // the oracle: the rows themselves, stacked, instead of sums by block
-  std::vector<int> columns;
-  for (const int t : active) {
-    for (int c = 0; c < design.terms()[static_cast<std::size_t>(t)].size(); ++c)
-      columns.push_back(design.first_column(t) + c);
+  std::vector<Eigen::Index> columns;
+  for (const std::size_t t : active) {
+    for (std::size_t c = 0; c < design.terms()[t].size(); ++c)
+      columns.push_back(design.first_column(t) + static_cast<Eigen::Index>(c));
   }
   Eigen::MatrixXd A(weights.size(), static_cast<Eigen::Index>(columns.size()));
   Eigen::VectorXd y = design.target();
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    const auto block = static_cast<std::size_t>(rows.rows[static_cast<std::size_t>(i)].block);
+    const std::size_t block = rows.rows[static_cast<std::size_t>(i)].block;
     const double root = std::sqrt(weights[i] * counts[block]);
     for (Eigen::Index c = 0; c < A.cols(); ++c)
       A(i, c) = root * design.X()(i, columns[static_cast<std::size_t>(c)]);
@@ -81,15 +80,14 @@ TEST(EffortFit, AHeldGainStaysZeroAndItsJointSpeaksInTheRecordedUnit) {
   const EffortRows rows = two_link_rows(friction_at_a);
   EffortDesign design(rows);
   design.append(effort_terms(rows, Settings{}));
-  const int gain = index_of(design, "torque_constant at a");
-  const int at_a = index_of(design, "coulomb_friction at a"),
-            at_b = index_of(design, "viscous_friction at b");
+  const std::size_t gain = index_of(design, "torque_constant at a");
+  const std::size_t at_a = index_of(design, "coulomb_friction at a"),
+                    at_b = index_of(design, "viscous_friction at b");
   design.hold(gain, "A");
   design.scale(0, 2.0, true);
-  EXPECT_EQ(design.terms()[static_cast<std::size_t>(at_a)].units.front(), "A");
-  EXPECT_EQ(design.terms()[static_cast<std::size_t>(at_b)].units.front(), "N m s/rad");
-  const EffortValues x =
-      design.fit({gain, at_a}, BlockCounts(static_cast<std::size_t>(rows.blocks), 1.0));
+  EXPECT_EQ(design.terms()[at_a].units.front(), "A");
+  EXPECT_EQ(design.terms()[at_b].units.front(), "N m s/rad");
+  const EffortValues x = design.fit({gain, at_a}, BlockCounts(rows.blocks, 1.0));
   EXPECT_EQ(x[design.first_column(gain)], 0.0);
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const EffortRow& row = rows.rows[i];
@@ -124,7 +122,7 @@ TEST(EffortSplit, OfOneConditionIsTheEndOfEachOrEveryThirdRecording) {
     const EffortSplit split = split_blocks(rows, EffortSettings{});
     std::vector<int> seen(recordings.size(), 0), held(recordings.size(), 0);
     for (std::size_t b = 0; b < split.fitted.size(); ++b) {
-      const auto r = static_cast<std::size_t>(rows.recording_of_block[b]);
+      const std::size_t r = rows.recording_of_block[b];
       EXPECT_EQ(split.fitted[b] + split.heldout[b], 1.0);
       if (split.heldout[b] != 0.0) ++held[r];
       if (count < 3 && split.fitted[b] != 0.0) {
@@ -164,11 +162,11 @@ TEST(CrossedGain, LooksAtNothingButTheFittedPart) {
   EffortGain before;
   for (const bool garbage : {false, true}) {
     for (EffortRow& row : rows.rows) {
-      if (garbage && split.heldout[static_cast<std::size_t>(row.block)] != 0.0) row.effort = 1e3;
+      if (garbage && split.heldout[row.block] != 0.0) row.effort = 1e3;
     }
     EffortDesign design(rows);
     design.append(effort_terms(rows, Settings{}));
-    const auto gain = [&](const std::string& words, int joint) {
+    const auto gain = [&](const std::string& words, std::size_t joint) {
       return crossed_gain(design, {}, {index_of(design, words)}, split.fitted, {joint}, Settings{},
                           1);
     };

@@ -54,16 +54,15 @@ inline EffortRows rows_of(std::vector<EffortRecording> recordings, const Missing
   Random random(seed);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const EffortRecording& from = recordings[r];
-    const int first = out.blocks;
+    const std::size_t first = out.blocks;
     for (std::size_t k = 0; k < from.t.size(); ++k) {
-      const int block = first + static_cast<int>(from.t[k] / kBlock);
-      while (out.blocks <= block)
-        ++out.blocks, out.recording_of_block.push_back(static_cast<int>(r));
+      const std::size_t block = first + static_cast<std::size_t>(from.t[k] / kBlock);
+      while (out.blocks <= block) ++out.blocks, out.recording_of_block.push_back(r);
       for (std::size_t j = 0; j < from.channels.size(); ++j) {
-        EffortRow row{static_cast<int>(r), static_cast<int>(j), k, k + 1, block};
+        EffortRow row{r, j, k, k + 1, block};
         row.nominal = from.nominal_needs[k][j].total();
         row.effort = row.nominal + noise * random.normal() +
-                     missing(from.motion[k], row.joint, from.t[k] / from.t.back());
+                     missing(from.motion[k], static_cast<int>(j), from.t[k] / from.t.back());
         out.rows.push_back(row);
       }
     }
