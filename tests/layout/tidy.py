@@ -4,11 +4,15 @@
 Usage: tidy.py ROOT BUILD [--changed] [--jobs N] [PATH...]
 BUILD holds compile_commands.json. --changed: only sources that differ from the branch main, and
 those whose header does. PATH: sources below it instead, also of rooms that are not held to it yet.
+What was clean is remembered below $XDG_CACHE_HOME (else ~/.cache), with a digest of all that was read: sources,
+headers, flags, .clang-tidy, the linter. It is read again when one of them changes; --fresh reads everything.
 """
 import argparse
 import collections
 import concurrent.futures
+import hashlib
 import json
+import os
 import pathlib
 import re
 import resource
@@ -16,6 +20,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 
 # More rooms join when they are clean.
@@ -23,6 +28,8 @@ ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model", "tools
          "tools/diagnose/model_folder", "tools/diagnose/stats")
 TOGETHER = 8  # sources read at once
 LINTERS = ("clang-tidy-14", "clang-tidy")
+COMPILERS = ("clang++-14", "clang++", "c++")  # say which headers a source reads
+FORGOTTEN = 60 * 86400  # s: what nobody asked for as long is removed
 FINDING = re.compile(r"^(\S+?):(\d+):\d+: (?:warning|error): (.*)$", re.M)
 
 
@@ -71,6 +78,84 @@ def batches(sources):
             yield names[first:first + TOGETHER], words
 
 
+class Memory:
+    """Which sources were clean. An entry says what else was read, each with a digest, as ccache does."""
+
+    def __init__(self, folder, root, salt):
+        self.folder, self.root, self.salt = folder, root, salt
+        self.digests = {}  # of headers that many sources read
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def digest(self, path):
+        if path not in self.digests:
+            try:
+                self.digests[path] = hashlib.sha256((self.root / path).read_bytes()).hexdigest()
+            except OSError:
+                self.digests[path] = ""  # gone: equal to nothing
+        return self.digests[path]
+
+    def entry(self, names, words):
+        """Of these sources as they are now; that the tree stands elsewhere does not matter."""
+        said = [self.salt, [word.replace(str(self.root), ".") for word in words],
+                [(name, self.digest(name)) for name in names]]
+        return self.folder / (hashlib.sha256(json.dumps(said).encode()).hexdigest() + ".json")
+
+    def knows(self, names, words):
+        entry = self.entry(names, words)
+        try:
+            read = json.loads(entry.read_text(encoding="utf-8"))
+            known = all(digest and self.digest(path) == digest for path, digest in read.items())
+            if known:
+                os.utime(entry)
+        except (OSError, ValueError):
+            return False
+        return known
+
+    def keep(self, names, words, headers):
+        """headers: paths that were read, of the tree relative to its root."""
+        entry = self.entry(names, words)
+        new = entry.with_suffix(f".{os.getpid()}")
+        new.write_text(json.dumps({path: self.digest(path) for path in sorted(headers)}), encoding="utf-8")
+        new.replace(entry)
+
+    def forget(self, now):
+        for entry in self.folder.glob("*.json"):
+            if now - entry.stat().st_mtime > FORGOTTEN:
+                entry.unlink()
+
+
+def headers_of(root, build, joined, words):
+    """What the joined source reads beside itself; None when no compiler says."""
+    compiler = next((name for name in COMPILERS if shutil.which(name)), None)
+    if compiler is None:
+        return None
+    run = subprocess.run([compiler, "-M", *words, str(joined)], capture_output=True, text=True, cwd=build)
+    if run.returncode != 0:
+        return None
+    found = set()
+    for word in run.stdout.replace("\\\n", " ").split()[1:]:
+        path = pathlib.Path(word) if word.startswith("/") else (build / word).resolve()
+        if path != joined:
+            found.add(path.relative_to(root).as_posix() if path.is_relative_to(root) else str(path))
+    return found
+
+
+def remembered(memory, linter, root, build, names, words):
+    """Findings, from memory where there were none."""
+    if memory is not None and memory.knows(names, words):
+        return set()
+    found = lint(linter, root, build, names, words)
+    if memory is not None and not found:
+        headers = headers_of(root, build, joined_path(build, names), words)
+        if headers is not None:
+            memory.keep(names, words, headers)
+    return found
+
+
+def joined_path(build, names):
+    return build / "lint" / (names[0].replace("/", "_").removesuffix(".cpp") + f"_{len(names)}.cpp")
+
+
 def lint(linter, root, build, names, words):
     """Findings in our own files; what the analyzer suspects inside of libraries is theirs.
 
@@ -82,9 +167,8 @@ def lint(linter, root, build, names, words):
         lines = (root / name).read_text(encoding="utf-8").splitlines()
         origin += [(name, number) for number in range(1, len(lines) + 1)]
         text += lines
-    folder = build / "lint"
-    folder.mkdir(exist_ok=True)
-    joined = folder / (names[0].replace("/", "_").removesuffix(".cpp") + f"_{len(names)}.cpp")
+    joined = joined_path(build, names)
+    joined.parent.mkdir(exist_ok=True)
     joined.write_text("\n".join(text) + "\n", encoding="utf-8")
     config = f"--config-file={root / '.clang-tidy'}"
     run = subprocess.run([linter, "--quiet", config, str(joined), "--", *words],
@@ -109,12 +193,46 @@ def own_findings(root, build, joined, origin, all_found):
             yield f"{where.relative_to(root)}:{line}: {text}"
 
 
+def memory_of(linter, root):
+    """What holds for all sources: the rules, the linter, how this script joins them."""
+    said = [(root / ".clang-tidy").read_text(encoding="utf-8"), str(TOGETHER),
+            subprocess.run([linter, "--version"], capture_output=True, text=True, check=True).stdout]
+    cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache")
+    return Memory(cache / "sanso-tidy", root, hashlib.sha256("\0".join(said).encode()).hexdigest())
+
+
+def self_test():
+    """A source is read again when it, a header, the flags or the rules change, and only then."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        (root / "a.cpp").write_text("1"), (root / "a.h").write_text("2")
+
+        def memory(salt="rules"):
+            return Memory(root / "memory", root, salt)
+
+        assert not memory().knows(["a.cpp"], ("-O2",)), "nothing was kept"
+        memory().keep(["a.cpp"], ("-O2",), {"a.h"})
+        assert memory().knows(["a.cpp"], ("-O2",))
+        assert not memory().knows(["a.cpp"], ("-O0",)) and not memory("others").knows(["a.cpp"], ("-O2",))
+        (root / "a.h").write_text("3")
+        assert not memory().knows(["a.cpp"], ("-O2",)), "a header changed"
+        (root / "a.h").write_text("2"), (root / "a.cpp").write_text("4")
+        assert not memory().knows(["a.cpp"], ("-O2",)), "the source changed"
+        (root / "a.cpp").write_text("1"), (root / "a.h").unlink()
+        assert not memory().knows(["a.cpp"], ("-O2",)), "a header is gone"
+        memory().forget(time.time() + 2 * FORGOTTEN)
+        assert not list((root / "memory").iterdir())
+    assert FINDING.findall("/a/b.cpp:1:2: error: x [bugprone-y]"), "a finding is not seen"
+
+
 def main():
+    self_test()
     parser = argparse.ArgumentParser()
     parser.add_argument("root", type=pathlib.Path)
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("paths", nargs="*")
     parser.add_argument("--changed", action="store_true")
+    parser.add_argument("--fresh", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
     given = parser.parse_args()
     root, build = given.root.resolve(), given.build.resolve()
@@ -133,13 +251,15 @@ def main():
         else:
             stems = {str(pathlib.PurePosixPath(name).with_suffix("")) for name in names}
             todo = {unit: words for unit, words in todo.items() if unit.removesuffix(".cpp") in stems}
-    assert FINDING.findall("/a/b.cpp:1:2: error: x [bugprone-y]"), "a finding is not seen"
+    memory = None if given.fresh else memory_of(linter, root)
     begin, found = time.monotonic(), set()
     with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
-        for findings in pool.map(lambda batch: lint(linter, root, build, *batch), batches(todo)):
+        for findings in pool.map(lambda batch: remembered(memory, linter, root, build, *batch), batches(todo)):
             for finding in sorted(findings - found):
                 print(finding, flush=True)
             found |= findings
+    if memory is not None:
+        memory.forget(time.time())
     spent, used = time.monotonic() - begin, resource.getrusage(resource.RUSAGE_CHILDREN)
     print(f"{len(todo)} sources linted in {spent:.0f} s ({used.ru_utime + used.ru_stime:.0f} s of "
           f"processor time), {len(found)} findings")
