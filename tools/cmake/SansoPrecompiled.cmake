@@ -8,8 +8,9 @@ endif()
 set(standard <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstdio> <cstring> <filesystem> <fstream> <functional>
     <limits> <map> <memory> <mutex> <numeric> <optional> <random> <set> <span> <sstream> <stdexcept> <string> <string_view>
     <thread> <vector> <Eigen/Core> <Eigen/Cholesky> <Eigen/Geometry> <Eigen/LU> <Eigen/QR>)
-file(WRITE ${PROJECT_BINARY_DIR}/empty.cpp "")
-file(WRITE ${PROJECT_BINARY_DIR}/empty_main.cpp "int main() {}\n")
+# written only where they are not there: what is newer is compiled anew, and everything after it
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/empty.cpp CONTENT "")
+file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/empty_main.cpp CONTENT "int main() {}\n")
 # Two, because libraries and programs are compiled with different kinds of position-independent code.
 add_library(sanso_precompiled_library STATIC ${PROJECT_BINARY_DIR}/empty.cpp)
 target_link_libraries(sanso_precompiled_library PRIVATE Eigen3::Eigen)
