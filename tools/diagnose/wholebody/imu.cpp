@@ -127,7 +127,8 @@ Spread spread_of(const std::vector<ImuWindow>& windows, const ImuMount& whole,
     out.turn += turn * turn.transpose();
     out.acc_bias += acc * acc.transpose(), out.gyro_bias += gyro * gyro.transpose();
   }
-  const double widen = static_cast<double>(n) / std::max(1, n - 1) / draws;
+  const auto drawn_groups = static_cast<double>(n);
+  const double widen = drawn_groups / std::max(1.0, drawn_groups - 1.0) / draws;
   for (M3* s : {&out.turn, &out.acc_bias, &out.gyro_bias}) *s *= widen;
   return out;
 }

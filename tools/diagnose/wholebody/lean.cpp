@@ -160,7 +160,8 @@ Matrix scatter(const LeanProblem& problem, LeanProblem::Using which, const Chanc
     out += off * off.transpose();
   }
   // few groups spread too little
-  return out * (static_cast<double>(n) / std::max(1, n - 1) / chance.whole.draws);
+  const auto drawn_groups = static_cast<double>(n);
+  return out * (drawn_groups / std::max(1.0, drawn_groups - 1.0) / chance.whole.draws);
 }
 
 /// Size of a vector with its deviation, and what it adds on the pieces held out to `without`.
