@@ -14,8 +14,9 @@ constexpr std::size_t kConditionSize = 20 + 1;  // temperatures, charge
 
 }  // namespace
 
-firmware::Settings settings_on(bool wheels, const std::string& ground) {
+firmware::Settings settings_on(bool wheels, const std::string& ground, double target_rate_rad_s) {
   firmware::Settings settings;
+  if (target_rate_rad_s > 0.0) settings.guard.max_target_rate_rad_s = target_rate_rad_s;
   settings.estimator.wheels = wheels;
   if (wheels) settings.estimator.flat_ground = ground == "plane";
   return settings;
@@ -36,7 +37,10 @@ link::RobotLink& InProcessAccess::place(const model::State& x, std::uint64_t see
     before.used_Ah = condition_.back();
     robot_->robot().begin_rested(before);
   }
-  if (push_) robot_->robot().lend_hand({push_->push_m_s, push_->push_s});
+  if (push_) {
+    robot_->robot().lend_hand({push_->push_m_s, push_->push_s});
+    if (push_->hold > 0.0) robot_->hold_on_the_way(push_->hold, world_.ground.profile);
+  }
   if (prepare_) prepare_(*robot_);
   link_ = std::make_unique<link::RobotLink>(*robot_, *robot_, key_);
   if (link_->open() != Status::ok)

@@ -12,8 +12,10 @@
 
 namespace sanso::inprocess {
 
-/// What a person enters into the controller who puts skates under the robot, and a profile.
-firmware::Settings settings_on(bool wheels, const std::string& ground);
+/// What a person enters into the controller who puts skates under the robot, and a profile; and
+/// what the motion asks for: targets that change faster than the controller's own limit.
+firmware::Settings settings_on(bool wheels, const std::string& ground,
+                               double target_rate_rad_s = 0.0);
 
 class InProcessAccess : public learn::RobotAccess {
  public:

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "shared/grounds/ground_file.h"
+
 namespace sanso::inprocess {
 
 InProcessRobot::InProcessRobot(const plant::World& world, std::uint64_t seed, const wire::Key& key,
@@ -45,7 +47,12 @@ void InProcessRobot::finish_computation(Nanoseconds begin, Nanoseconds modelled)
   robot_.advance(end);
 }
 
+void InProcessRobot::hold_on_the_way(double strength, const std::string& profile) {
+  carriage_.emplace(grounds::load_ground(profile), strength);
+}
+
 void InProcessRobot::run_tick() {
+  if (carriage_) robot_.support(carriage_->beside(robot_.truth()));
   robot_.advance(next_tick_);
   const Nanoseconds due = next_tick_;
   firmware_->poll_imu(due);

@@ -5,10 +5,13 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "firmware/app/firmware.h"
 #include "host/link/channel.h"
+#include "tools/inprocess/carriage.h"
 #include "tools/inprocess/simulated_board.h"
 
 namespace sanso::inprocess {
@@ -46,6 +49,10 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   };
   void push_at(const Push& push) { push_ = push; }
 
+  /// A hand travels along at the torso from when nobody else holds it, with this strength, upright
+  /// on the profile.
+  void hold_on_the_way(double strength, const std::string& profile);
+
   /// Called after every tick of the controller, with the world as it is then.
   void after_tick(std::function<void()> look) { after_tick_ = std::move(look); }
 
@@ -77,6 +84,7 @@ class InProcessRobot : public link::DatagramChannel, public link::HostClock {
   std::int32_t host_lost_at_ = INT32_MAX, bus_pulled_at_ = INT32_MAX;
   bool host_lost_ = false;
   Push push_;
+  std::optional<Carriage> carriage_;
   std::vector<TrialTruth> trial_truth_;
   std::function<void()> after_tick_;
 };

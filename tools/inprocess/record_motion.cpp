@@ -10,13 +10,13 @@
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/retarget.h"
 #include "shared/grounds/ground_file.h"
-#include "shared/model/foot_shape.h"
 #include "shared/model/joints.h"
 #include "shared/servo_bus/encode.h"
 #include "shared/servo_bus/opencr.h"
 #include "shared/servo_bus/units.h"
 #include "shared/servo_bus/xm430.h"
 #include "tools/emulator/emulated_robot.h"
+#include "tools/inprocess/carriage.h"
 #include "tools/plant/world.h"
 
 namespace sanso::inprocess {
@@ -79,7 +79,7 @@ class Recorder {
            const std::string& ground)
       : recipe_(recipe),
         like_(like),
-        ground_(grounds::load_ground(ground)),
+        carriage_(grounds::load_ground(ground), recipe.hand),
         robot_(plant::load_world(world), 1),
         start_(like.primitives.start_state()) {}
 
@@ -131,13 +131,10 @@ class Recorder {
     }
   }
 
-  emulator::Support carriage(double t) const {
+  emulator::Support carriage(double t) {
     const emulator::Truth truth = robot_.truth();
-    emulator::Support s;
-    s.strength = recipe_.hand;
-    s.p_world_carriage = {truth.p_world_base[0], held_at_[1], truth.p_world_base[2]};
-    s.quat_world_carriage =
-        plant::from_rotation_vector({0.0, pitch_at(truth.p_world_base[0]), 0.0});
+    emulator::Support s = carriage_.beside(truth);
+    s.p_world_carriage[1] = held_at_[1];
     const double push_s = like_.skate ? like_.skate->push_s : 0.0;
     const double push_m_s = like_.skate ? like_.skate->push_m_s : 0.0;
     if (!like_.skate || t < push_s) {  // it holds along as well, then lets roll
@@ -151,16 +148,9 @@ class Recorder {
     return s;
   }
 
-  /// About +y, of the line through points half a wheelbase behind and ahead.
-  double pitch_at(double x) const {
-    const double half = model::kSkates.half_length;
-    return std::atan2(ground_height(ground_, x - half) - ground_height(ground_, x + half),
-                      2.0 * half);
-  }
-
   const motion::RecordRecipe& recipe_;
   const motion::Motion& like_;
-  model::Ground ground_;
+  Carriage carriage_;
   emulator::EmulatedRobot robot_;
   model::State start_;
   plant::Vec3 held_at_{};

@@ -15,6 +15,8 @@ namespace sanso::learn {
 /// it evenly to push_m_s within push_s and lets go.
 struct Push {
   double push_m_s = 0.0, push_s = 0.0;
+  // of a hand that travels along and keeps the torso upright, 0 to 1; 0: there is none
+  double hold = 0.0;
 };
 
 class RobotAccess {

@@ -230,7 +230,7 @@ TrialSummary Session::run_one() {
   setup.duration_ticks = state_->primitives.duration_ticks();
 
   robot_.set_condition(state_->robot);
-  if (task_.push) robot_.lend_hand(*task_.push);
+  if (task_.push) robot_.lend_hand({task_.push->push_m_s, task_.push->push_s, hold_of(trial)});
   link::RobotLink& link =
       robot_.place(reference.front(), derived_seed(settings_.seed, trial, Stream::robot));
   Episode episode = run_episode(link, setup);
@@ -245,7 +245,7 @@ TrialSummary Session::run_one() {
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
   learn_from(episode, reference);
-  const Episode free = without_hand(episode, task_.push);
+  const Episode free = taught_by(episode);
   if (const auto losses = learner_.losses(free)) {
     summary.model_loss = losses->augmented;
     summary.model_loss_analytical = losses->analytical;
@@ -282,6 +282,19 @@ Episode Session::run_episode(link::RobotLink& link, const TrialSetup& setup) {
   }
 }
 
+/// Strength of the hand that travels along.
+double Session::hold_of(std::uint32_t trial) const {
+  if (!task_.push || settings_.hand_fades_over <= 0) return 0.0;
+  return std::max(0.0, 1.0 - static_cast<double>(trial) / settings_.hand_fades_over);
+}
+
+/// What of an episode tells something about the robot without a hand.
+Episode Session::taught_by(const Episode& episode) const {
+  Episode free = without_hand(episode, task_.push);
+  if (hold_of(episode.trial) > 0.0 && !settings_.learn_model_in_hand) free.ticks.clear();
+  return free;
+}
+
 /// After the third trial, every tenth, and every third failure in a row.
 bool Session::time_to_learn_model() const {
   const int every = settings_.learn_model_every, failures = settings_.learn_after_failures;
@@ -308,7 +321,7 @@ void Session::learn_model() {
   const auto newest = static_cast<std::uint32_t>(settings_.model.newest_episodes);
   for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0;
        t < state_->next_trial; ++t) {
-    episodes.push_back(without_hand(load_episode(episode_file(settings_.out, t)), task_.push));
+    episodes.push_back(taught_by(load_episode(episode_file(settings_.out, t))));
   }
   learner_.learn(episodes);
   // not enough data: nothing was learned

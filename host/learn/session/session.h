@@ -45,6 +45,8 @@ struct SessionSettings {
   int learn_model_every = 10;
   int learn_first_after = 3;
   int learn_after_failures = 3;
+  int hand_fades_over = 0;
+  bool learn_model_in_hand = true;
   ModelLearningSettings model;
   MiddleLayerSettings middle;
   GoalAdaptationSettings goals;
@@ -60,6 +62,12 @@ struct SessionSettings {
     field("learn_after_failures", learn_after_failures, "trials", 0, 1000000,
           "failed in a row bring a round of their own, and again after as many: a robot that falls "
           "at once would repeat a bad plan ten times; 0: never (paper)");
+    field("hand_fades_over", hand_fades_over, "trials", 0, 1000000,
+          "on wheels a hand travels along at the torso, evenly weaker from trial to trial and gone "
+          "after so many; 0: it only pushes the robot off");
+    field("learn_model_in_hand", learn_model_in_hand, "yes or no", false, true,
+          "from trials with that hand too, which the model does not know: what it learns keeps the "
+          "robot up when the hand goes; no: from those after it");
   }
 };
 
@@ -86,6 +94,8 @@ class Session {
   void bring_up();
   TrialSummary run_one();
   void learn_from(const Episode& episode, const std::vector<model::State>& reference);
+  double hold_of(std::uint32_t trial) const;
+  Episode taught_by(const Episode& episode) const;
   bool time_to_learn_model() const;
   void learn_model();
   Episode run_episode(link::RobotLink& link, const TrialSetup& setup);

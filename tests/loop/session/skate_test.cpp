@@ -54,6 +54,54 @@ TEST(Skating, ASessionGoesOnWithTheSameBits) {
             summary_of(folder.path() / "whole")["learned_digest"]);
 }
 
+/// What a hand was asked for, trial by trial.
+TEST(Skating, TheHandThatTravelsAlongFadesEvenly) {
+  struct Noted : inprocess::InProcessAccess {
+    Noted(const app::LearnOptions& o, std::vector<double>& seen)
+        : InProcessAccess(o.world, inprocess::settings_on(o.wheels, o.ground)), holds(seen) {}
+    void lend_hand(const learn::Push& push) override {
+      holds.push_back(push.hold);
+      InProcessAccess::lend_hand(push);
+    }
+    std::vector<double>& holds;
+  };
+  const test::TempFolder folder;
+  std::vector<double> holds;
+  app::LearnOptions options;
+  options.motion = "skate_ramp";
+  options.iterations = 3;
+  options.out = folder.path() / "run";
+  options.threads = 1;
+  options.quiet = true;
+  options.set = {"session.hand_fades_over=2"};
+  app::learn(options, [&](const app::LearnOptions& prepared) {
+    return std::make_unique<Noted>(prepared, holds);
+  });
+  EXPECT_EQ(holds, (std::vector<double>{1.0, 0.5, 0.0}));
+}
+
+/// In `back` the first trial is a fall (docs/results/skating.md).
+TEST(Skating, AHandKeepsTheRobotUpThatWouldFall) {
+  const auto first_trial = [](const char* fades_over) {
+    const test::TempFolder folder;
+    app::LearnOptions options;
+    options.motion = "skate_ramp";
+    options.world = "back";
+    options.iterations = 1;
+    options.out = folder.path() / "run";
+    options.threads = 1;
+    options.quiet = true;
+    options.set = {std::string("session.hand_fades_over=") + fades_over};
+    app::learn(options, [](const app::LearnOptions& prepared) {
+      return std::make_unique<inprocess::InProcessAccess>(
+          prepared.world, inprocess::settings_on(prepared.wheels, prepared.ground));
+    });
+    return learn::load_episode(options.out / "trial_0000.episode").failed();
+  };
+  EXPECT_TRUE(first_trial("0"));
+  EXPECT_FALSE(first_trial("10"));
+}
+
 TEST(Skating, ARobotWithoutAHandSaysSo) {
   struct Handless : inprocess::InProcessAccess {
     using InProcessAccess::InProcessAccess;
