@@ -49,6 +49,7 @@ void prepare_world(const motion::Motion& motion, LearnOptions& options) {
   if (motion.skate && options.ground == "plane") options.ground = motion.skate->ground;
   if (options.ground != "plane") options.world += "+" + options.ground;
   options.wheels = motion.skate.has_value();
+  options.target_rate_rad_s = motion.target_rate_rad_s.value_or(0.0);
   if (options.wheels) options.world += "+wheels";
 }
 

@@ -29,6 +29,8 @@ struct LearnOptions {
   // the planner's, and an emulated robot's: "plane", a profile of shared/grounds, a file
   std::string ground = "plane";
   bool wheels = false;  // as the motion says: the robot wears skates
+  // as the motion says: guard.max_target_rate_rad_s of the controller; 0: as it is set
+  double target_rate_rad_s = 0.0;
   int threads = 2;
   std::string profile = "ours";
   std::vector<std::string> set;  // "mpc.horizon=12"

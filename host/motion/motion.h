@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/motion/flight.h"
 #include "host/motion/recipe.h"
 #include "host/motion/skate.h"
 #include "host/motion/success.h"
@@ -39,9 +40,12 @@ struct Motion {
   std::string name;
   std::string title;
   ClipSource source;
-  Recipe recipe;               // of a motion that a clip became
-  std::optional<Skate> skate;  // of a motion on wheels
+  Recipe recipe;                    // of a motion that a clip became
+  std::optional<Skate> skate;       // of a motion on wheels
+  std::optional<FlightJog> flight;  // of a jog that flies
   mpc::CostWeights weights;
+  // how fast targets may change, of the controller that runs it; nothing: as it is set
+  std::optional<double> target_rate_rad_s;
   StopRule stop;
   Window window;
   std::vector<Clause> success;

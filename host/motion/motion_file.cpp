@@ -104,6 +104,11 @@ void read_skate(const TomlTable& table, Skate& skate) {
   }
 }
 
+void read_flight(const TomlTable& table, FlightJog& flight) {
+  visit_flight_jog(flight, [&](const char* key, auto& value) { read_figure(table, key, value); });
+  table.finish();
+}
+
 Clause read_clause(const TomlTable& entry) {
   Clause clause;
   clause.measure = text(entry, "measure");
@@ -184,9 +189,16 @@ Motion read_document(const TomlTable& root) {
   source.finish();
   if (root.has("skate"))
     read_skate(section(root, "skate"), motion.skate.emplace());
+  else if (root.has("flight"))
+    read_flight(section(root, "flight"), motion.flight.emplace());
   else
     read_recipe(section(root, "retarget"), motion.recipe);
   read_cost(section(root, "cost"), motion.weights);
+  if (root.has("controller")) {
+    const TomlTable controller = section(root, "controller");
+    motion.target_rate_rad_s = number(controller, "max_target_rate_rad_s", 1.0, 60.0);
+    controller.finish();
+  }
   const TomlTable stop = section(root, "stop");
   motion.stop = {number(stop, "cost_limit", 1, 1e6), number(stop, "tilt_limit_rad", 0.05, 1.5),
                  number(stop, "drop_limit_m", 0.005, 0.25)};
@@ -300,6 +312,11 @@ void write_making(TomlText& toml, const Motion& motion) {
     visit_skate(*motion.skate, put);
     return;
   }
+  if (motion.flight) {
+    toml.heading("flight");
+    visit_flight_jog(*motion.flight, put);
+    return;
+  }
   toml.heading("retarget");
   toml.put("kind", std::string(to_string(motion.recipe.kind)));
   visit_recipe(motion.recipe, put);
@@ -329,7 +346,9 @@ const char* to_string(MotionKind kind) {
 std::string to_toml(const Motion& motion) {
   TomlText toml;
   toml.line(std::string("# A motion of sanso. Made by `sanso motions ") +
-            (motion.skate ? "skate" : "import") +
+            (motion.skate    ? "skate"
+             : motion.flight ? "jog"
+                             : "import") +
             "`; the weights and clauses may be edited by hand.");
   toml.put("format", kFormat);
   toml.put("name", motion.name);
@@ -345,6 +364,10 @@ std::string to_toml(const Motion& motion) {
   for (const WeightGroup& group : kStateWeights)
     toml.put(group.key, motion.weights.state[group.from]);
   toml.put("input", motion.weights.input[0]);
+  if (motion.target_rate_rad_s) {
+    toml.heading("controller");
+    toml.put("max_target_rate_rad_s", *motion.target_rate_rad_s);
+  }
   toml.heading("stop");
   toml.put("cost_limit", motion.stop.cost_limit);
   toml.put("tilt_limit_rad", motion.stop.tilt_limit_rad);

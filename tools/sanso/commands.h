@@ -23,6 +23,7 @@ void add_conceal(CLI::App& app, int& result);
 void add_learn(CLI::App& app, int& result);
 void add_bench(CLI::App& app, int& result);
 void add_motions(CLI::App& app, int& result);
+void add_jog(CLI::App& motions);  // of add_motions
 void add_report(CLI::App& app, int& result);
 void add_reveal(CLI::App& app, int& result);
 void add_identify(CLI::App& app, int& result);

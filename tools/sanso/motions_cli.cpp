@@ -238,6 +238,7 @@ void add_motions(CLI::App& app, int& result) {
   add_new(*command);
   add_record(*command);
   add_skate(*command);
+  add_jog(*command);
   command->callback([json, command, &result] {
     if (command->get_subcommands().empty()) list_motions(*json);
     result = kDone;

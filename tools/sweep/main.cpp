@@ -30,7 +30,8 @@ with --mca odls_base_sigkill_timeout S.)";
 
 std::unique_ptr<learn::RobotAccess> in_process(const app::LearnOptions& options) {
   return std::make_unique<inprocess::InProcessAccess>(
-      options.world, inprocess::settings_on(options.wheels, options.ground));
+      options.world,
+      inprocess::settings_on(options.wheels, options.ground, options.target_rate_rad_s));
 }
 
 CLI::App* add_learn(CLI::App& app, SessionsOptions& o) {

@@ -14,8 +14,10 @@ namespace sanso::motion {
 
 /// What the body has to do, tick by tick: the input of solve_body.
 struct BodyTarget {
-  // ankle-roll origins, right and left; feet level, heading +x   m
+  // ankle-roll origins, right and left; feet heading +x   m
   std::vector<std::array<math::Vec3, 2>> p_world_foot;
+  // about +y, heel up is positive; empty: level   rad
+  std::vector<std::array<double, 2>> foot_pitch = {};
   std::vector<std::array<bool, 2>> carries;
   std::vector<double> base_height;  // m
   // wanted ZMP, or CoM when `ground_is_com`   m
@@ -28,6 +30,9 @@ struct Retargeted {
   BodyTarget target;
   double reach = 0.0;  // largest |hip - ankle| over the straight leg
 };
+
+/// Turned about +y.
+math::Mat3 pitched(double rad);
 
 /// Throws ClipError when the clip does not hold what the recipe asks for.
 Retargeted retarget(const HumanMotion& clip, const Recipe& recipe);

@@ -28,8 +28,10 @@ double solve_poses(const BodyTarget& target, const Path& base, Trajectory& traje
     model::State& x = trajectory.x[k];
     x.head<3>() = math::Vec3(base[0][k], base[1][k], target.base_height[k]);
     for (int side : {kRight, kLeft}) {
+      const math::Mat3 R_world_foot =
+          target.foot_pitch.empty() ? math::Mat3::Identity() : pitched(target.foot_pitch[k][side]);
       const LegSolution leg = solve_leg(side, model::base_position(x), math::Mat3::Identity(),
-                                        target.p_world_foot[k][side], math::Mat3::Identity());
+                                        target.p_world_foot[k][side], R_world_foot);
       x.segment<6>(model::kXJoint + 6 * side) = leg.q;
       reach = std::max(reach, leg.reach);
     }
@@ -51,6 +53,12 @@ double follow_com(const BodyTarget& target, const Path& com, Path& base, Traject
 }
 
 }  // namespace
+
+math::Mat3 pitched(double rad) {
+  math::Mat3 R;
+  R << std::cos(rad), 0.0, std::sin(rad), 0.0, 1.0, 0.0, -std::sin(rad), 0.0, std::cos(rad);
+  return R;
+}
 
 Retargeted solve_body(const BodyTarget& target) {
   Retargeted out;

@@ -1,0 +1,150 @@
+// `sanso motions jog`: from a robot's own trials to a jog that flies. Its servos are identified at
+// 10 ms, the figures are searched that fly best on that model, their rehearsal becomes a motion.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "host/learn/model/identify_fine.h"
+#include "host/motion/make/rehearse.h"
+#include "tools/sanso/commands.h"
+
+namespace sanso::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct JogOptions {
+  std::string name;
+  fs::path session, out = ".";
+  std::vector<int> trials = {1, 2, 3};
+  int generations = 6;
+  std::uint64_t seed = 1;
+  std::vector<std::string> figures;
+};
+
+void set_figure(motion::FlightJog& jog, const std::string& text) {
+  const std::size_t sign = text.find('=');
+  std::string known;
+  bool found = false;
+  motion::visit_flight_jog(jog, [&](const std::string& key, auto& value) {
+    known += (known.empty() ? "" : ", ") + key;
+    if (sign == std::string::npos || key != text.substr(0, sign)) return;
+    value = static_cast<std::decay_t<decltype(value)>>(std::stod(text.substr(sign + 1)));
+    found = true;
+  });
+  if (!found) throw std::runtime_error("--set " + text + ": no such figure; there are: " + known);
+}
+
+/// Of the robot that ran these trials.
+model::ModelParameters identified(const JogOptions& o) {
+  std::vector<learn::FineWindow> windows;
+  constexpr int kFirstTick = 60, kStride = 4;  // the robot stands at first
+  for (const int trial : o.trials) {
+    const fs::path file = o.session / fmt::format("trial_{:04d}.episode", trial - 1);
+    const auto some = learn::fine_windows_of(learn::load_episode(file), kFirstTick, kStride);
+    windows.insert(windows.end(), some.begin(), some.end());
+  }
+  constexpr double kDuty = 0.9;  // of the controller's guard
+  model::ModelParameters initial = model::nominal_parameters();
+  for (model::ServoParameters& servo : initial.servo) servo.torque_limit *= kDuty;
+  const learn::FineIdentification found =
+      learn::identify_fine(windows, learn::ParameterMap(initial), model::make_plane(), o.seed);
+  const model::ServoParameters& knee = found.parameters.servo[3];
+  fmt::print(
+      "{} windows of 0.1 s: loss {:.3f} -> {:.3f}; servo {:.2f} N m/rad, {:.2f} N m s/rad, rotor "
+      "{:.4f} kg m^2, dry friction {:.2f} N m, delay {:.0f} ms; "
+      "trunk {:.2f} kg, centre {:.1f} mm\n",
+      windows.size(), found.loss_initial, found.loss, knee.stiffness, knee.damping, knee.armature,
+      knee.coulomb, 1e3 * found.delay_s, found.parameters.body[0].mass,
+      1e3 * found.parameters.body[0].com[0]);
+  return found.parameters;
+}
+
+/// Rhythm, bounce and feet vary about what is given, not the way. `z` in spreads.
+constexpr int kVaried = 10;
+motion::FlightJog varied(const motion::FlightJog& given, const Eigen::VectorXd& z) {
+  constexpr double kSpread = 0.1, kStraight = 0.93;
+  motion::FlightJog jog = given;
+  double* const figures[kVaried] = {
+      &jog.period_s, &jog.flight_s,  &jog.lift_off_m_s, &jog.absorb_s, &jog.swing_height_m,
+      &jog.heel_rad, &jog.heel_up_s, &jog.heel_down_s,  &jog.toe_rad,  &jog.kappa};
+  for (int i = 0; i < kVaried - 1; ++i) *figures[i] *= std::exp(kSpread * z[i]);
+  jog.kappa = std::min(kStraight, jog.kappa * std::exp(0.3 * kSpread * z[kVaried - 1]));
+  return jog;
+}
+
+/// The best that the cross-entropy method finds in the model, over fewer steps than it is made of.
+motion::FlightJog optimised(const motion::FlightJog& given, const model::StepModel& model,
+                            const JogOptions& o) {
+  constexpr int kSearchSteps = 8;
+  motion::FlightJog shorter = given;
+  shorter.steps = std::min(given.steps, kSearchSteps);
+  const learn::EvaluateCandidates evaluate = [&](const Eigen::MatrixXd& candidates) {
+    std::vector<double> losses;
+    for (const auto& z : candidates.colwise()) {
+      const motion::FlightReference reference = motion::flight_reference(varied(shorter, z));
+      losses.push_back(-motion::worth(motion::rehearse(reference, model)));
+    }
+    return losses;
+  };
+  learn::CrossEntropySettings search;
+  search.population = 12;
+  search.elites = 4;
+  search.smallest_deviation = 0.1;
+  learn::CrossEntropyState state = learn::start_cross_entropy(
+      Eigen::VectorXd::Zero(kVaried), Eigen::VectorXd::Ones(kVaried), evaluate);
+  for (int i = 0; i < o.generations; ++i) {
+    learn::advance_cross_entropy(state, search, o.seed, evaluate);
+    fmt::print("generation {}: worth {:.1f}\n", i + 1, -state.best_loss);
+    std::fflush(stdout);
+  }
+  return varied(given, state.best);
+}
+
+void make(const JogOptions& o) {
+  motion::FlightJog given;
+  for (const std::string& figure : o.figures) set_figure(given, figure);
+  const model::StepModel model = model::make_step_model(identified(o));
+  const motion::FlightJog jog = optimised(given, model, o);
+  const motion::FlightReference reference = motion::flight_reference(jog);
+  const motion::Rehearsal r = motion::rehearse(reference, model);
+  const motion::Motion made = motion::jog_motion(o.name, jog, reference, r);
+  fmt::print(
+      "in the model {:.0f} % of the steps fly 20 ms, {:.0f} % 28 ms; double support {:.1f} %, tilt "
+      "{:.1f} deg\n",
+      100.0 * r.flight_share(0.02), 100.0 * r.flight_share(0.028), 100.0 * r.double_support_share,
+      57.29578 * r.largest_tilt_rad);
+  fs::create_directories(o.out);
+  motion::write_motion(o.out / (o.name + ".toml"), made);
+  fmt::print("motion: {}\n", (o.out / (o.name + ".toml")).string());
+}
+
+}  // namespace
+
+void add_jog(CLI::App& motions) {
+  auto options = std::make_shared<JogOptions>();
+  CLI::App* command = motions.add_subcommand(
+      "jog", "make a jog that flies for the robot that ran a session, from its own servos");
+  command->add_option("NAME", options->name, "name of the motion")->required();
+  command->add_option("--session", options->session, "folder of a session in its world")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  command->add_option("--trials", options->trials, "of it that are looked at")->delimiter(',');
+  command
+      ->add_option("--generations", options->generations,
+                   "of the search for better figures in the model; 0: as given")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000));
+  command->add_option("--seed", options->seed, "of identification and search")
+      ->capture_default_str();
+  command->add_option("--set", options->figures, "a figure of [flight], KEY=VALUE");
+  command->add_option("--out", options->out, "folder")->capture_default_str();
+  command->footer(
+      "Examples:\n  sanso learn --motion jog --iterations 3 --out runs/jog\n"
+      "  sanso motions jog my_jog --session runs/jog --out my_motions\n"
+      "  SANSO_MOTIONS=my_motions sanso learn --motion my_jog --iterations 20 --out runs/my_jog");
+  command->callback([options] { make(*options); });
+}
+
+}  // namespace sanso::cli
