@@ -49,7 +49,6 @@ KEPT = {
     ("run/time_ahead.cpp", "kSteps"): "how long a run may take is said with it, nothing else",
     ("sim/command_path.h", "kUnset"): "a mark",
     ("sim/integrator.h", "kUnknown"): "a mark",
-    ("sim/integrator.h", "kUnknown"): "a mark",
     ("sim/lane_clocks.h", "kRounding"): "rounding of an instant",
     ("sim/lane_math.h", "kLanes"): "lanes of a plain number",
     ("sim/transmission_step.h", "kSlipElements"): "the law of an effect, written for four: its states and shares",
