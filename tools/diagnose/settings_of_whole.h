@@ -2,6 +2,8 @@
 // what nobody states may be off.
 #pragma once
 
+#include <cstddef>
+
 namespace sanso::diagnose {
 
 /// When the gate takes base, IMU and foot columns for what they are not. Every refusal needs that
@@ -181,6 +183,8 @@ struct WholeSettings {
   int parts = 3;
   int rim_points = 12;
 
+  /// Into how many parts groups are cut: one alone has no others.
+  std::size_t parts_of_groups() const { return parts > 2 ? static_cast<std::size_t>(parts) : 2; }
   template <class Field>
   void visit(Field&& field) {
     visit_motion(field);
@@ -196,8 +200,8 @@ struct WholeSettings {
           "from where the weight of a window of the IMU falls");
     field("questions", questions, "numbers", 1, 1000,
           "two sides of a dozen that are asked: they share the level of naming");
-    field("parts", parts, "parts", 2, 100,
-          "of the groups: each is predicted by what was fitted to the others");
+    field("parts", parts, "parts", 1, 100,
+          "of the groups, two at least: each is predicted by what was fitted to the others");
     field("rim_points", rim_points, "points", 3, 1000,
           "of either end of a cylinder that touches: between two it is 3 % of the radius wider");
   }

@@ -53,7 +53,7 @@ std::vector<double> resampled(const std::vector<Sum>& sums, const Chance& chance
 
 /// The last of the parts judges.
 bool held_out(std::size_t group, const WholeSettings& whole) {
-  const auto parts = static_cast<std::size_t>(whole.parts);
+  const auto parts = whole.parts_of_groups();
   return group % parts == parts - 1;
 }
 

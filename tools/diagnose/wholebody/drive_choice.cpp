@@ -77,7 +77,7 @@ class Chooser {
     groups_ = weighed(rows_, figures, asking_.settings.imu_outlier, asking_.stance);
     all_ = std::make_unique<Eliminated>(groups_.all, nuisances_);
     ways_.clear();
-    const auto parts = static_cast<std::size_t>(asking_.settings.parts);
+    const auto parts = asking_.settings.parts_of_groups();
     for (const std::vector<Normal>& groups : groups_.by) {
       Way way{&groups, {}};
       for (std::size_t part = 0; part < parts; ++part) {

@@ -18,7 +18,7 @@ std::size_t groups_of(const std::vector<ImuWindow>& windows) {
 /// By group, each predicted by the other thirds.
 std::vector<double> left_out(const std::vector<ImuWindow>& windows, const WholeSettings& settings,
                              const ImuParts& parts, const ImuNoise& noise) {
-  const auto parts_of_groups = static_cast<std::size_t>(settings.parts);
+  const auto parts_of_groups = settings.parts_of_groups();
   std::vector<double> out(groups_of(windows), 0.0);
   for (std::size_t part = 0; part < parts_of_groups; ++part) {
     std::vector<ImuWindow> fitted;
