@@ -2,8 +2,10 @@
 // 10 ms, the figures are searched that fly best on that model, their rehearsal becomes a motion.
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <memory>
+#include <system_error>
 
 #include "host/learn/model/identify_fine.h"
 #include "host/motion/make/rehearse.h"
@@ -23,6 +25,16 @@ struct JogOptions {
   std::vector<std::string> figures;
 };
 
+/// Of "KEY=VALUE"; throws where the value is no finite number.
+double value_of(const std::string& text, std::size_t sign) {
+  double value = NAN;
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data() + sign + 1, end, value);
+  if (error != std::errc() || read != end || !std::isfinite(value))
+    throw std::runtime_error("--set " + text + ": expected a number behind the sign =");
+  return value;
+}
+
 void set_figure(motion::FlightJog& jog, const std::string& text) {
   const std::size_t sign = text.find('=');
   std::string known;
@@ -30,7 +42,7 @@ void set_figure(motion::FlightJog& jog, const std::string& text) {
   motion::visit_flight_jog(jog, [&](const std::string& key, auto& value) {
     known += (known.empty() ? "" : ", ") + key;
     if (sign == std::string::npos || key != text.substr(0, sign)) return;
-    value = static_cast<std::decay_t<decltype(value)>>(std::stod(text.substr(sign + 1)));
+    value = static_cast<std::decay_t<decltype(value)>>(value_of(text, sign));
     found = true;
   });
   if (!found) throw std::runtime_error("--set " + text + ": no such figure; there are: " + known);
@@ -130,7 +142,9 @@ void add_jog(CLI::App& motions) {
   command->add_option("--session", options->session, "folder of a session in its world")
       ->required()
       ->check(CLI::ExistingDirectory);
-  command->add_option("--trials", options->trials, "of it that are looked at")->delimiter(',');
+  command->add_option("--trials", options->trials, "of it that are looked at, from 1")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
   command
       ->add_option("--generations", options->generations,
                    "of the search for better figures in the model; 0: as given")
