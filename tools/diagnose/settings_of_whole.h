@@ -78,7 +78,7 @@ struct StanceSettings {
   double most_zero = 0.2;
   double least_torque = 0.5;
   double most_torque = 2.0;
-  double lost_mass = 0.9;
+  double least_mass = 0.1;
   double most_mass = 3.0;
   double least_scatter = 0.5;
   int fewest_recordings = 4;
@@ -127,14 +127,14 @@ struct StanceSettings {
           "of a position loop's stiffness; softer, no robot stands");
     field("most_gain", most_gain, "factor", 1.0, 100.0, "of it; stiffer is another servo");
     field("most_lag", most_lag, "s", 0.001, 1.0, "of a command: six cycles of a slow bus");
-    field("most_load", most_load, "share", 0.01, 1.0,
+    field("most_load", most_load, "share", 0.01, 2.0,
           "of the load that friction takes: from here a gear locks itself");
     field("most_zero", most_zero, "rad", 0.001, 3.0,
           "of a joint's zero: a tooth of a horn is 0.25, and is seen");
     field("least_torque", least_torque, "factor", 0.01, 1.0,
           "of a torque constant: a gear of half the ratio");
     field("most_torque", most_torque, "factor", 1.0, 100.0, "of it: of twice the ratio");
-    field("lost_mass", lost_mass, "share", 0.1, 0.999, "that a link may lack");
+    field("least_mass", least_mass, "shares", 0.001, 0.9, "of its mass that a link has at least");
     field("most_mass", most_mass, "shares", 0.1, 100.0,
           "that a link may have more, and a payload of the whole robot");
   }

@@ -136,7 +136,7 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
       joint < 0 ? body.root : body.model.tree.joints[static_cast<std::size_t>(joint)].link;
   DriveTerm mass = term_of(effect_of(WholeFigure::mass_share), 1);
   mass.where = {link};
-  mass.low = {-asking.stance.lost_mass}, mass.high = {asking.stance.most_mass},
+  mass.low = {asking.stance.least_mass - 1.0}, mass.high = {asking.stance.most_mass},
   mass.tolerance = asking.tolerances.mass;
   mass.columns = b.mass * kilogram;
   out.push_back(mass);
