@@ -83,6 +83,12 @@ struct StanceSettings {
   double least_scatter = 0.5;
   int fewest_recordings = 4;
   int rounds = 3;
+  double instant = 0.1;
+  double strained = 2.0;
+  double torn = 3.0;
+  double surely_worse = 2.0;
+  double pushed = 5.0;
+  double jump = 0.1;
   int maximum_terms = 6;
   template <class Field>
   void visit(Field&& field) {
@@ -116,6 +122,19 @@ struct StanceSettings {
           "that are left out one by one; fewer are cut into pieces");
     field("rounds", rounds, "rounds", 1, 100,
           "of choosing with new weights; most settle after two");
+    field("instant", instant, "rows", 0.001, 1.0,
+          "by which the instants of goals and readings are not known");
+    field("strained", strained, "tolerances", 0.5, 20.0,
+          "by which a figure of the nominal model is off: from here something is looked for");
+    field("torn", torn, "tolerances", 0.5, 20.0,
+          "by which it is still off beside all that was found: then something has no name");
+    field(
+        "surely_worse", surely_worse, "factor", 0.5, 100.0,
+        "times the square of what chance allows, in squared deviations: no name does as well then");
+    field("pushed", pushed, "factor", 1.2, 100.0,
+          "times what a force on the base is in nine of ten windows of a recording: a push");
+    field("jump", jump, "share of the weight", 0.005, 1.0,
+          "by which a foot's force changes from row to row where it comes down or off");
     field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
   }
 

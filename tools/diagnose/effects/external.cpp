@@ -52,6 +52,7 @@ Effect external_push() {
       .signature = "isolated in time, not repeated",
       .experiments = {{Experiment::Kind::setting,
                        "repeat the same motion: a push does not come again"}},
+      .whole = WholeFigure::push,
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] != 0.0 || x[1] != 0.0 || x[2] != 0.0)

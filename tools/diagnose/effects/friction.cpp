@@ -129,7 +129,7 @@ Effect load_friction() {
       .signature = "grows with the load the gear carries",
       .experiments = {kAddPayload, kLiftAndLower},
       .effort = {.kind = EffortKind::joint, .order = 5},
-      .drive = DriveQuestion{JointFigure::load},
+      .drive = DriveQuestion{JointFigure::load, true},
       .apply = adds(&JointParams::load_friction),
   });
 }

@@ -37,7 +37,7 @@ Effect encoder_offset() {
                       .sliding = 0.1}},
       .effort = {.kind = EffortKind::zero,
                  .tolerance = EffortTolerance{3, &ToleranceSettings::zero, where_it_turns}},
-      .drive = DriveQuestion{JointFigure::zero},
+      .drive = DriveQuestion{JointFigure::zero, true},
       .apply = adds(&JointParams::encoder_offset),
   });
 }

@@ -50,7 +50,7 @@ Effect command_delay() {
                       .deviation = &ToleranceSettings::lag,
                       .direction = everywhere({1.0}),
                       .common = true}},
-      .drive = DriveQuestion{JointFigure::lag},
+      .drive = DriveQuestion{JointFigure::lag, true},
       .apply = adds(&JointParams::command_delay),
   });
 }

@@ -20,7 +20,8 @@ enum class WholeFigure {
   friction,     // of the ground
   compliance,   // of a contact
   sole_shape,   // of what touches
-  rolling       // resistance of wheels
+  rolling,      // resistance of wheels
+  push          // of somebody
 };
 
 /// What may be off at a joint's drive: of one unit each.

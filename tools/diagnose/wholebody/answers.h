@@ -72,6 +72,8 @@ struct WholeAnswers {
   std::vector<Untestable> untestable;
   std::vector<Detectable> detectable;
   std::vector<std::string> notes, log;
+  bool unnamed = false;                     // something is missing that has no name
+  std::vector<LocationCell> locations;      // where it shows, strongest first
   std::map<std::string, FitScore> scores;   // by channel, on data that were not fitted
   std::size_t asked = 0;                    // numbers that these data could answer
   std::map<std::string, Measured> numbers;  // all that were judged, by "effect.parameter at place"

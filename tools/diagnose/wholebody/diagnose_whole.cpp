@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "shared/files/input_error.h"
+#include "shared/math/so3.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/plain_words.h"
@@ -22,7 +24,8 @@ WholeDiagnosis refused(std::vector<Defect> defects) {
   return out;
 }
 
-VerdictStatus overall(const std::vector<Finding>& findings) {
+VerdictStatus overall(const std::vector<Finding>& findings, bool unnamed) {
+  if (unnamed) return VerdictStatus::present_unnamed;
   const auto some = [&](VerdictStatus s) {
     return std::any_of(findings.begin(), findings.end(),
                        [s](const Finding& f) { return f.status == s; });
@@ -34,7 +37,10 @@ VerdictStatus overall(const std::vector<Finding>& findings) {
 
 std::string answer_of(const WholeAnswers& answers) {
   std::string text;
-  if (answers.findings.empty()) {
+  if (answers.findings.empty() && answers.unnamed) {
+    text = fmt::format("Missing: something without a name, most at {}",
+                       answers.locations.front().where);
+  } else if (answers.findings.empty()) {
     text = fmt::format("No mismatch in the {} numbers that these recordings could be asked for",
                        answers.asked);
   } else {
@@ -63,8 +69,16 @@ void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answ
 Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned long seed) {
   Verdict v;
   v.findings = answers.findings;
-  v.status = overall(v.findings);
-  v.mismatch = !v.findings.empty();
+  v.status = overall(v.findings, answers.unnamed);
+  v.mismatch = answers.unnamed || !v.findings.empty();
+  v.locations = answers.locations;
+  if (answers.unnamed && !answers.locations.empty()) {
+    Unexplained& u = v.unexplained.emplace();
+    u.shows_in = ShowsIn::torque, u.where = answers.locations.front().where, u.regime = "stance";
+    u.nearest_effect = "none";
+    const FitScore& s = answers.scores.at("stance");
+    u.energy_share = std::min(1.0, std::pow(s.patched / std::max(s.nominal, 1e-300), 2));
+  }
   v.answer = answer_of(answers);
   v.untestable = answers.untestable;
   v.detectable = answers.detectable;
@@ -143,6 +157,8 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   ask_imu(asking(), answers, patch);
   progress("asks: do standing soles lie flat, and stay?");
   ask_soles(asking(), answers, patch);
+  if (patch.imu_turn) known.imu_turn = math::rotation_matrix(math::quat_exp(V3(-*patch.imu_turn)));
+  if (patch.acc_bias) known.acc_bias += *patch.acc_bias;
   if (body.model.tree.size() > 0) {
     progress("asks: do drives, links and motion agree?");
     ask_drives(asking(), answers, patch);

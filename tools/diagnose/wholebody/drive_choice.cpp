@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <set>
 
 #include "tools/diagnose/compare/parallel.h"
@@ -32,13 +33,16 @@ Terms without(Terms terms, const DriveTerm* less) {
 struct Way {
   const std::vector<Normal>* groups = nullptr;
   std::vector<std::unique_ptr<Eliminated>> fitted;
-  /// Squared deviations of every group, predicted by the other thirds.
-  std::vector<double> left_out(const Terms& terms) const {
+  /// Squared deviations of every group, predicted by the other thirds. `strain`: and how far the
+  /// nuisances are from what a nominal model says, shared by the groups: a robot that is far off in
+  /// a dozen figures is no better a prediction than one cause.
+  std::vector<double> left_out(const Terms& terms, bool strain) const {
     std::vector<double> out(groups->size());
     for (std::size_t part = 0; part < fitted.size(); ++part) {
-      const Eigen::VectorXd figures = fitted[part]->fit(terms).figures;
+      const Eliminated::Fit fit = fitted[part]->fit(terms);
       for (std::size_t g = part; g < groups->size(); g += fitted.size())
-        out[g] = (*groups)[g].loss(figures);
+        out[g] = (*groups)[g].loss(fit.figures) +
+                 (strain ? fit.strained / static_cast<double>(groups->size()) : 0.0);
     }
     return out;
   }
@@ -96,7 +100,7 @@ class Chooser {
   Gain gain(const Terms& less, const Terms& more) const {
     Gain out{1e300, 1e300};
     for (const Way& way : ways_) {
-      const std::vector<double> a = way.left_out(less), b = way.left_out(more);
+      const std::vector<double> a = way.left_out(less, true), b = way.left_out(more, true);
       std::vector<double> gained;
       for (std::size_t g = 0; g < a.size(); ++g) gained.push_back(a[g] - b[g]);
       const double all = std::max(sum(a), 1e-300);
@@ -154,32 +158,45 @@ class Chooser {
     return out;
   }
 
+  /// A small share counts where with it the nominal model is no longer off by more than it may.
   bool pays(const Terms& less, const Terms& more) const {
     const Gain g = gain(less, more);
-    return g.low > 0.0 && g.share >= asking_.decisions.minimum_share;
+    if (!(g.low > 0.0)) return false;
+    if (g.share >= asking_.decisions.minimum_share) return true;
+    return all_->fit(less).farthest > asking_.stance.strained &&
+           all_->fit(more).farthest <= asking_.stance.strained;
   }
 
-  /// Whether every kind of row scatters by no more than was known beforehand.
-  bool adequate() const {
-    const std::vector<double> left = left_by_channel(rows_, all_->fit(taken_).figures);
-    return std::all_of(left.begin(), left.end(), [](double rms) { return rms <= 1.0; });
+  /// Whether every kind of row scatters by no more than was known beforehand, by a robot that is no
+  /// further off than a nominal model may be.
+  bool adequate(const Terms& terms, double strained) const {
+    const Eliminated::Fit fit = all_->fit(terms);
+    const std::vector<double> left =
+        left_by_channel(rows_, fit.figures, asking_.settings.imu_outlier);
+    return fit.farthest <= strained &&
+           std::all_of(left.begin(), left.end(), [](double rms) { return rms <= 1.0; });
+  }
+
+  /// A name with fewer numbers says the same with less where it predicts as well, or leaves
+  /// nothing that would be looked for.
+  bool does_as_well(const DriveTerm* simpler, const DriveTerm* chosen) const {
+    const Terms with = plus(taken_, simpler);
+    if (simpler->size() >= chosen->size() || !pays(taken_, with)) return false;
+    return adequate(with, asking_.stance.strained) || gain(with, plus(taken_, chosen)).low <= 0.0;
   }
 
   bool forward() {
-    if (adequate()) return false;
+    if (adequate(taken_, asking_.stance.strained)) return false;
     const std::vector<const DriveTerm*> best = by_gain();
     for (std::size_t i = 0; i < best.size(); ++i) {
       if (!pays(taken_, plus(taken_, best[i]))) continue;
       const DriveTerm* chosen = best[i];
-      // one with fewer numbers that predicts as well says the same with less
-      for (std::size_t k = i + 1; k < best.size(); ++k) {
-        if (best[k]->size() >= chosen->size() || !pays(taken_, plus(taken_, best[k]))) continue;
-        if (gain(plus(taken_, best[k]), plus(taken_, chosen)).low <= 0.0) chosen = best[k];
-      }
+      for (std::size_t k = i + 1; k < best.size(); ++k)
+        if (does_as_well(best[k], chosen)) chosen = best[k];
       const Gain g = gain(taken_, plus(taken_, chosen));
       taken_.push_back(chosen);
-      log_.push_back(fmt::format("+ {}: {:.1f} % of what is left [{:.1f}]", in_words(*chosen),
-                                 100 * g.share, 100 * g.low));
+      log_.push_back(fmt::format("+ {}: {:.1f} % of what is left [{:.1f}]; {}", in_words(*chosen),
+                                 100 * g.share, 100 * g.low, left_in_words()));
       return true;
     }
     return false;
@@ -219,14 +236,27 @@ class Chooser {
           out.cwiseMax((mean * static_cast<double>(n) / std::max(1.0, static_cast<double>(n) - 1.0))
                            .cwiseSqrt());
     }
-    return out;
+    return out.cwiseMax(all_->deviations(taken_));
+  }
+
+  std::string left_in_words() const {
+    const Eliminated::Fit fit = all_->fit(taken_);
+    std::string left;
+    for (const double x : left_by_channel(rows_, fit.figures, asking_.settings.imu_outlier))
+      left += fmt::format(" {:.2f}", x);
+    const auto which = static_cast<std::size_t>(fit.which);
+    return fmt::format("left in deviations:{}; farthest off: {}, {:.1f} tolerances", left,
+                       fit.which < 0 ? "nothing" : nuisances_.names[which], fit.farthest);
   }
 
   DriveChoice judged() {
     DriveChoice out;
-    out.log = log_, out.adequate = adequate();
+    out.adequate = adequate(taken_, asking_.stance.torn);
     const Eliminated::Fit fit = all_->fit(taken_);
     const Eigen::VectorXd sigma = deviations(fit.x);
+    out.figures = fit.figures;
+    log_.push_back(left_in_words());
+    out.log = log_;
     Eigen::Index at = 0;
     for (const DriveTerm* t : taken_) {
       JudgedDriveTerm j;
@@ -241,8 +271,8 @@ class Chooser {
     }
     const double rows = static_cast<double>(rows_.channel.size());
     const Way& way = ways_.front();
-    out.before = std::sqrt(sum(way.left_out({})) / rows);
-    out.after = std::sqrt(sum(way.left_out(taken_)) / rows);
+    out.before = std::sqrt(sum(way.left_out({}, false)) / rows);
+    out.after = std::sqrt(sum(way.left_out(taken_, false)) / rows);
     return out;
   }
 
@@ -264,9 +294,24 @@ class Chooser {
       } else if (t.mass > 0.0) {
         value /= t.mass, off /= t.mass;
       }
-      j.parameters.push_back({value, value - 1.96 * off, value + 1.96 * off,
+      j.parameters.push_back({value, value - 1.96 * off, value + 1.96 * off + t.steps,
                               t.units[static_cast<std::size_t>(i)], false});
     }
+  }
+
+  /// A kilogram more of a link, and a kilogram that it carries no further from its centre than that
+  /// may be off, are the same.
+  static std::optional<WholeFigure> twin_of(const DriveTerm& t, const JudgedDriveTerm& j) {
+    const bool heavier = find_effect(t.effect)->whole == WholeFigure::mass_share;
+    if (heavier && t.where.size() == 1 && j.parameters.front().value > 0.0)
+      return WholeFigure::payload;
+    if (!t.carried) return std::nullopt;
+    const std::vector<EffectParameter>& limits = effect_of(WholeFigure::centre).parameters;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double off = j.parameters[i + 1].value - t.centre[static_cast<Eigen::Index>(i)];
+      if (off < limits[i].low || off > limits[i].high) return std::nullopt;
+    }
+    return WholeFigure::mass_share;
   }
 
   /// What takes the place of t and is not beyond chance worse, and does most of what t does.
@@ -282,6 +327,9 @@ class Chooser {
       const Terms other = plus(rest, &r);
       const double does = all_->fit(other).gain - none;
       if (does < asking_.decisions.stand_in_share * (all - none) || !plausible(other, r)) return;
+      // what a nominal model would have to be off by counts as well as what left-out rows say
+      const double sure = asking_.chance().deviations();
+      if (all - none - does > asking_.stance.surely_worse * sure * sure) return;
       found[i] = gain(other, taken_).low <= 0.0 ? 1 : 0;
     });
     std::set<std::string> names;
@@ -292,6 +340,7 @@ class Chooser {
       else
         names.insert(terms_[i].effect);
     }
+    if (const auto twin = twin_of(t, j)) names.insert(name_of(*twin));
     j.equally_good.assign(names.begin(), names.end());
   }
 
@@ -316,6 +365,18 @@ std::string in_words(const DriveTerm& term) {
   std::string places;
   for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
   return term.effect + " at " + places;
+}
+
+DriveBalance balance_drives(const Asking& asking) {
+  DriveBalance out{drive_rows(asking), {}};
+  if (!out.rows.why_not.empty()) return out;
+  out.choice = choose_drive_terms(asking, out.rows);
+  const std::vector<JudgedDriveTerm>& terms = out.choice.terms;
+  if (std::none_of(terms.begin(), terms.end(), [](const auto& j) { return j.term.inverse; }))
+    return out;
+  out.rows = drive_rows(asking, torque_scales(out.rows, out.choice.figures));
+  out.choice = choose_drive_terms(asking, out.rows);
+  return out;
 }
 
 }  // namespace sanso::diagnose

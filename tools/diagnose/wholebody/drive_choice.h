@@ -21,10 +21,18 @@ struct DriveChoice {
   std::vector<JudgedDriveTerm> terms;
   bool adequate = true;              // what is left is within what was known beforehand
   double before = 0.0, after = 0.0;  // RMS left on left-out rows, deviations
+  Eigen::VectorXd figures;           // of the fit, nuisances too
   std::vector<std::string> log;
 };
 
 DriveChoice choose_drive_terms(const Asking& asking, const DriveRows& rows);
+
+struct DriveBalance {
+  DriveRows rows;
+  DriveChoice choice;  // nothing where rows say why not
+};
+/// Rows and the terms they need; both again where those scale the torques that rows were made with.
+DriveBalance balance_drives(const Asking& asking);
 
 /// "coulomb_friction at l_knee, r_knee".
 std::string in_words(const DriveTerm& term);

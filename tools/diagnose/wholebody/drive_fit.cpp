@@ -36,14 +36,21 @@ Eliminated::Eliminated(const Normal& normal, const DriveNuisances& nuisances)
   reduced_ = c_ - GN * (back_ * c_);
 }
 
-Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) const {
+Eigen::MatrixXd Eliminated::columns_of(const std::vector<const DriveTerm*>& active,
+                                       Eigen::Index figures) {
   Eigen::Index size = 0;
   for (const DriveTerm* t : active) size += t->size();
-  Eigen::MatrixXd C(G_.rows(), size);
-  Eigen::VectorXd low(size), high(size);
+  Eigen::MatrixXd C(figures, size);
+  Eigen::Index at = 0;
+  for (const DriveTerm* t : active) C.middleCols(at, t->size()) = t->columns, at += t->size();
+  return C;
+}
+
+Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) const {
+  const Eigen::MatrixXd C = columns_of(active, G_.rows());
+  Eigen::VectorXd low(C.cols()), high(C.cols());
   Eigen::Index at = 0;
   for (const DriveTerm* t : active) {
-    C.middleCols(at, t->size()) = t->columns;
     for (Eigen::Index i = 0; i < t->size(); ++i, ++at)
       low[at] = t->low[static_cast<std::size_t>(i)],
       high[at] = t->high[static_cast<std::size_t>(i)];
@@ -51,19 +58,33 @@ Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) con
   const Eigen::MatrixXd S = C.transpose() * schur_ * C;
   const Eigen::VectorXd r = C.transpose() * reduced_;
   Fit out;
-  out.x = size > 0 ? bounded_least_squares(S, r, low, high) : Eigen::VectorXd(0);
+  out.x = C.cols() > 0 ? bounded_least_squares(S, r, low, high) : Eigen::VectorXd(0);
   out.gain = 2.0 * r.dot(out.x) - out.x.dot(S * out.x);
   const Eigen::VectorXd terms = C * out.x;
-  out.figures = terms + nuisances_->columns * (back_ * (c_ - G_ * terms));
+  const Eigen::VectorXd off = back_ * (c_ - G_ * terms);
+  const Eigen::VectorXd squares = off.cwiseAbs2().cwiseProduct(nuisances_->precision);
+  out.strained = squares.sum();
+  if (squares.size() > 0) out.farthest = std::sqrt(squares.maxCoeff(&out.which));
+  out.figures = terms + nuisances_->columns * off;
   return out;
 }
 
-std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures) {
+Eigen::VectorXd Eliminated::deviations(const std::vector<const DriveTerm*>& active) const {
+  const Eigen::MatrixXd C = columns_of(active, G_.rows());
+  if (C.cols() == 0) return Eigen::VectorXd(0);
+  const Eigen::MatrixXd S = C.transpose() * schur_ * C;
+  const Eigen::MatrixXd V = S.ldlt().solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
+  return V.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
+                                    double outlier) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
   std::vector<double> squares(rows.channels, 0.0), counts = squares;
   for (std::size_t i = 0; i < rows.channel.size(); ++i) {
     const std::size_t c = rows.channel[i];
-    squares[c] += std::pow(left[static_cast<Eigen::Index>(i)], 2), counts[c] += 1.0;
+    const double size = std::min(outlier, std::abs(left[static_cast<Eigen::Index>(i)]));
+    squares[c] += size * size, counts[c] += 1.0;
   }
   for (std::size_t c = 0; c < squares.size(); ++c)
     squares[c] = std::sqrt(squares[c] / std::max(counts[c], 1.0));

@@ -30,11 +30,18 @@ class Eliminated {
   /// Coefficients of the terms, term after term, and all figures with the nuisances.
   struct Fit {
     Eigen::VectorXd x, figures;
-    double gain = 0.0;  // of squared deviations, against the nuisances alone
+    double gain = 0.0;        // of squared deviations, against the nuisances alone
+    double strained = 0.0;    // squares of the nuisances, in what a nominal model may be wrong by
+    double farthest = 0.0;    // the largest of them, not squared
+    Eigen::Index which = -1;  // nuisance
   };
   Fit fit(const std::vector<const DriveTerm*>& active) const;
+  /// Standard deviations of the coefficients by the rows' weights and the nuisances' priors.
+  Eigen::VectorXd deviations(const std::vector<const DriveTerm*>& active) const;
 
  private:
+  static Eigen::MatrixXd columns_of(const std::vector<const DriveTerm*>& active,
+                                    Eigen::Index figures);
   Eigen::MatrixXd G_, schur_, back_;
   Eigen::VectorXd c_, reduced_;
   const DriveNuisances* nuisances_;
@@ -47,8 +54,10 @@ struct DriveGroups {
   Normal all;
 };
 
-/// RMS that these figures leave in every channel, deviations known beforehand.
-std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures);
+/// RMS that these figures leave in every channel, deviations known beforehand; rows that stand out
+/// count as `outlier`.
+std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
+                                    double outlier);
 
 /// With weights by channel (what is left there scatters by), less for rows that stand out.
 DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier,

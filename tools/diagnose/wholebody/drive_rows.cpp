@@ -9,10 +9,7 @@
 #include <cmath>
 #include <set>
 
-#include "tools/diagnose/compare/measured_motion.h"
-#include "tools/diagnose/compare/parallel.h"
-#include "tools/diagnose/stats/smoother.h"
-#include "tools/diagnose/wholebody/floating_tree.h"
+#include "tools/diagnose/wholebody/drive_track.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -20,97 +17,10 @@ namespace {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// The first of a step's rows still shows what the command before it did.
-struct JointTrack {
-  std::vector<double> q, dq, ddq, error, command_rate, current;
-};
-struct Track {
-  std::vector<JointTrack> joints;
-  std::vector<V3> acc, w, dw;
-};
-
-std::vector<double> differences(const std::vector<double>& t, const std::vector<double>& x) {
-  std::vector<double> out(x.size(), 0.0);
-  for (std::size_t k = 1; k < x.size(); ++k) out[k] = (x[k] - x[k - 1]) / (t[k] - t[k - 1]);
-  return out;
-}
-
-JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::Index j) {
-  JointTrack out;
-  const Vector row = r.q.row(j);
-  out.q.assign(row.data(), row.data() + row.size());
-  const SmoothedState s = smooth_position(r.t, out.q, position_noise(out.q), asking.smoother);
-  out.dq = s.dq, out.ddq = s.ddq;
-  std::vector<double> before(r.rows());
-  for (std::size_t k = 0; k < r.rows(); ++k)
-    before[k] = r.u(j, static_cast<Eigen::Index>(k > 0 ? k - 1 : 0));
-  out.command_rate = differences(r.t, before);
-  for (std::size_t k = 0; k < r.rows(); ++k) {
-    out.error.push_back(before[k] - out.q[k]);
-    if (r.current) out.current.push_back(r.i(j, static_cast<Eigen::Index>(k)));
-  }
-  return out;
-}
-
-Track track_of(const Asking& asking, const WholeRecording& r) {
-  Track out;
-  const auto joints = static_cast<std::size_t>(r.q.rows());
-  out.joints.resize(joints);
-  std::array<SmoothedState, 3> turning;
-  parallel_for(joints + 3, [&](std::size_t i) {
-    if (i < joints) {
-      out.joints[i] = track_of_joint(asking, r, static_cast<Eigen::Index>(i));
-      return;
-    }
-    std::vector<double> w;
-    for (const V3& x : r.w) w.push_back(x[static_cast<Eigen::Index>(i - joints)]);
-    turning[i - joints] = smooth_position(r.t, w, position_noise(w), asking.smoother);
-  });
-  const ImuPlace& imu = asking.body.imu;
-  const M3 R = eigen(imu.R_joint_imu);
-  for (std::size_t k = 0; k < r.rows(); ++k) {
-    const V3 w(turning[0].q[k], turning[1].q[k], turning[2].q[k]);
-    const V3 dw(turning[0].dq[k], turning[1].dq[k], turning[2].dq[k]);
-    const V3 at = eigen(imu.p_joint_imu);
-    out.w.push_back(w), out.dw.push_back(dw);
-    out.acc.push_back(R * (r.imu_acc[k] - asking.known.acc_bias) - dw.cross(at) -
-                      w.cross(w.cross(at)));
-  }
-  return out;
-}
-
-/// Means over a window.
-struct Window {
-  FloatingMotion motion;
-  Vector sign, error, command_rate, current;
-};
-
-Window window_of(const Track& track, std::size_t a, std::size_t b, double creeping) {
-  const auto n = static_cast<Eigen::Index>(track.joints.size());
-  Window out;
-  for (Vector* v : {&out.motion.q, &out.motion.dq, &out.motion.ddq, &out.sign, &out.error,
-                    &out.command_rate, &out.current})
-    *v = Vector::Zero(n);
-  const double share = 1.0 / static_cast<double>(b - a);
-  for (std::size_t k = a; k < b; ++k) {
-    for (Eigen::Index j = 0; j < n; ++j) {
-      const JointTrack& t = track.joints[static_cast<std::size_t>(j)];
-      out.motion.q[j] += share * t.q[k], out.motion.dq[j] += share * t.dq[k];
-      out.motion.ddq[j] += share * t.ddq[k];
-      out.sign[j] += share * std::clamp(t.dq[k] / creeping, -1.0, 1.0);
-      out.error[j] += share * t.error[k], out.command_rate[j] += share * t.command_rate[k];
-      if (!t.current.empty()) out.current[j] += share * t.current[k];
-    }
-    out.motion.acc += share * track.acc[k], out.motion.w += share * track.w[k];
-    out.motion.dw += share * track.dw[k];
-  }
-  return out;
-}
-
 class Builder {
  public:
-  Builder(const Asking& asking, DriveRows& out)
-      : asking_(asking), tree_(asking.body), out_(out), n_(out.columns.joints) {
+  Builder(const Asking& asking, const Eigen::VectorXd& scales, DriveRows& out)
+      : asking_(asking), tree_(asking.body), scales_(scales), out_(out), n_(out.columns.joints) {
     std::set<std::pair<int, std::string>> soles;
     for (const CollisionShape& s : asking.body.shapes) soles.insert({s.joint, s.link});
     for (const auto& sole : soles) {
@@ -131,30 +41,42 @@ class Builder {
     const auto step = static_cast<std::size_t>(std::max(2.0, std::round(s.window / r.interval)));
     for (std::size_t a = 1; a + step <= r.rows(); a += step) {
       if (r.piece[a - 1] != r.piece[a + step - 1]) continue;
-      const Window w = window_of(track, a, a + step, s.creeping);
+      const WindowMeans w = window_of(track, a, a + step, s.creeping);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
       piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
       recording_ = recording;
+      out_.windows.push_back({recording, r.t[a], r.t[a + step - 1], !std::isfinite(w.weight)});
       if (out_.current) add_loops(w);
       add_motion(w);
     }
   }
 
   void finish() {
-    out_.X.resize(static_cast<Eigen::Index>(rows_.size()), out_.columns.count());
-    out_.y.resize(static_cast<Eigen::Index>(rows_.size()));
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      out_.X.row(k) = rows_[i].head(out_.columns.count());
-      out_.y[k] = rows_[i][out_.columns.count()];
+    const auto rows = static_cast<Eigen::Index>(rows_.size());
+    out_.X.resize(rows, out_.columns.count());
+    out_.y.resize(rows);
+    out_.unknown.resize(rows, 3 + n_);
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const Vector& row = rows_[static_cast<std::size_t>(k)];
+      out_.X.row(k) = row.head(out_.columns.count());
+      out_.y[k] = row[out_.columns.count()];
+      out_.unknown.row(k) = row.tail(3 + n_);
     }
-    out_.channels = motion_channel() + 1;
+    out_.channels = motion_channel() + (out_.weighed ? 2 : 1);
   }
 
  private:
-  /// Of what is no joint's loop: the last.
+  /// Of what is no joint's loop; what the feet carry comes after it.
   std::size_t motion_channel() const { return out_.current ? static_cast<std::size_t>(n_) : 0; }
   const DriveLaw& law(Eigen::Index j) const { return out_.laws[static_cast<std::size_t>(j)]; }
+
+  /// Of the goal that acts, as the model knows the delay.
+  double error_of(const WindowMeans& w, Eigen::Index j) const {
+    return w.error[j] - law(j).lag * w.command_rate[j];
+  }
+
+  /// Figures, what is missing, what is unknown.
+  Eigen::Index width() const { return out_.columns.count() + 1 + 3 + n_; }
 
   /// Standard deviation of a joint's balance, N m: readings, and what no model knows of a drive.
   double deviation(Eigen::Index j, double torque, double dq) const {
@@ -165,20 +87,22 @@ class Builder {
   void put(const Vector& row, std::size_t channel) {
     rows_.push_back(row), out_.channel.push_back(channel);
     out_.recording.push_back(recording_), out_.piece.push_back(piece_);
+    out_.window.push_back(out_.windows.size() - 1);
   }
 
   /// The current's torque against that of the position loop.
-  void add_loops(const Window& w) {
+  void add_loops(const WindowMeans& w) {
     const DriveColumns& c = out_.columns;
     for (Eigen::Index j = 0; j < n_; ++j) {
       const DriveLaw& l = law(j);
       const double torque = l.torque_constant * w.current[j];
-      Vector row = Vector::Zero(c.count() + 1);
-      row[c.joint(JointFigure::gain, j)] = l.stiffness * w.error[j];
+      Vector row = Vector::Zero(width());
+      row[c.joint(JointFigure::gain, j)] = l.stiffness * error_of(w, j);
       row[c.joint(JointFigure::lag, j)] = -l.stiffness * w.command_rate[j];
-      row[c.joint(JointFigure::torque, j)] = -torque;
+      // what the loop says is given, by which the current's torque is a share too little
+      row[c.joint(JointFigure::torque, j)] = -l.stiffness * error_of(w, j);
       row[c.back_emf()] = -w.motion.dq[j];
-      row[c.count()] = torque - l.stiffness * w.error[j] + l.damping * w.motion.dq[j];
+      row[c.count()] = torque - l.stiffness * error_of(w, j) + l.damping * w.motion.dq[j];
       put(row / deviation(j, torque, w.motion.dq[j]), static_cast<std::size_t>(j));
     }
   }
@@ -196,7 +120,7 @@ class Builder {
   }
 
   /// Spreads of readings, of friction of what stands still, of accelerations.
-  Matrix covariance(const Window& w, const Vector& needed) {
+  Matrix covariance(const WindowMeans& w, const Vector& needed) {
     const StanceSettings& s = asking_.stance;
     Vector noise = Vector::Constant(6 + n_, s.torque_noise * s.torque_noise);
     noise.head<3>().setConstant(s.force_noise * s.force_noise);
@@ -221,17 +145,41 @@ class Builder {
     return V;
   }
 
-  /// The smallest forces of the ground that hold the whole up.
-  Vector ground(const Matrix& J) const {
-    const Matrix on_base = J.topRows(6);
-    return on_base.transpose() *
-           (on_base * on_base.transpose()).ldlt().solve(Vector(tree_.needed().head(6)));
+  /// Forces of the ground that hold the whole up. Soles may press against each other, which the
+  /// motion does not show: as the torques that were given would have it, as little as may be else.
+  ///
+  ///   B f = needed of the base        f = B'(BB')^-1 needed + N z,  B N = 0
+  ///   min over z  |(needed - J f) of the joints - given|^2 + tiny |z|^2
+  Vector ground(const Matrix& J, const Vector& given) const {
+    const Matrix B = J.topRows(6);
+    const Vector needed = tree_.needed();
+    const Vector f = B.transpose() * (B * B.transpose()).ldlt().solve(Vector(needed.head(6)));
+    const Eigen::Index free = J.cols() - 6;
+    if (free <= 0) return f;
+    const Matrix Q = Eigen::HouseholderQR<Matrix>(B.transpose()).householderQ();
+    const Matrix N = Q.rightCols(free), A = J.bottomRows(n_) * N;
+    const Vector left = (needed - J * f).tail(n_) - given;
+    Matrix AA = A.transpose() * A;
+    AA.diagonal().array() += 1e-9 * AA.trace();  // against directions that nothing decides
+    return f + N * AA.ldlt().solve(A.transpose() * left);
+  }
+
+  /// Torques at the joints as measured: by current, or else by the position loop.
+  Vector given(const WindowMeans& w) const {
+    Vector out(n_);
+    for (Eigen::Index j = 0; j < n_; ++j) out[j] = given_at(w, j);
+    return scales_.size() > 0 ? out.cwiseProduct(scales_) : out;
+  }
+  double given_at(const WindowMeans& w, Eigen::Index j) const {
+    const DriveLaw& l = law(j);
+    return out_.current ? l.torque_constant * w.current[j]
+                        : l.stiffness * error_of(w, j) - l.damping * w.motion.dq[j];
   }
 
   /// Motion needed less torques given, and what each figure makes of it.
-  Matrix equations(const Window& w, const Vector& needed) {
+  Matrix equations(const WindowMeans& w, const Vector& needed) {
     const DriveColumns& c = out_.columns;
-    Matrix E = Matrix::Zero(6 + n_, c.count() + 1);
+    Matrix E = Matrix::Zero(6 + n_, width());
     auto y = E.col(c.count());
     y = tree_.needed();
     // scales of a torque take the torque that the motion needs: what is measured has noise, which
@@ -239,10 +187,9 @@ class Builder {
     for (Eigen::Index j = 0; j < n_; ++j) {
       const DriveLaw& l = law(j);
       const Eigen::Index at = 6 + j;
-      const double dq = w.motion.dq[j], by_current = l.torque_constant * w.current[j];
-      const double by_loop = l.stiffness * w.error[j] - l.damping * dq;
-      const double torque = out_.current ? by_current : by_loop;
-      y[at] += l.armature * w.motion.ddq[j] + l.coulomb * w.sign[j] - torque;
+      const double dq = w.motion.dq[j];
+      y[at] += l.armature * w.motion.ddq[j] - given_at(w, j) +
+               (l.coulomb + l.load * std::abs(needed[at])) * w.sign[j];
       E(at, c.joint(JointFigure::speed, j)) = -dq;
       E(at, c.joint(JointFigure::dry, j)) = -w.sign[j];
       E(at, c.joint(JointFigure::load, j)) = -w.sign[j] * std::abs(needed[at]);
@@ -260,12 +207,17 @@ class Builder {
       for (int axis = 0; axis < 3; ++axis)
         E.col(c.mass(link) + 1 + axis) = -tree_.of_moment(link, axis);
     }
+    const V3 centre = eigen(asking_.body.base.com);
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+      E.col(c.count() + 1 + axis) =
+          tree_.of_wrench(-1, V3::Unit(axis), centre.cross(V3::Unit(axis)));
+    for (Eigen::Index j = 0; j < n_; ++j) E(6 + j, c.count() + 4 + j) = 1.0;
     return E;
   }
 
   /// Of readings that are off: zeros of joints, the accelerometer. The ground's forces hold in the
   /// sole's axes.
-  void add_readings(const Window& w, const Vector& ground, const Matrix& J, Matrix& E) {
+  void add_readings(const WindowMeans& w, const Vector& ground, const Matrix& J, Matrix& E) {
     const DriveColumns& c = out_.columns;
     FloatingMotion moved = w.motion;
     constexpr double kStep = 1e-4;
@@ -300,21 +252,36 @@ class Builder {
     return out;
   }
 
-  void add_motion(const Window& w) {
+  void add_motion(const WindowMeans& w) {
     tree_.set(w.motion);
     const Matrix J = jacobians();
-    const Vector pushed = ground(J);
+    const Vector pushed = ground(J, given(w));
     const Vector needed = tree_.needed() - J * pushed;
     Matrix E = equations(w, needed);
     add_readings(w, pushed, J, E);
-    const Eigen::LLT<Matrix> root(covariance(w, needed));
+    const Matrix V = covariance(w, needed);
+    if (out_.weighed && std::isfinite(w.weight)) add_weight(w, E, V);
+    const Eigen::LLT<Matrix> root(V);
     const Eigen::ColPivHouseholderQR<Matrix> made(root.matrixL().solve(J));
     const Matrix left = made.householderQ().transpose() * Matrix(root.matrixL().solve(E));
     for (auto i = made.rank(); i < left.rows(); ++i) put(left.row(i), motion_channel());
   }
 
+  /// What the feet carry against the vertical force that the motion needs: no torque is in it.
+  void add_weight(const WindowMeans& w, const Matrix& E, const Matrix& V) {
+    const DriveColumns& c = out_.columns;
+    const double needed = w.up.dot(tree_.needed().head<3>());
+    Vector row = E.topRows(3).transpose() * w.up;
+    row.head(c.mass(-1)).setZero(), row[c.back_emf()] = 0.0;
+    row[c.force_scale()] = -needed, row[c.count()] = needed - w.weight;
+    const double deviation = std::hypot(std::sqrt(w.up.dot(V.topLeftCorner<3, 3>() * w.up)),
+                                        asking_.settings.scale * needed);
+    put(row / deviation, motion_channel() + 1);
+  }
+
   const Asking& asking_;
   FloatingTree tree_;
+  const Eigen::VectorXd& scales_;
   DriveRows& out_;
   Eigen::Index n_;
   std::vector<int> soles_;
@@ -342,12 +309,13 @@ DriveLaw law_of(const JointSettings& s) {
   out.damping = servo ? s.d_gain * per_duty + s.torque_constant * s.back_emf / s.resistance : s.kd;
   out.damping += s.viscous;
   out.torque_constant = s.torque_constant, out.armature = s.armature, out.coulomb = s.coulomb;
+  out.lag = s.command_delay_s;
   return out;
 }
 
 }  // namespace
 
-DriveRows drive_rows(const Asking& asking) {
+DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales) {
   DriveRows out;
   const WholeBody& body = asking.body;
   out.columns.joints = static_cast<Eigen::Index>(body.model.tree.size());
@@ -359,15 +327,27 @@ DriveRows drive_rows(const Asking& asking) {
   if (out.why_not.empty()) out.why_not = drive_unknown(body);
   if (!out.why_not.empty()) return out;
   for (const JointSettings& s : body.model.joints) out.laws.push_back(law_of(s));
+  for (std::size_t j = 0; j < asking.known.load.size(); ++j)
+    out.laws[j].load = asking.known.load[j];
   out.current = std::all_of(asking.recordings.begin(), asking.recordings.end(),
                             [](const WholeRecording& r) { return r.current; });
-  Builder builder(asking, out);
+  out.weighed = std::all_of(asking.recordings.begin(), asking.recordings.end(),
+                            [](const WholeRecording& r) { return r.attitude && !r.feet.empty(); });
+  Builder builder(asking, scales, out);
   if (!builder.determined()) {
     out.why_not = "more links may touch than the joints' torques can tell apart";
     return out;
   }
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) builder.add(r);
   builder.finish();
+  return out;
+}
+
+Eigen::VectorXd torque_scales(const DriveRows& rows, const Eigen::VectorXd& figures) {
+  const JointFigure figure = rows.current ? JointFigure::torque : JointFigure::gain;
+  Eigen::VectorXd out(rows.columns.joints);
+  for (Eigen::Index j = 0; j < out.size(); ++j)
+    out[j] = 1.0 / std::max(1.0 - figures[rows.columns.joint(figure, j)], 1e-9);
   return out;
 }
 

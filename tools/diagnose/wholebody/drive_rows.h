@@ -18,6 +18,7 @@ struct DriveLaw {
   double stiffness = 0.0, damping = 0.0;  // N m/rad; N m s/rad, all that is proportional to speed
   double torque_constant = 0.0;           // N m/A
   double armature = 0.0, coulomb = 0.0;
+  double lag = 0.0, load = 0.0;  // s, from a goal to the loop; friction per torque carried
 };
 
 /// Places of the columns.
@@ -30,8 +31,16 @@ struct DriveColumns {
   Eigen::Index mass(Eigen::Index j) const { return kJointFigures * joints + 4 * (j + 1); }
   // of all drives
   Eigen::Index back_emf() const { return kJointFigures * joints + 4 * (joints + 1); }
-  Eigen::Index acc_bias() const { return back_emf() + 1; }  // three
-  Eigen::Index count() const { return acc_bias() + 3; }
+  Eigen::Index acc_bias() const { return back_emf() + 1; }     // three
+  Eigen::Index force_scale() const { return acc_bias() + 3; }  // of the feet's forces
+  Eigen::Index count() const { return force_scale() + 1; }
+};
+
+/// A stretch of a recording over which means are compared.
+struct StanceWindow {
+  std::size_t recording = 0;
+  double from = 0.0, to = 0.0;  // s
+  bool rough = false;           // a foot comes down or off
 };
 
 struct DriveRows {
@@ -43,10 +52,21 @@ struct DriveRows {
   Eigen::VectorXd y;                          // in deviations, as far as they are known beforehand
   std::vector<std::size_t> channel;           // by row: rows of one kind scatter alike
   std::vector<std::size_t> recording, piece;  // by row
+  std::vector<std::size_t> window;            // by row, of the following
+  std::vector<StanceWindow> windows;
+  // what a newton on the base's centre of mass (three, base axes) and a newton metre at each joint,
+  // of whatever, would add to y
+  Eigen::MatrixXd unknown;
   std::size_t channels = 0;
-  std::string why_not;  // not empty: nothing can be asked, and why
+  bool weighed = false;  // the feet's forces are recorded
+  std::string why_not;   // not empty: nothing can be asked, and why
 };
 
-DriveRows drive_rows(const Asking& asking);
+/// `scales`: what the joints' torques are to those that the model makes of goals or currents, as
+/// far as it is known; empty: one. It says how soles press against each other, nothing else.
+DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales = {});
+
+/// Such scales by the figures of a fit.
+Eigen::VectorXd torque_scales(const DriveRows& rows, const Eigen::VectorXd& figures);
 
 }  // namespace sanso::diagnose

@@ -60,14 +60,11 @@ struct Bounds {
 
 Bounds bounds_of(JointFigure figure, const Asking& asking, const DriveLaw& l, bool current) {
   const ToleranceSettings& t = asking.tolerances;
-  // without a current the loop's torque is held against the needed one, the gain's inverse times it
   const StanceSettings& s = asking.stance;
-  const double least = s.least_gain, most = s.most_gain;
-  const double low = current ? least - 1.0 : 1.0 - 1.0 / least;
-  const double high = current ? most - 1.0 : 1.0 - 1.0 / most;
   switch (figure) {
     case JointFigure::gain:
-      return {low, high, t.gain};
+      if (current) return {s.least_gain - 1.0, s.most_gain - 1.0, t.gain};
+      return {1.0 - 1.0 / s.least_gain, 1.0 - 1.0 / s.most_gain, t.gain};
     case JointFigure::lag:
       return {0.0, s.most_lag, t.lag};
     case JointFigure::speed:
@@ -79,7 +76,7 @@ Bounds bounds_of(JointFigure figure, const Asking& asking, const DriveLaw& l, bo
     case JointFigure::zero:
       return {-s.most_zero, s.most_zero, t.zero};
     case JointFigure::torque:
-      return {s.least_torque - 1.0, s.most_torque - 1.0, t.motor};
+      return {1.0 - 1.0 / s.least_torque, 1.0 - 1.0 / s.most_torque, t.motor};
     case JointFigure::rotor:
       break;
   }
@@ -103,9 +100,13 @@ DriveTerm at_joints(const Asking& asking, const DriveRows& rows, JointFigure fig
   const DriveLaw& law = rows.laws[joints.front()];
   const Bounds bounds = bounds_of(figure, asking, law, rows.current);
   DriveTerm out = term_of(effect, 1);
-  out.inverse = figure == JointFigure::gain && !rows.current;
+  // what gives the torque is held against the torque that is needed, the scale's inverse times it
+  out.inverse = figure == (rows.current ? JointFigure::torque : JointFigure::gain);
   out.low = {bounds.low}, out.high = {bounds.high}, out.tolerance = bounds.tolerance;
   out.nothing = effect.parameters.front().null;
+  // goals are held for a row: where currents are read, a delay shows in whole ones
+  if (figure == JointFigure::lag && rows.current)
+    for (const WholeRecording& r : asking.recordings) out.steps = std::max(out.steps, r.interval);
   out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
   for (const std::size_t j : joints) {
     out.where.push_back(asking.body.model.tree.joints[j].name);
@@ -126,6 +127,44 @@ Eigen::VectorXd at_centre(const WholeBody& body, const DriveColumns& c, int join
   return out;
 }
 
+/// Links of joints that are one group, heavier by one share.
+void add_links(const Asking& asking, const DriveRows& rows, const Joints& joints,
+               std::vector<DriveTerm>& out) {
+  DriveTerm mass = term_of(effect_of(WholeFigure::mass_share), 1);
+  mass.low = {asking.stance.least_mass - 1.0}, mass.high = {asking.stance.most_mass};
+  mass.tolerance = asking.tolerances.mass;
+  mass.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 1);
+  for (const std::size_t j : joints) {
+    const int joint = static_cast<int>(j);
+    const double kg = inertia_of(asking.body, joint).mass;
+    if (!(kg > 0.0)) return;
+    mass.where.push_back(asking.body.model.tree.joints[j].link);
+    mass.columns += kg * at_centre(asking.body, rows.columns, joint);
+  }
+  out.push_back(mass);
+}
+
+/// Sensors under the feet that read too much.
+DriveTerm scale_of_forces(const Asking& asking, const DriveRows& rows) {
+  DriveTerm out = term_of(effect_of(WholeFigure::force_scale), 1);
+  out.low = {asking.stance.least_mass - 1.0}, out.high = {asking.stance.most_mass};
+  out.nothing = 1.0, out.tolerance = asking.settings.scale;
+  out.columns = Eigen::VectorXd::Unit(rows.columns.count(), rows.columns.force_scale());
+  return out;
+}
+
+/// A vertical that is felt wrong moves every weight to one side: what a centre elsewhere does too.
+DriveTerm turned_sensor(const Asking& asking, const DriveRows& rows) {
+  DriveTerm out = term_of(effect_of(WholeFigure::imu_turn), 2);
+  const double g = eigen(asking.body.model.gravity).norm();
+  out.low.assign(2, -asking.stance.most_zero), out.high.assign(2, asking.stance.most_zero);
+  out.tolerance = asking.settings.mount;
+  out.columns = Eigen::MatrixXd::Zero(rows.columns.count(), 2);
+  out.columns(rows.columns.acc_bias() + 1, 0) = g;
+  out.columns(rows.columns.acc_bias(), 1) = -g;
+  return out;
+}
+
 void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vector<DriveTerm>& out) {
   const WholeBody& body = asking.body;
   const BodyInertia& b = inertia_of(body, joint);
@@ -143,7 +182,10 @@ void add_link(const Asking& asking, const DriveRows& rows, int joint, std::vecto
   const double most = asking.stance.most_place;
   DriveTerm centre = term_of(effect_of(WholeFigure::centre), 3);
   centre.where = {link};
-  centre.low.assign(3, -most), centre.high.assign(3, most);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const EffectParameter& p = effect_of(WholeFigure::centre).parameters[k];
+    centre.low.push_back(p.low * b.mass), centre.high.push_back(p.high * b.mass);
+  }
   centre.tolerance = asking.stance.centre * b.mass, centre.mass = b.mass;
   centre.columns = Eigen::MatrixXd::Zero(c.count(), 3);
   for (Eigen::Index i = 0; i < 3; ++i) centre.columns(c.mass(joint) + 1 + i, i) = 1.0;
@@ -171,36 +213,79 @@ std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows) 
       if (figure == JointFigure::zero && joints.size() > 1) continue;
       out.push_back(at_joints(asking, rows, figure, joints));
     }
+    if (joints.size() > 1) add_links(asking, rows, joints, out);
   }
+  if (rows.weighed) out.push_back(scale_of_forces(asking, rows));
+  out.push_back(turned_sensor(asking, rows));
   for (int joint = -1; joint < static_cast<int>(tree.size()); ++joint)
     add_link(asking, rows, joint, out);
   return out;
 }
 
+namespace {
+
+/// What the figures of a joint's drive may be off by.
+std::vector<std::pair<JointFigure, double>> tolerances_of(const Asking& asking, const DriveLaw& l,
+                                                          bool current) {
+  const ToleranceSettings& t = asking.tolerances;
+  std::vector<std::pair<JointFigure, double>> out = {
+      {JointFigure::zero, t.zero},
+      {JointFigure::gain, t.gain},
+      {JointFigure::speed, t.damping * l.damping},
+      {JointFigure::dry, std::max(asking.stance.coulomb, t.friction * l.coulomb)},
+      {JointFigure::load, t.friction},
+      {JointFigure::rotor, t.armature * l.armature}};
+  if (current) out.emplace_back(JointFigure::torque, t.motor);
+  return out;
+}
+
+std::string in_words(JointFigure figure) {
+  const Effect* effect = effect_of(figure);
+  return effect != nullptr ? std::string(effect->name) : "rotor inertia";
+}
+
+}  // namespace
+
 DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows) {
   const DriveColumns& c = rows.columns;
   std::vector<Eigen::VectorXd> columns;
   std::vector<double> spreads;
-  const auto add = [&](const Eigen::VectorXd& column, double spread) {
-    if (spread > 0.0) columns.push_back(column), spreads.push_back(spread);
+  DriveNuisances out;
+  const auto add = [&](const Eigen::VectorXd& column, double spread, const std::string& name) {
+    if (!(spread > 0.0)) return;
+    columns.push_back(column), spreads.push_back(spread), out.names.push_back(name);
   };
   const auto unit = [&](Eigen::Index at) {
     return Eigen::VectorXd(Eigen::VectorXd::Unit(c.count(), at));
   };
   double damping = 0.0;
+  Eigen::VectorXd lag = Eigen::VectorXd::Zero(c.count());
   for (Eigen::Index j = 0; j < c.joints; ++j) {
-    damping = std::max(damping, rows.laws[static_cast<std::size_t>(j)].damping);
-    add(unit(c.joint(JointFigure::zero, j)), asking.tolerances.zero);
+    const DriveLaw& l = rows.laws[static_cast<std::size_t>(j)];
+    damping = std::max(damping, l.damping);
+    const std::string& place = asking.body.model.tree.joints[static_cast<std::size_t>(j)].name;
+    for (const auto& [figure, spread] : tolerances_of(asking, l, rows.current))
+      add(unit(c.joint(figure, j)), spread, in_words(figure) + " of " + place);
+    lag[c.joint(JointFigure::lag, j)] = 1.0;
   }
+  // instants inside a row are not known better than a tenth of it
+  double row = 0.0;
+  for (const WholeRecording& r : asking.recordings) row = std::max(row, r.interval);
+  add(lag, std::max(asking.tolerances.lag, asking.stance.instant * row), "delay of all goals");
+  if (rows.weighed) add(unit(c.force_scale()), asking.settings.scale, "scale of the feet's forces");
   for (int joint = -1; joint < c.joints; ++joint) {
     const double mass = inertia_of(asking.body, joint).mass;
-    add(at_centre(asking.body, c, joint), asking.tolerances.mass * mass);
+    const std::string place =
+        joint < 0 ? asking.body.root
+                  : asking.body.model.tree.joints[static_cast<std::size_t>(joint)].link;
+    add(at_centre(asking.body, c, joint), asking.tolerances.mass * mass, "mass of " + place);
     for (Eigen::Index i = 0; i < 3; ++i)
-      add(unit(c.mass(joint) + 1 + i), asking.stance.moment * mass);
+      add(unit(c.mass(joint) + 1 + i), asking.stance.moment * mass, "centre of " + place);
   }
-  if (rows.current) add(unit(c.back_emf()), asking.stance.back_emf * damping);
-  for (Eigen::Index i = 0; i < 3; ++i) add(unit(c.acc_bias() + i), asking.stance.acc_bias);
-  DriveNuisances out;
+  if (rows.current)
+    add(unit(c.back_emf()), asking.stance.back_emf * damping, "damping that is electrical");
+  for (Eigen::Index i = 0; i < 3; ++i)
+    add(unit(c.acc_bias() + i), asking.stance.acc_bias, "vertical that is felt");
   out.columns.resize(c.count(), static_cast<Eigen::Index>(columns.size()));
   out.precision.resize(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i) {

@@ -19,6 +19,7 @@ struct DriveTerm {
   double nothing = 0.0;           // the parameter where nothing is missing
   double tolerance = 0.0;         // of x: within it nothing is missing
   double mass = 0.0;              // kg: first moments over it are lengths (0: numbers are x)
+  double steps = 0.0;             // what lies between two values that the rows can tell apart
   bool inverse = false;           // x = 1 - 1 / number: a scale of what the motion needs
   bool carried = false;           // a payload: its own mass is the first number
   V3 centre = V3::Zero();         // of the link: where a payload's moments count from, m
@@ -33,6 +34,7 @@ std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows);
 struct DriveNuisances {
   Eigen::MatrixXd columns;
   Eigen::VectorXd precision;
+  std::vector<std::string> names;  // as a person reads them
 };
 DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows);
 

@@ -4,23 +4,27 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "tools/diagnose/wholebody/drive_choice.h"
 #include "tools/diagnose/wholebody/questions.h"
+#include "tools/diagnose/wholebody/stance_left.h"
 
 namespace sanso::diagnose {
 namespace {
 
 /// What these balances were shown to place right; the others stand in for them only.
-std::vector<std::string> placed() {
-  std::vector<const Effect*> effects;
-  for (const Effect& effect : library()) {
-    if (effect.drive && effect.drive->placed) effects.push_back(&effect);
-  }
-  std::sort(effects.begin(), effects.end(),
-            [](const Effect* a, const Effect* b) { return a->drive->figure < b->drive->figure; });
+bool placed(const Effect& effect) {
+  return (effect.drive && effect.drive->placed) || effect.whole == WholeFigure::mass_share ||
+         effect.whole == WholeFigure::centre || effect.whole == WholeFigure::payload ||
+         effect.whole == WholeFigure::force_scale;
+}
+
+std::vector<std::string> all_placed() {
   std::vector<std::string> out;
-  for (const Effect* effect : effects) out.emplace_back(effect->id);
+  for (const Effect& effect : library()) {
+    if (placed(effect)) out.emplace_back(effect.id);
+  }
   return out;
 }
 
@@ -51,8 +55,7 @@ std::string text_of(const JudgedDriveTerm& j) {
 }
 
 bool named(const Asking& asking, const JudgedDriveTerm& j) {
-  const Effect& effect = *find_effect(j.term.effect);
-  return effect.drive && effect.drive->placed &&
+  return placed(*find_effect(j.term.effect)) &&
          j.size > j.term.tolerance + asking.chance().deviations() * j.sigma;
 }
 
@@ -77,16 +80,78 @@ void judge(const Asking& asking, const JudgedDriveTerm& j, bool alone, WholeAnsw
 
 }  // namespace
 
+namespace {
+
+/// Somebody pushed: a force that comes, goes, and is nowhere else in that recording.
+void judge_pushes(const Asking& asking, const std::vector<Push>& pushes, WholeAnswers& answers) {
+  if (pushes.empty()) return;
+  const Push& p = pushes.front();
+  const Effect& effect = effect_of(WholeFigure::push);
+  Finding f;
+  f.effect = effect.id, f.family = to_string(effect.family), f.where = {asking.body.root};
+  f.regime = effect.regimes.front();
+  const double off = p.force.norm();  // where somebody pushes is not known
+  const WholeRecording& r = asking.recordings[p.recording];
+  const double values[] = {p.force[0], p.force[1], p.force[2], p.from - r.t.front(), p.to - p.from};
+  for (std::size_t i = 0; i < effect.parameters.size() && i < std::size(values); ++i) {
+    const double wide = i < 3 ? off : asking.stance.window;
+    f.parameters[std::string(effect.parameters[i].name)] = {
+        values[i], values[i] - wide, values[i] + wide, std::string(effect.parameters[i].unit),
+        false};
+  }
+  f.p_family = asking.chance().family_wise(p.beyond);
+  f.one_of = {f.effect}, f.status = status_of(f);
+  answers.findings.push_back(f);
+  for (const Push& each : pushes)
+    answers.notes.push_back(fmt::format(
+        "{}: pushed from {:.2f} s to {:.2f} s by [{:.2f}, {:.2f}, {:.2f}] N, {:.1f} times what is "
+        "usual in it",
+        asking.recordings[each.recording].name, each.from, each.to, each.force[0], each.force[1],
+        each.force[2], each.beyond));
+}
+
+/// Where what has no name would be a torque, or a force on the base.
+void say_where(const Asking& asking, const StanceLeft& left, WholeAnswers& answers) {
+  const double all = std::accumulate(left.at.begin(), left.at.end(), 0.0);
+  for (std::size_t i = 0; i < left.at.size(); ++i) {
+    LocationCell cell;
+    cell.where = i == 0 ? asking.body.root : asking.body.model.tree.joints[i - 1].name;
+    cell.regime = "stance", cell.share = left.at[i] / std::max(all, 1e-300);
+    answers.locations.push_back(cell);
+  }
+  std::stable_sort(answers.locations.begin(), answers.locations.end(),
+                   [](const auto& a, const auto& b) { return a.share > b.share; });
+}
+
+/// Torques tell a heavier link from sensors that read too much; the sum of forces does not.
+void replace_weight(const DriveChoice& choice, WholeAnswers& answers, Patch& patch) {
+  const std::string scale = name_of(WholeFigure::force_scale);
+  const bool told = std::any_of(choice.terms.begin(), choice.terms.end(), [&](const auto& j) {
+    return j.term.effect == scale || find_effect(j.term.effect)->family == Family::mass;
+  });
+  if (!told) return;
+  std::erase_if(answers.findings, [&](const Finding& f) {
+    return std::find(f.one_of.begin(), f.one_of.end(), scale) != f.one_of.end();
+  });
+  patch.mass_share.reset();
+}
+
+}  // namespace
+
 void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
-  const DriveRows rows = drive_rows(asking);
+  auto [rows, choice] = balance_drives(asking);
   if (!rows.why_not.empty()) {
-    for (const std::string& effect : placed()) answers.cannot(effect, rows.why_not);
+    for (const std::string& effect : all_placed()) answers.cannot(effect, rows.why_not);
     return;
   }
-  answers.asked += placed().size();
-  const char* no_centre = "torques of legs on unmeasured soles were not shown to place a mass";
-  answers.cannot(WholeFigure::centre, no_centre);
-  const DriveChoice choice = choose_drive_terms(asking, rows);
+  answers.asked += all_placed().size();
+  StanceLeft left = stance_left(rows, choice.figures, asking.stance.pushed);
+  const std::vector<Push> pushes = left.pushes;
+  if (!pushes.empty()) {  // whoever pushes is no figure of the robot
+    rows = without(rows, pushes);
+    choice = choose_drive_terms(asking, rows);
+    left = stance_left(rows, choice.figures, asking.stance.pushed);
+  }
   answers.log.insert(answers.log.end(), choice.log.begin(), choice.log.end());
   answers.scores["stance"] = {choice.before, choice.after, 1.0,
                               std::numeric_limits<double>::quiet_NaN(),
@@ -94,10 +159,14 @@ void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const bool alone =
       choice.adequate && std::all_of(choice.terms.begin(), choice.terms.end(),
                                      [&](const auto& j) { return named(asking, j); });
-  if (!alone)
-    answers.notes.push_back(
-        "drives: more is missing than these balances can name, so no size among them is sure");
+  if (alone) replace_weight(choice, answers, patch);
   for (const JudgedDriveTerm& j : choice.terms) judge(asking, j, alone, answers, patch);
+  judge_pushes(asking, pushes, answers);
+  if (alone) return;
+  answers.notes.push_back(
+      "drives: more is missing than these balances can name, so no size among them is sure");
+  answers.unnamed = true;
+  say_where(asking, left, answers);
 }
 
 }  // namespace sanso::diagnose

@@ -47,6 +47,18 @@ class Reader {
     return at->second;
   }
 
+  /// The joints of all links that are named.
+  std::vector<int> links() const {
+    if (entry_.where.empty()) fail("no place", "", "where = [\"a link\"]");
+    std::vector<int> out;
+    for (const std::string& name : entry_.where) {
+      const auto at = body_.model.tree.links.find(name);
+      if (at == body_.model.tree.links.end()) fail("unknown link", name, "a link of the URDF");
+      out.push_back(at->second.joint);
+    }
+    return out;
+  }
+
  private:
   const WholeBody& body_;
   const EffectEntry& entry_;
@@ -58,14 +70,24 @@ BodyInertia& inertia_at(WholeBody& body, int joint) {
 
 bool of_drive(const Effect& effect) { return effect.drive && effect.drive->placed; }
 
+/// Figures that are no key of model.toml, by joint.
+std::vector<double>* beside_settings(const Effect& effect, Known& known) {
+  if (effect.drive->figure == JointFigure::load) return &known.load;
+  return effect.drive->figure == JointFigure::zero ? &known.zero : nullptr;
+}
+
 void apply_drive(WholeBody& body, const Effect& effect, const Reader& read,
-                 const std::vector<std::string>& joints) {
+                 const std::vector<std::string>& joints, Known& known) {
   const EffectParameter& p = effect.parameters.front();
+  std::vector<double>* figures = beside_settings(effect, known);
+  if (figures != nullptr) figures->resize(body.model.joints.size(), 0.0);
   const double value = read.number(std::string(p.name), p.null);
   for (const std::string& joint : joints) {
     const int j = body.model.tree.index_of(joint);
     if (j < 0) read.fail("unknown joint", joint, "a joint of the URDF");
-    if (!effect.fold_into(body.model.joints[static_cast<std::size_t>(j)], 0, value))
+    if (figures != nullptr)
+      (*figures)[static_cast<std::size_t>(j)] += value;
+    else if (!effect.fold_into(body.model.joints[static_cast<std::size_t>(j)], 0, value))
       read.fail("impossible " + std::string(p.name), std::to_string(value),
                 "one that leaves the settings of " + joint + " in their range");
   }
@@ -78,11 +100,13 @@ void apply_payload(WholeBody& body, const Reader& read) {
 }
 
 void apply_share(WholeBody& body, const Reader& read) {
-  BodyInertia& b = inertia_at(body, read.link().joint);
   const double factor = 1.0 + read.number("share", 0.0);
   if (!(factor > 0.0)) read.fail("impossible mass", std::to_string(factor), "share above -1");
-  b.mass *= factor;
-  for (double& I : b.about_com) I *= factor;
+  for (const int joint : read.links()) {
+    BodyInertia& b = inertia_at(body, joint);
+    b.mass *= factor;
+    for (double& I : b.about_com) I *= factor;
+  }
 }
 
 double scale_of(const Reader& read) {
@@ -109,7 +133,8 @@ void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
   const Reader read(body, entry);
   const Effect* effect = find_effect(entry.id);
   if (effect != nullptr) read.allow_only(effect->parameters);
-  if (effect != nullptr && of_drive(*effect)) return apply_drive(body, *effect, read, entry.where);
+  if (effect != nullptr && of_drive(*effect))
+    return apply_drive(body, *effect, read, entry.where, known);
   switch (effect == nullptr ? WholeFigure::none : effect->whole) {
     case WholeFigure::mass_share:
       return apply_share(body, read);
@@ -160,16 +185,23 @@ double had(const WholeBody& body, WholeFigure figure, const std::string& name) {
   return 0.0;
 }
 
-/// On top of what the model says of the same joints: gains multiply, frictions add, as the keys of
-/// model.toml that they are.
-void put_drive(WholeBody& body, EffectEntry entry) {
-  const bool adds = find_effect(entry.id)->settings.front().how == SettingChange::How::added;
+/// One number on top of another: of a scale, of a share, of what adds.
+double on_top(const Effect& effect, double before, double more) {
+  if (effect.whole == WholeFigure::mass_share) return (1.0 + before) * (1.0 + more) - 1.0;
+  const bool scale =
+      effect.whole == WholeFigure::force_scale ||
+      (!effect.settings.empty() && effect.settings.front().how != SettingChange::How::added);
+  return scale ? before * more : before + more;
+}
+
+/// On top of what the model says of the same joints or links. A payload comes beside another.
+void put_more(WholeBody& body, EffectEntry entry) {
+  const Effect& effect = *find_effect(entry.id);
+  if (effect.whole == WholeFigure::payload) return body.model.effects.push_back(std::move(entry));
   for (const EffectEntry& e : body.model.effects) {
     if (e.id != entry.id || e.where != entry.where) continue;
     for (auto& [name, value] : entry.parameters) {
-      if (!e.parameters.contains(name)) continue;
-      const double before = e.parameters.at(name);
-      value = adds ? value + before : value * before;
+      if (e.parameters.contains(name)) value = on_top(effect, e.parameters.at(name), value);
     }
   }
   put(body, std::move(entry));
@@ -224,7 +256,7 @@ WholeBody patched(const WholeBody& body, const Patch& patch) {
     const V2 all = *more + V2(had(body, figure, "x"), had(body, figure, "y"));
     put(out, {name_of(figure), {}, {{"x", all[0]}, {"y", all[1]}}, 0});
   };
-  for (const EffectEntry& entry : patch.entries) put_drive(out, entry);
+  for (const EffectEntry& entry : patch.entries) put_more(out, entry);
   lean(WholeFigure::slope, patch.slope), lean(WholeFigure::pose_tilt, patch.pose_tilt);
   if (patch.gyro_bias || patch.acc_bias) {
     const V3 g = patch.gyro_bias.value_or(V3::Zero()), a = patch.acc_bias.value_or(V3::Zero());

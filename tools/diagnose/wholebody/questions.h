@@ -18,6 +18,9 @@ struct Known {
   V3 acc_bias = V3::Zero(), gyro_bias = V3::Zero();  // IMU axes, m/s^2, rad/s
   V2 slope = V2::Zero();                             // of the floor about world x and y, rad
   V2 pose_tilt = V2::Zero();  // of the true vertical in the poses' axes, the same way
+  // by joint, or empty: friction per load, what encoders read too much (rad)
+  std::vector<double> load, zero;
+  M3 imu_turn = M3::Identity();  // IMU axes from what the IMU's readings are in
 };
 
 /// All that a question may need.

@@ -89,7 +89,7 @@ TEST(EffortEffects, OfDryFrictionHoldAgainstTheMotion) {
 
 TEST(WholeFigures, AreOneEffectEach) {
   std::set<std::string> names;
-  for (int f = 1; f <= static_cast<int>(WholeFigure::rolling); ++f) {
+  for (int f = 1; f <= static_cast<int>(WholeFigure::push); ++f) {
     const auto figure = static_cast<WholeFigure>(f);
     EXPECT_EQ(effect_of(figure).whole, figure);
     EXPECT_TRUE(names.insert(name_of(figure)).second) << name_of(figure);
@@ -108,6 +108,12 @@ TEST(DriveFigures, AreOneEffectEachAndKeysOfTheModelWhereTheyArePlaced) {
     if (!effect.drive) continue;
     EXPECT_TRUE(figures.insert(effect.drive->figure).second) << effect.id;
     EXPECT_EQ(effect_of(effect.drive->figure), &effect);
+    // what the wholebody room keeps beside the keys of model.toml
+    const JointFigure figure = effect.drive->figure;
+    if (figure == JointFigure::load || figure == JointFigure::zero) {
+      EXPECT_TRUE(effect.settings.empty()) << effect.id;
+      continue;
+    }
     if (!effect.drive->placed) continue;
     JointSettings settings;
     settings.actuator = Actuator::position_pd, settings.kp = 12.0;
@@ -117,7 +123,8 @@ TEST(DriveFigures, AreOneEffectEachAndKeysOfTheModelWhereTheyArePlaced) {
     EXPECT_EQ(settings.kp, before.kp) << effect.id << " changes nothing at its null";
     EXPECT_TRUE(effect.fold_into(settings, 0, p.null + p.typical)) << effect.id;
     EXPECT_TRUE(settings.kp != before.kp || settings.viscous != before.viscous ||
-                settings.coulomb != before.coulomb)
+                settings.coulomb != before.coulomb ||
+                settings.command_delay_s != before.command_delay_s)
         << effect.id;
   }
   EXPECT_EQ(effect_of(JointFigure::rotor), nullptr) << "a standing robot hardly accelerates";

@@ -178,7 +178,7 @@ TEST(LeftByChannel, IsTheRmsOfEach) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
   double squares[2] = {0.0, 0.0};
   for (Eigen::Index i = 0; i < left.size(); ++i) squares[i % 2] += left[i] * left[i];
-  const std::vector<double> found = left_by_channel(rows, figures);
+  const std::vector<double> found = left_by_channel(rows, figures, 1e9);
   ASSERT_EQ(found.size(), 2u);
   for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(found[c], std::sqrt(squares[c] / 45.0), 1e-12);
 }

@@ -42,6 +42,7 @@ TEST(DriveColumns, AreAllDifferent) {
     for (int i = 0; i < 4; ++i) places.push_back(c.mass(link) + i);
   places.push_back(c.back_emf());
   for (int i = 0; i < 3; ++i) places.push_back(c.acc_bias() + i);
+  places.push_back(c.force_scale());
   std::sort(places.begin(), places.end());
   ASSERT_EQ(places.size(), static_cast<std::size_t>(c.count()));
   for (int k = 0; k < c.count(); ++k) EXPECT_EQ(places[static_cast<std::size_t>(k)], k);

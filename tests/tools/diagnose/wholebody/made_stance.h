@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "shared/model/step_model.h"
@@ -18,7 +19,9 @@ namespace sanso::diagnose::test {
 
 /// What a joint's drive really is; zero and one: as the model says.
 struct TrueDrive {
-  double gain = 1.0, coulomb = 0.0, viscous = 0.0;
+  double gain = 1.0, coulomb = 0.0, viscous = 0.0, load = 0.0;
+  double lag = 0.0;     // s, from a goal to the loop
+  double torque = 1.0;  // newton metres of an ampere
 };
 
 struct Stance {
@@ -28,6 +31,9 @@ struct Stance {
   double reading_noise = 2e-5;  // rad
   unsigned long seed = 3;
   std::function<TrueDrive(int joint)> drive = [](int) { return TrueDrive{}; };
+  std::function<void(WholeBody&)> links = [](WholeBody&) {};  // what they really weigh
+  // newtons on the base's origin, base axes
+  std::function<V3(int recording, double t)> push = [](int, double) { return V3(V3::Zero()); };
 };
 
 /// Two sines a joint, slow enough for a smoother.
@@ -66,10 +72,10 @@ inline std::vector<int> soles_of(const WholeBody& body) {
 }
 
 /// Torques about the joints by which the motion happens, with forces of the ground that hold the
-/// base and a part between the soles that changes with time.
-inline Eigen::VectorXd torques_of(const FloatingTree& tree, const std::vector<int>& soles,
-                                  double t) {
-  const Eigen::VectorXd needed = tree.needed();
+/// base and a part between the soles that changes with time. `given`: by whoever pushes.
+inline Eigen::VectorXd torques_of(const FloatingTree& tree, const std::vector<int>& soles, double t,
+                                  const Eigen::VectorXd& given) {
+  const Eigen::VectorXd needed = tree.needed() - given;
   Eigen::MatrixXd J(needed.size(), 6 * static_cast<Eigen::Index>(soles.size()));
   for (std::size_t s = 0; s < soles.size(); ++s)
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -87,12 +93,56 @@ inline Eigen::VectorXd torques_of(const FloatingTree& tree, const std::vector<in
   return (needed - J * push).tail(needed.size() - 6);
 }
 
+/// What the drives do at one moment.
+struct Done {
+  FloatingMotion motion;
+  Eigen::VectorXd motor, goal;
+};
+
+class MovedRobot {
+ public:
+  MovedRobot(const WholeBody& body, const Stance& s, int number, Random& random)
+      : stated_(body),
+        real_(body),
+        s_(s),
+        number_(number),
+        motion_(static_cast<int>(body.model.tree.size()), random) {
+    s.links(real_);
+    soles_ = soles_of(body);
+    tree_.emplace(real_);
+  }
+  Done at(double t) {
+    Done out{motion_.at(t), {}, {}};
+    tree_->set(out.motion);
+    const V3 push = s_.push(number_, t);
+    out.motor = torques_of(*tree_, soles_, t, tree_->of_wrench(-1, push, V3::Zero()));
+    out.goal = out.motor;
+    for (Eigen::Index j = 0; j < out.motor.size(); ++j) {
+      const JointSettings& servo = stated_.model.joints[static_cast<std::size_t>(j)];
+      const TrueDrive d = s_.drive(static_cast<int>(j));
+      const double dq = out.motion.dq[j];
+      out.motor[j] +=
+          servo.armature * out.motion.ddq[j] + (servo.viscous + d.viscous) * dq +
+          (servo.coulomb + d.coulomb + d.load * std::abs(out.motor[j])) * (dq > 0 ? 1.0 : -1.0);
+      out.goal[j] = out.motion.q[j] + (out.motor[j] + servo.kd * dq) / (d.gain * servo.kp);
+    }
+    return out;
+  }
+
+ private:
+  const WholeBody& stated_;
+  WholeBody real_;
+  const Stance& s_;
+  int number_;
+  DrawnMotion motion_;
+  std::vector<int> soles_;
+  std::optional<FloatingTree> tree_;
+};
+
 inline WholeRecording recorded(const WholeBody& body, const Stance& s, int number) {
   Random random(s.seed, static_cast<std::uint64_t>(number));
-  const int n = body.model.tree.size();
-  const DrawnMotion motion(n, random);
-  FloatingTree tree(body);
-  const std::vector<int> soles = soles_of(body);
+  const auto n = static_cast<Eigen::Index>(body.model.tree.size());
+  MovedRobot robot(body, s, number, random);
   const auto rows = static_cast<Eigen::Index>(s.seconds / s.interval);
   WholeRecording r;
   r.file = r.name = "stance " + std::to_string(number);
@@ -101,23 +151,21 @@ inline WholeRecording recorded(const WholeBody& body, const Stance& s, int numbe
   r.q.resize(n, rows), r.u = r.i = r.q;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const double t = s.interval * static_cast<double>(k);
-    const FloatingMotion m = motion.at(t);
-    tree.set(m);
-    const Eigen::VectorXd torque = torques_of(tree, soles, t);
-    r.t.push_back(t), r.piece.push_back(0), r.R.push_back(M3::Identity()), r.w.push_back(m.w);
-    r.imu_acc.push_back(m.acc), r.imu_gyro.push_back(m.w);
+    const Done now = robot.at(t);
+    r.t.push_back(t), r.piece.push_back(0), r.R.push_back(M3::Identity());
+    r.w.push_back(now.motion.w), r.imu_acc.push_back(now.motion.acc);
+    r.imu_gyro.push_back(now.motion.w);
     for (Eigen::Index j = 0; j < n; ++j) {
       const JointSettings& servo = body.model.joints[static_cast<std::size_t>(j)];
-      const TrueDrive d = s.drive(static_cast<int>(j));
-      const double motor = torque[j] + servo.armature * m.ddq[j] +
-                           (servo.viscous + d.viscous) * m.dq[j] +
-                           (servo.coulomb + d.coulomb) * (m.dq[j] > 0 ? 1.0 : -1.0);
-      r.q(j, k) = m.q[j] + s.reading_noise * random.normal();
-      // the goal that acts now was sent a row before
-      const double goal = m.q[j] + (motor + servo.kd * m.dq[j]) / (d.gain * servo.kp);
+      r.q(j, k) = now.motion.q[j] + s.reading_noise * random.normal();
+      const double per_ampere = servo.torque_constant * s.drive(static_cast<int>(j)).torque;
+      r.i(j, k) = per_ampere > 0.0 ? now.motor[j] / per_ampere : 0.0;
+      // the goal that acts now was sent a row before, and by the delay earlier; held for a row, it
+      // acts half a row late on whatever moves
+      const double lag = s.drive(static_cast<int>(j)).lag - (s.current ? 0.0 : 0.5 * s.interval);
+      const double goal = lag != 0.0 ? robot.at(t + lag).goal[j] : now.goal[j];
       if (k > 0) r.u(j, k - 1) = goal;
       r.u(j, k) = goal;
-      r.i(j, k) = servo.torque_constant > 0.0 ? motor / servo.torque_constant : 0.0;
     }
   }
   return r;
