@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <nlohmann/json.hpp>
 
+#include "tools/conceal/floor_effects.h"
 #include "tools/plant/world_error.h"
 
 namespace sanso::conceal {
@@ -17,87 +17,14 @@ namespace {
 using nlohmann::json;
 using plant::operator*;
 
-struct FloorEffect {
-  std::string id;
-  std::vector<std::string> where;
-  double smallest;  // size at ratio 1: about what a tolerance or its estimate's noise is
-  bool in_library;
-  /// Hides a size and tells the parameters by the library's names.
-  std::function<json(FloorTruth&, double size, Random&)> apply;
-};
-
 Vec3 direction(Random& random) {
   Vec3 v{random.normal(), random.normal(), random.normal()};
   return (1.0 / std::max(plant::norm(v), 1e-9)) * v;
 }
 
-json three(const Vec3& v, const char* prefix) {
-  const std::string p = prefix;
-  return {{p + "x", v[0]}, {p + "y", v[1]}, {p + "z", v[2]}};
-}
-
-double either_way(Random& random) { return random.chance(0.5) ? 1.0 : -1.0; }
-
-const std::vector<FloorEffect>& floor_effects() {
-  static const std::vector<FloorEffect> all = {
-      {"link_mass",
-       {"base"},
-       0.05,
-       true,
-       [](FloorTruth& w, double size, Random& random) {
-         const double share = size * (size < 0.6 ? either_way(random) : 1.0);
-         w.trunk.mass *= 1 + share;
-         for (double& i : w.trunk.inertia) i *= 1 + share;
-         return json{{"share", share}};
-       }},
-      {"payload",
-       {"base"},
-       0.1,
-       true,
-       [](FloorTruth& w, double size, Random&) {
-         w.payload_kg = size;
-         return json{{"mass", size}};
-       }},
-      {"foot_force_scale",
-       {},
-       0.03,
-       true,
-       [](FloorTruth& w, double size, Random& random) {
-         w.force_scale *= 1 + size * either_way(random);
-         return json{{"scale", w.force_scale}};
-       }},
-      {"imu_misalignment",
-       {},
-       0.012,
-       true,
-       [](FloorTruth& w, double size, Random& random) {
-         w.imu_turn = size * direction(random);
-         // the reading turns the other way
-         return three(-1.0 * w.imu_turn, "");
-       }},
-      {"imu_bias",
-       {},
-       0.01,
-       true,
-       [](FloorTruth& w, double size, Random& random) {
-         w.gyro_bias = size * direction(random);
-         return three(w.gyro_bias, "gyro_");
-       }},
-      {"ground_slope",
-       {},
-       0.01,
-       true,
-       [](FloorTruth& w, double size, Random& random) {
-         const double angle = random.uniform(0, 2 * plant::kPi);
-         w.slope = {size * std::cos(angle), size * std::sin(angle), 0};
-         return json{{"x", w.slope[0]}, {"y", w.slope[1]}};
-       }},
-  };
-  return all;
-}
-
 // chosen: larger, the robot falls or the answer is plain
 constexpr double kLargestRatio = 10.0;
+constexpr std::size_t kFewestRows = 200;  // of a motion in which it fell: two seconds
 
 FloorTruth as_built(const FloorTruth& nominal, Random& random) {
   FloorTruth out = nominal;
@@ -111,22 +38,30 @@ FloorTruth as_built(const FloorTruth& nominal, Random& random) {
   out.gyro_bias = random.uniform(0, 0.003) * direction(random);
   out.acc_bias = random.uniform(0, 0.05) * direction(random);
   out.slope = {random.uniform(-0.003, 0.003), random.uniform(-0.003, 0.003), 0};
-  out.kp *= random.uniform(0.95, 1.05), out.friction = random.uniform(0.6, 1.0);
+  out.kp *= random.uniform(0.988, 1.012), out.friction = random.uniform(0.6, 1.0);
+  for (FloorDrive& d : out.drives) {
+    d.gain = random.uniform(0.992, 1.008), d.zero = random.uniform(-0.0015, 0.0015);
+    d.coulomb *= random.uniform(0.7, 1.3), d.viscous *= random.uniform(0.7, 1.3);
+  }
+  out.delay_s = random.uniform(0.0, 0.0005);
   return out;
 }
 
-/// Stand, squat, sway, twice each, in headings of their own.
+/// Stand, squat, sway, stand on one leg, walk; twice each, in headings of their own.
 std::vector<FloorMotion> motions(Random& random) {
   std::vector<FloorMotion> out;
-  const char* names[] = {"stand", "squat", "sway"};
-  for (int i = 0; i < 6; ++i) {
+  const char* names[] = {"stand", "squat", "sway", "one-leg", "walk"};
+  for (int i = 0; i < 10; ++i) {
     FloorMotion m;
-    m.name = fmt::format("rec_{}", i + 1);
-    m.condition = names[i % 3];
+    m.name = fmt::format("rec_{:02}", i + 1);
+    m.condition = names[i % 5];
     m.heading = random.uniform(-plant::kPi, plant::kPi);
     m.rate_hz = random.uniform(0.3, 0.6);
-    if (i % 3 == 1) m.squat = random.uniform(0.2, 0.35);
-    if (i % 3 == 2) m.sway = random.uniform(0.06, 0.1);
+    if (i % 5 == 1) m.squat = random.uniform(0.2, 0.35);
+    if (i % 5 == 2) m.sway = random.uniform(0.06, 0.1);
+    if (i % 5 >= 3) m.sway = random.uniform(0.13, 0.16), m.lift = random.uniform(0.25, 0.35);
+    if (i % 5 == 3) m.rate_hz = random.uniform(0.12, 0.18);
+    if (i % 5 == 4) m.stride = random.uniform(0.05, 0.1), m.rate_hz = random.uniform(0.25, 0.35);
     out.push_back(m);
   }
   return out;
@@ -171,7 +106,7 @@ json spoil(std::vector<recording::Recording>& all, Random& random) {
   return {{"defect", defect}, {"file", r.file}};
 }
 
-const FloorEffect& chosen(const ConcealOptions& options, Random& random,
+const FloorEffect& chosen(const ConcealOptions& options, bool in_library, Random& random,
                           const std::string& other_than) {
   const auto& all = floor_effects();
   if (options.effect && other_than.empty()) {
@@ -182,62 +117,86 @@ const FloorEffect& chosen(const ConcealOptions& options, Random& random,
   }
   for (;;) {
     const FloorEffect& e = all[random.bits() % all.size()];
-    if (e.id != other_than) return e;
+    if (e.id != other_than && e.in_library == in_library) return e;
   }
+}
+
+bool is_known(const std::string& effect) {
+  const auto& all = floor_effects();
+  return std::none_of(all.begin(), all.end(),
+                      [&](const FloorEffect& e) { return e.id == effect && !e.in_library; });
 }
 
 Family draw_floor_family(Random& random) {
   const double x = random.uniform();
-  return x < 0.25   ? Family::clean
-         : x < 0.75 ? Family::single
-         : x < 0.88 ? Family::pair
-                    : Family::decoy;
+  return x < 0.20   ? Family::clean
+         : x < 0.65 ? Family::single
+         : x < 0.78 ? Family::pair
+         : x < 0.88 ? Family::decoy
+                    : Family::outside;
 }
 
 json hidden(const FloorEffect& e, double ratio, FloorTruth& truth, Random& random) {
   const double reached = std::min(ratio, kLargestRatio);
-  const json parameters = e.apply(truth, reached * e.smallest, random);
-  return {{"id", e.id}, {"where", e.where}, {"parameters", parameters}, {"ratio", reached}};
+  std::vector<std::string> where;
+  const json parameters = e.apply(truth, reached * e.smallest, random, where);
+  return {{"id", e.id}, {"where", where}, {"parameters", parameters}, {"ratio", reached}};
 }
 
 }  // namespace
 
-FloorCase make_floor_case(const ConcealOptions& options) {
+FloorPlan plan_floor_case(const ConcealOptions& options) {
   Random random(options.seed * 0x9E3779B97F4A7C15ull + 0xF1);
   Family family = draw_floor_family(random);
   constexpr double kRatios[] = {1, 3, 10};
   double ratio = kRatios[random.bits() % 3];
-  if (options.effect) family = Family::single;
+  if (options.effect) family = is_known(*options.effect) ? Family::single : Family::outside;
   if (options.family) family = *options.family;
   if (options.ratio) ratio = *options.ratio;
-  if (family == Family::outside || family == Family::ambiguous)
+  if (family == Family::ambiguous)
     throw plant::WorldError(std::string("op3-floor has no family ") + to_string(family) +
-                            "; expected clean, single, pair or decoy");
-  const FloorTruth nominal = nominal_floor();
-  FloorTruth truth = as_built(nominal, random);
+                            "; expected clean, single, pair, decoy or outside");
+  FloorTruth truth = as_built(nominal_floor(), random);
   json effects = json::array();
-  if (family == Family::single || family == Family::pair) {
-    const FloorEffect& first = chosen(options, random, "");
+  if (family != Family::clean && family != Family::decoy) {
+    const FloorEffect& first = chosen(options, family != Family::outside, random, "");
     effects.push_back(hidden(first, ratio, truth, random));
     if (family == Family::pair)
-      effects.push_back(hidden(chosen(options, random, first.id), ratio, truth, random));
+      effects.push_back(hidden(chosen(options, true, random, first.id), ratio, truth, random));
   } else {
     ratio = 0;
   }
-  FloorCase out;
-  for (const FloorMotion& motion : motions(random))
-    out.recordings.push_back(run_on_floor(truth, motion, random.bits()));
-  json answer{{"format", 2},           {"robot", options.robot},
+  std::vector<FloorMotion> drawn = motions(random);
+  std::vector<std::uint64_t> noise(drawn.size());
+  for (std::uint64_t& seed : noise) seed = random.bits();
+  json answer{{"format", 3},           {"robot", options.robot},
               {"seed", options.seed},  {"family", to_string(family)},
               {"effects", effects},    {"ratio_target", ratio},
               {"twins", json::array()}};
-  if (family == Family::decoy) answer["decoy"] = spoil(out.recordings, random);
-  out.answer = answer.dump();
-  out.urdf = floor_urdf(nominal);
-  out.toml = fmt::format(
+  return {std::move(truth), std::move(drawn), std::move(noise), std::move(answer), random};
+}
+
+std::string floor_toml(const FloorTruth& nominal) {
+  const FloorDrive& drive = nominal.drives.front();
+  return fmt::format(
       "format = 1\n[robot]\nurdf = \"robot.urdf\"\nbase = \"floating\"\n[joint_default]\n"
-      "actuator = \"position_pd\"\nkp = {}\nkd = {}\n[ground]\nfriction = {}\n",
-      nominal.kp, nominal.kd, nominal.friction);
+      "actuator = \"position_pd\"\nkp = {}\nkd = {}\narmature = {}\nviscous = {}\ncoulomb = {}\n"
+      "[ground]\nfriction = {}\n",
+      nominal.kp, nominal.kd, nominal.armature, drive.viscous, drive.coulomb, nominal.friction);
+}
+
+FloorCase make_floor_case(const ConcealOptions& options) {
+  FloorPlan plan = plan_floor_case(options);
+  FloorCase out;
+  for (std::size_t i = 0; i < plan.motions.size(); ++i) {
+    recording::Recording made = run_on_floor(plan.truth, plan.motions[i], plan.noise[i]);
+    if (made.rows() >= kFewestRows) out.recordings.push_back(std::move(made));
+  }
+  if (plan.answer.at("family") == to_string(Family::decoy))
+    plan.answer["decoy"] = spoil(out.recordings, plan.random);
+  out.answer = plan.answer.dump();
+  const FloorTruth nominal = nominal_floor();
+  out.urdf = floor_urdf(nominal), out.toml = floor_toml(nominal);
   return out;
 }
 

@@ -1,6 +1,8 @@
 // Cases of the whole robot on a floor: what is hidden, how large, and the recordings of it.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
 #include "tools/conceal/conceal.h"
 #include "tools/conceal/floor_world.h"
 
@@ -13,7 +15,20 @@ struct FloorCase {
   std::string urdf, toml, answer;
   std::vector<recording::Recording> recordings;
 };
+
+/// What a case will be, before anything is simulated.
+struct FloorPlan {
+  FloorTruth truth;
+  std::vector<FloorMotion> motions;
+  std::vector<std::uint64_t> noise;  // seed by motion
+  nlohmann::json answer;             // of a decoy but for its defect
+  Random random;                     // where the draw stands
+};
 /// Deterministic. Throws plant::WorldError for a family or effect that this robot cannot have.
+FloorPlan plan_floor_case(const ConcealOptions& options);
+/// Throws as plan_floor_case.
 FloorCase make_floor_case(const ConcealOptions& options);
+/// The model that is handed out: nominal, whatever is hidden.
+std::string floor_toml(const FloorTruth& nominal);
 
 }  // namespace sanso::conceal

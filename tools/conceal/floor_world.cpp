@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "tools/plant/body_data.h"
@@ -39,11 +40,12 @@ bool is_foot(const LinkSpec& l) { return l.joint.ends_with("ank_roll"); }
 
 void write_link(std::string& out, const FloorTruth& w, int index) {
   const LinkSpec& l = w.legs.links[static_cast<std::size_t>(index)];
+  const FloorDrive& drive = w.drives[static_cast<std::size_t>(index)];
   out += fmt::format(
-      R"(<body name="{}" pos="{}"><joint name="{}" type="hinge" axis="{}" armature="0.03" )"
-      R"(damping="{}" frictionloss="0.05"/>{})",
-      l.link, text(l.origin), l.joint, text(l.axis), 0.05 + w.kd,
-      inertial(l.mass, l.com, l.inertia));
+      R"(<body name="{}" pos="{}"><joint name="{}" type="hinge" axis="{}" armature="{:.9g}" )"
+      R"(damping="{:.9g}" frictionloss="{:.9g}"/>{})",
+      l.link, text(l.origin), l.joint, text(l.axis), w.armature, drive.viscous + w.kd,
+      drive.coulomb, inertial(l.mass, l.com, l.inertia));
   if (is_foot(l))
     out += fmt::format(
         R"(<geom name="{}" type="box" size="{}" pos="{}" mass="0" friction="{:.9g} 0.01 0.001"/>)",
@@ -72,26 +74,12 @@ friction="{:.9g} 0.01 0.001"/><body name="trunk" pos="0 0 0.5"><freejoint name="
     if (w.legs.links[static_cast<std::size_t>(i)].parent < 0) write_link(out, w, i);
   }
   out += "</body></worldbody><actuator>";
-  for (const LinkSpec& l : w.legs.links)
+  for (std::size_t j = 0; j < w.legs.links.size(); ++j)
     out += fmt::format(R"(<position name="{0}" joint="{0}" kp="{1:.9g}" forcelimited="true" )"
                        R"(forcerange="-4.1 4.1"/>)",
-                       l.joint, w.kp);
+                       w.legs.links[j].joint, w.kp * w.drives[j].gain);
   return out +
          R"(</actuator><sensor><accelerometer site="imu"/><gyro site="imu"/></sensor></mujoco>)";
-}
-
-/// Goal of a joint: knees bend twice what hips and ankles do, hips and ankles roll against each
-/// other, so that the soles stay flat. Axes that point backwards turn the sign.
-double goal_of(const LinkSpec& l, const FloorMotion& m, double t) {
-  const double wave = 0.5 - 0.5 * std::cos(2 * plant::kPi * m.rate_hz * std::max(0.0, t));
-  const double side = std::sin(2 * plant::kPi * m.rate_hz * std::max(0.0, t));
-  const double bend = 0.15 + m.squat * wave, roll = m.sway * side;
-  const std::string part = l.joint.substr(2);
-  if (part == "hip_pitch" || part == "ank_pitch") return -bend * (l.axis[1] > 0 ? 1 : -1);
-  if (part == "knee") return 2 * bend * (l.axis[1] > 0 ? 1 : -1);
-  if (part == "hip_roll") return roll * (l.axis[0] > 0 ? 1 : -1);
-  if (part == "ank_roll") return -roll * (l.axis[0] > 0 ? 1 : -1);
-  return 0;
 }
 
 /// v in the axes that q turns the world's into.
@@ -107,7 +95,8 @@ class Logger {
       const std::string& name = truth_.legs.links[j].joint;
       add("u:" + name, goals[j]);
       constexpr double kQuantum = 0.00153398078788564;
-      add("q:" + name, std::round(d.qpos[7 + j] / kQuantum) * kQuantum);
+      const double read = d.qpos[7 + j] + truth_.drives[j].zero;
+      add("q:" + name, std::round(read / kQuantum) * kQuantum);
     }
     for (int i = 0; i < 3; ++i)
       add(std::string("base_p:") + "xyz"[i], d.qpos[i] + truth_.camera_noise_m * random_.normal());
@@ -164,6 +153,74 @@ class Logger {
   recording::Recording out_;
 };
 
+/// Goals, and what pulls and pushes, of a robot that moves.
+class Hand {
+ public:
+  Hand(const FloorTruth& truth, const FloorMotion& motion, std::uint64_t seed)
+      : truth_(truth), motion_(motion) {
+    Random random(seed ^ 0x9055);
+    for (int i = 0; i < truth.push.times && truth.push.force > 0; ++i) {
+      const double angle = random.uniform(0, 2 * plant::kPi);
+      pushes_.push_back({random.uniform(1.0, kLength_s - 1.0), std::cos(angle), std::sin(angle)});
+    }
+  }
+  std::vector<double> goals(double t) const {
+    std::vector<double> out;
+    for (const LinkSpec& l : truth_.legs.links) out.push_back(goal_of(l, motion_, t));
+    return out;
+  }
+  /// What the drives hold: later, and as their encoders count.
+  void command(double t, mjData& d) {
+    const long sent = std::lround(std::floor((t - truth_.delay_s) / kRow_s + 1e-9));
+    if (sent == held_) return;
+    held_ = sent;
+    const std::vector<double> goal = goals(static_cast<double>(sent) * kRow_s), first = goals(0.0);
+    for (std::size_t j = 0; j < goal.size(); ++j) {
+      const std::size_t next = (j + 1) % goal.size();
+      d.ctrl[j] =
+          goal[j] - truth_.drives[j].zero + truth_.drives[j].leak * (goal[next] - first[next]);
+    }
+  }
+  void pull(double t, int trunk, mjData& d) const {
+    for (std::size_t j = 0; j < truth_.drives.size(); ++j)
+      d.qfrc_applied[6 + j] =
+          truth_.drives[j].hum * std::sin(2 * plant::kPi * truth_.drives[j].hum_hz * t);
+    const double blow = truth_.fan * std::sin(2 * plant::kPi * truth_.fan_hz * t);
+    const Vec3 ahead = plant::rotate({d.qpos[3], d.qpos[4], d.qpos[5], d.qpos[6]}, {1, 0, 0});
+    Vec3 force = blow * ahead;
+    for (const Push& p : pushes_) {
+      if (t >= p.at && t < p.at + truth_.push.length)
+        force = force + truth_.push.force * Vec3{p.x, p.y, 0};
+    }
+    std::copy(force.begin(), force.end(), d.xfrc_applied + static_cast<std::ptrdiff_t>(6) * trunk);
+  }
+
+ private:
+  struct Push {
+    double at, x, y;
+  };
+  const FloorTruth& truth_;
+  const FloorMotion& motion_;
+  std::vector<Push> pushes_;
+  long held_ = std::numeric_limits<long>::min();  // row whose goals the drives hold
+};
+
+/// Puts the robot down from just above the floor.
+void put_down(const mjModel& m, mjData& d) {
+  mj_forward(&m, &d);
+  double lowest = 1e9;
+  for (int g = 0; g < m.ngeom; ++g) {
+    if (m.geom_type[g] == mjGEOM_BOX) lowest = std::min(lowest, d.geom_xpos[3 * g + 2]);
+  }
+  d.qpos[2] -= lowest - kSoleHalf[2] - 0.002;
+}
+
+/// Upright enough to go on.
+bool stands(const mjData& d) {
+  constexpr double kFallen = 0.88;  // cosine of half a radian
+  return plant::rotate({d.qpos[3], d.qpos[4], d.qpos[5], d.qpos[6]}, {0, 0, 1})[2] > kFallen;
+}
+
 }  // namespace
 
 FloorTruth nominal_floor() {
@@ -177,6 +234,7 @@ FloorTruth nominal_floor() {
                trunk->com_m + Vec3{0.01, 0, 0.03},
                {2 * trunk->ixx, 2 * trunk->iyy, 2 * trunk->izz, 0, 0, 0}};
   out.payload_at = {0.0, 0.0, 0.1};
+  out.drives.resize(out.legs.links.size());
   return out;
 }
 
@@ -184,31 +242,23 @@ recording::Recording run_on_floor(const FloorTruth& truth, const FloorMotion& mo
                                   std::uint64_t seed) {
   const plant::ModelPtr model = plant::compile_mjcf(mjcf(truth), "floor");
   const plant::DataPtr data(mj_makeData(model.get()));
-  const auto joints = truth.legs.links.size();
-  std::vector<double> goals(joints);
-  for (std::size_t j = 0; j < joints; ++j)
-    goals[j] = data->qpos[7 + j] = goal_of(truth.legs.links[j], motion, 0.0);
+  Hand hand(truth, motion, seed);
+  const std::vector<double> start = hand.goals(0.0);
+  std::copy(start.begin(), start.end(), data->qpos + 7);
   data->qpos[3] = std::cos(0.5 * motion.heading), data->qpos[6] = std::sin(0.5 * motion.heading);
-  // put down from just above the floor
-  mj_forward(model.get(), data.get());
-  double lowest = 1e9;
-  for (int g = 0; g < model->ngeom; ++g) {
-    if (model->geom_type[g] == mjGEOM_BOX) lowest = std::min(lowest, data->geom_xpos[3 * g + 2]);
-  }
-  data->qpos[2] -= lowest - kSoleHalf[2] - 0.002;
+  put_down(*model, *data);
+  const int trunk = mj_name2id(model.get(), mjOBJ_BODY, "trunk");
   Logger log(truth, seed);
   const auto every = std::lround(kRow_s / kStep_s);
   const long settle = std::lround(kSettle_s / kStep_s);
   const long steps = settle + std::lround(kLength_s / kStep_s);
-  for (long step = 0; step < steps; ++step) {
+  for (long step = 0; step < steps && stands(*data); ++step) {
     const double t = static_cast<double>(step - settle) * kStep_s;
-    if (step % every == 0) {
-      for (std::size_t j = 0; j < joints; ++j) goals[j] = goal_of(truth.legs.links[j], motion, t);
-      std::copy(goals.begin(), goals.end(), data->ctrl);
-      if (step >= settle) {
-        mj_forward(model.get(), data.get());
-        log.row(*model, *data, t, goals);
-      }
+    hand.command(t, *data);
+    hand.pull(t, trunk, *data);
+    if (step % every == 0 && step >= settle) {
+      mj_forward(model.get(), data.get());
+      log.row(*model, *data, t, hand.goals(t));
     }
     mj_step(model.get(), data.get());
   }

@@ -10,7 +10,9 @@
 
 #include "tests/support/temp_folder.h"
 #include "tools/conceal/floor_case.h"
+#include "tools/conceal/floor_effects.h"
 #include "tools/conceal/seal.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/wholebody/whole_data.h"
 #include "tools/plant/world_error.h"
 #include "tools/recording/csv_reader.h"
@@ -133,19 +135,30 @@ TEST(FloorWorld, SeedsDrawNoiseAndNothingElse) {
   EXPECT_TRUE(differs);
 }
 
-diagnose::WholeBody model_of(const FloorCase& made) {
-  return diagnose::parse_whole_body(made.toml, made.urdf, "model.toml");
+diagnose::WholeBody handed_out() {
+  const FloorTruth nominal = nominal_floor();
+  return diagnose::parse_whole_body(floor_toml(nominal), floor_urdf(nominal), "model.toml");
 }
 
-FloorCase made_case(std::uint64_t seed, Family family, const std::string& effect = "") {
+ConcealOptions options_of(std::uint64_t seed, Family family, const std::string& effect = "") {
   ConcealOptions o;
   o.seed = seed, o.robot = kFloorRobot, o.family = family, o.ratio = 10;
   if (!effect.empty()) o.effect = effect;
-  return make_floor_case(o);
+  return o;
+}
+
+FloorPlan planned(std::uint64_t seed, Family family, const std::string& effect = "") {
+  return plan_floor_case(options_of(seed, family, effect));
+}
+
+/// The first of a case's recordings: it stands.
+Recording standing(const FloorPlan& plan) {
+  EXPECT_EQ(plan.motions.front().condition, "stand");
+  return run_on_floor(plan.truth, plan.motions.front(), plan.noise.front());
 }
 
 TEST(FloorCase, ModelIsTheNominalRobot) {
-  const diagnose::WholeBody body = model_of(made_case(3, Family::clean));
+  const diagnose::WholeBody body = handed_out();
   const FloorTruth nominal = nominal_floor();
   EXPECT_NEAR(body.mass(), mass_of(nominal), 1e-6);
   EXPECT_NEAR(body.base.mass, nominal.trunk.mass, 1e-6);
@@ -155,14 +168,14 @@ TEST(FloorCase, ModelIsTheNominalRobot) {
 TEST(FloorCase, CleanIsOffByTolerancesAlone) {
   std::vector<double> forces;
   for (const std::uint64_t seed : {31u, 32u}) {
-    const FloorCase made = made_case(seed, Family::clean);
-    EXPECT_TRUE(json::parse(made.answer).at("effects").empty());
+    const FloorPlan made = planned(seed, Family::clean);
+    EXPECT_TRUE(made.answer.at("effects").empty());
     const double weight = mass_of(nominal_floor()) * kG;
-    const Recording& standing = made.recordings.front();
-    forces.push_back(carried(standing));
+    const Recording stands = standing(made);
+    forces.push_back(carried(stands));
     // 3 % of every mass, 0.5 % of the sensors; and what the physics rounds
     EXPECT_LE(std::abs(forces.back() / weight - 1), 0.036) << seed;
-    const Vec3 gyro = mean3(standing, "imu_gyro");
+    const Vec3 gyro = mean3(stands, "imu_gyro");
     EXPECT_LE(std::hypot(gyro[0], gyro[1], gyro[2]), 0.004) << seed;
   }
   EXPECT_NE(forces[0], forces[1]);
@@ -170,28 +183,28 @@ TEST(FloorCase, CleanIsOffByTolerancesAlone) {
 
 TEST(FloorCase, TheAnswerIsWhatTheWorldHolds) {
   const double weight = mass_of(nominal_floor()) * kG, tolerance = 0.036 * weight;
-  const auto told = [](const FloorCase& made) {
-    const json effects = json::parse(made.answer).at("effects");
+  const auto told = [](const FloorPlan& made) {
+    const json effects = made.answer.at("effects");
     EXPECT_EQ(effects.size(), 1u);
     return effects.at(0).at("parameters");
   };
-  const FloorCase payload = made_case(41, Family::single, "payload");
-  EXPECT_NEAR(carried(payload.recordings.front()) - weight,
-              told(payload).at("mass").get<double>() * kG, tolerance);
-  const FloorCase scale = made_case(42, Family::single, "foot_force_scale");
-  EXPECT_NEAR(carried(scale.recordings.front()), told(scale).at("scale").get<double>() * weight,
+  const FloorPlan payload = planned(41, Family::single, "payload");
+  EXPECT_NEAR(carried(standing(payload)) - weight, told(payload).at("mass").get<double>() * kG,
+              tolerance);
+  const FloorPlan scale = planned(42, Family::single, "foot_force_scale");
+  EXPECT_NEAR(carried(standing(scale)), told(scale).at("scale").get<double>() * weight,
               1.4 * tolerance);
-  const FloorCase bias = made_case(43, Family::single, "imu_bias");
-  const Vec3 gyro = mean3(bias.recordings.front(), "imu_gyro");
+  const FloorPlan bias = planned(43, Family::single, "imu_bias");
+  const Vec3 gyro = mean3(standing(bias), "imu_gyro");
   for (std::size_t i = 0; i < 3; ++i)
     EXPECT_NEAR(gyro[i], told(bias).at(std::string("gyro_") + "xyz"[i]).get<double>(), 0.004);
 }
 
 TEST(FloorCase, ADecoyIsRefusedByTheNameOfItsDefect) {
   for (const std::uint64_t seed : {51u, 52u}) {
-    const FloorCase made = made_case(seed, Family::decoy);
+    const FloorCase made = make_floor_case(options_of(seed, Family::decoy));
     const json decoy = json::parse(made.answer).at("decoy");
-    const auto data = diagnose::judge_whole(made.recordings, model_of(made), diagnose::Settings{});
+    const auto data = diagnose::judge_whole(made.recordings, handed_out(), diagnose::Settings{});
     EXPECT_TRUE(std::any_of(data.defects.begin(), data.defects.end(),
                             [&](const diagnose::Defect& d) {
                               return d.defect == decoy.at("defect").get<std::string>() &&
@@ -201,39 +214,70 @@ TEST(FloorCase, ADecoyIsRefusedByTheNameOfItsDefect) {
   }
 }
 
-TEST(FloorCase, FilesAreWhatWasMade) {
+TEST(FloorCase, WhatNoLibraryHasIsOfAnotherFamily) {
+  for (const FloorEffect& e : floor_effects()) {
+    const json answer = planned(7, Family::outside, e.id).answer;
+    EXPECT_EQ(answer.at("effects").at(0).at("id"), e.id);
+    EXPECT_EQ(diagnose::find_effect(e.id) != nullptr, e.in_library) << e.id;
+    if (e.in_library) continue;
+    EXPECT_EQ(answer.at("family"), "outside");
+    EXPECT_EQ(answer.at("effects").at(0).at("where").size(), 1u);
+  }
+}
+
+/// Mean of what a joint's goal and reading are apart.
+double error_of(const FloorTruth& truth, const FloorMotion& motion, const std::string& joint) {
+  const Recording r = run_on_floor(truth, motion, 6);
+  return mean(r, "u:" + joint) - mean(r, "q:" + joint);
+}
+
+TEST(FloorWorld, DrivesAreAsTheyAreHidden) {
+  FloorMotion squat = stand();
+  squat.squat = 0.3;
+  const FloorTruth nominal = nominal_floor();
+  const double as_stated = error_of(nominal, squat, "l_knee");
+  FloorTruth stiffer = nominal;
+  for (FloorDrive& d : stiffer.drives) d.gain = 1.5;
+  EXPECT_NEAR(error_of(stiffer, squat, "l_knee"), as_stated / 1.5, 0.05 * std::abs(as_stated));
+  // a wrong zero is read, and held: the leg bends, the reading hardly changes
+  FloorTruth off = nominal;
+  for (std::size_t j = 0; j < off.drives.size(); ++j)
+    if (off.legs.links[j].joint == "l_knee") off.drives[j].zero = 0.05;
+  EXPECT_NEAR(error_of(off, squat, "l_knee"), as_stated, 0.02);
+}
+
+TEST(FloorCase, FilesAreWhatWasPlanned) {
   const test::TempFolder folder;
-  ConcealOptions o;
-  o.seed = 61, o.robot = kFloorRobot, o.family = Family::single;
-  const FloorCase made = make_floor_case(o);
+  ConcealOptions o = options_of(61, Family::single);
   o.out = (folder.path() / "case").string();
   const Concealed written = conceal(o);
-  ASSERT_EQ(written.recordings.size(), made.recordings.size());
-  for (std::size_t i = 0; i < made.recordings.size(); ++i) {
+  const FloorPlan plan = plan_floor_case(o);
+  ASSERT_EQ(written.recordings.size(), plan.motions.size()) << "it fell";
+  for (const std::size_t i : {0u, 4u}) {
+    const Recording made = run_on_floor(plan.truth, plan.motions[i], plan.noise[i]);
     const Recording read = recording::read_csv(written.recordings[i]);
-    EXPECT_EQ(read.t, made.recordings[i].t);
-    EXPECT_EQ(read.condition, made.recordings[i].condition);
-    for (const recording::Channel& c : made.recordings[i].channels) {
+    EXPECT_EQ(read.t, made.t);
+    EXPECT_EQ(read.condition, made.condition);
+    for (const recording::Channel& c : made.channels) {
       const auto column = read.find(c.name);
       EXPECT_EQ(std::vector<double>(column.begin(), column.end()), c.values) << c.name;
     }
   }
   std::ifstream in(folder.path() / "case" / "answer.sealed", std::ios::binary);
   const std::vector<std::uint8_t> sealed((std::istreambuf_iterator<char>(in)), {});
-  EXPECT_EQ(json::parse(open_seal(sealed)), json::parse(made.answer));
-  EXPECT_EQ(diagnose::read_whole_body(written.model).mass(), model_of(made).mass());
+  EXPECT_EQ(json::parse(open_seal(sealed)), plan.answer);
+  EXPECT_EQ(diagnose::read_whole_body(written.model).mass(), handed_out().mass());
 }
 
 TEST(FloorCase, WhatItCannotHideIsRefusedByName) {
   const auto message = [](Family family, const std::string& effect) {
     try {
-      made_case(1, family, effect);
+      planned(1, family, effect);
     } catch (const plant::WorldError& error) {
       return std::string(error.what());
     }
     return std::string();
   };
-  EXPECT_NE(message(Family::outside, "").find("outside"), std::string::npos);
   EXPECT_NE(message(Family::ambiguous, "").find("expected clean"), std::string::npos);
   EXPECT_NE(message(Family::single, "backlash").find("backlash"), std::string::npos);
 }
