@@ -1,8 +1,10 @@
-// Only CONFIRMED: a set of names would put one of them where another may be right.
+// CONFIRMED, or a set whose names are the same figures: any other set would put one of its names
+// where another may be right.
 #include "host/app/adopt.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -47,6 +49,16 @@ std::string text_of(const learn::NamedFigure& figure) {
   return out;
 }
 
+/// Names for the same kilograms at the same place: whichever is right, the model is the same one.
+bool alike(const Json& finding) {
+  const auto elsewhere = [&](const Json& rival) { return rival.at("where") != finding["where"]; };
+  const Json none = Json::array();
+  const Json rivals = finding.value("rivals", none), names = finding.value("one_of", none);
+  return names.size() > 1 && std::none_of(rivals.begin(), rivals.end(), elsewhere) &&
+         std::all_of(names.begin(), names.end(),
+                     [](const Json& name) { return name == "link_mass" || name == "payload"; });
+}
+
 }  // namespace
 
 Adoption adopt(const std::filesystem::path& file, model::ModelParameters& theta) {
@@ -56,8 +68,9 @@ Adoption adopt(const std::filesystem::path& file, model::ModelParameters& theta)
     try {
       const learn::NamedFigure figure = figure_of(finding);
       const std::string status = finding.at("status").get<std::string>();
-      const std::string why =
-          status == "CONFIRMED" ? put_figure(figure, theta) : "its status is " + status;
+      const std::string why = status == "CONFIRMED" || (status == "ONE_OF" && alike(finding))
+                                  ? put_figure(figure, theta)
+                                  : "its status is " + status;
       if (why.empty())
         out.adopted.push_back(text_of(figure));
       else

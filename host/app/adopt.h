@@ -14,8 +14,9 @@ struct Adoption {
   std::vector<std::string> left;     // the same, with why not
 };
 
-/// Findings of a verdict.json that are CONFIRMED and that the planner's model has a figure for;
-/// all others are left. Throws std::runtime_error when the file is no verdict.
+/// Findings of a verdict.json that are CONFIRMED, or sets whose names are the same kilograms at the
+/// same place, and that the planner's model has a figure for; all others are left. Throws
+/// std::runtime_error when the file is no verdict.
 Adoption adopt(const std::filesystem::path& verdict, model::ModelParameters& theta);
 
 /// For a person, a line each.

@@ -44,6 +44,26 @@ TEST(Adopt, TakesWhatIsConfirmedAndSaysWhatItLeft) {
   EXPECT_DOUBLE_EQ(theta.body[0].mass, nominal.body[0].mass);
 }
 
+TEST(Adopt, TakesASetWhoseNamesAreTheSameKilograms) {
+  const auto adopted = [](const std::string& names, const std::string& rival) {
+    const Verdict v(R"({"findings": [{"effect": "link_mass", "where": ["body_link"],
+      "status": "ONE_OF", "one_of": [)" +
+                    names + R"(], "rivals": [)" + rival +
+                    R"(], "parameters": {"share": {"value": 0.25}}}]})");
+    model::ModelParameters theta = model::nominal_parameters();
+    const double before = theta.body[0].mass;
+    const Adoption a = adopt(v.path, theta);
+    EXPECT_EQ(a.adopted.size() + a.left.size(), 1U);
+    return theta.body[0].mass > 1.2 * before;
+  };
+  const std::string both = R"("link_mass", "payload")";
+  EXPECT_TRUE(adopted(both, ""));
+  EXPECT_TRUE(adopted(both, R"({"effect": "payload", "where": ["body_link"]})"));
+  EXPECT_FALSE(adopted(both, R"({"effect": "link_mass", "where": ["l_knee_link"]})"));
+  EXPECT_FALSE(adopted(R"("link_mass", "servo_p_gain")", ""));
+  EXPECT_FALSE(adopted(R"("link_mass")", ""));
+}
+
 TEST(Adopt, AFileThatIsNoVerdictIsAnError) {
   model::ModelParameters theta = model::nominal_parameters();
   for (const char* text :
