@@ -89,6 +89,7 @@ struct StanceSettings {
   double surely_worse = 2.0;
   double pushed = 5.0;
   double jump = 0.1;
+  double carries = 0.02;
   int maximum_terms = 6;
   template <class Field>
   void visit(Field&& field) {
@@ -135,6 +136,8 @@ struct StanceSettings {
           "times what a force on the base is in nine of ten windows of a recording: a push");
     field("jump", jump, "share of the weight", 0.005, 1.0,
           "by which a foot's force changes from row to row where it comes down or off");
+    field("carries", carries, "share of the weight", 0.001, 0.5,
+          "of a foot's force: less is what a sensor reads in the air");
     field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
   }
 

@@ -41,7 +41,7 @@ class Builder {
     const auto step = static_cast<std::size_t>(std::max(2.0, std::round(s.window / r.interval)));
     for (std::size_t a = 1; a + step <= r.rows(); a += step) {
       if (r.piece[a - 1] != r.piece[a + step - 1]) continue;
-      const WindowMeans w = window_of(track, a, a + step, s.creeping);
+      const WindowMeans w = window_of(asking_, track, a, a + step);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
       piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
       recording_ = recording;
@@ -108,12 +108,12 @@ class Builder {
   }
 
   Matrix jacobians() const {
-    Matrix J(6 + n_, 6 * static_cast<Eigen::Index>(soles_.size()));
-    for (std::size_t s = 0; s < soles_.size(); ++s) {
+    Matrix J(6 + n_, 6 * static_cast<Eigen::Index>(carrying_.size()));
+    for (std::size_t s = 0; s < carrying_.size(); ++s) {
       for (Eigen::Index i = 0; i < 3; ++i) {
         const auto at = 6 * static_cast<Eigen::Index>(s) + i;
-        J.col(at) = tree_.of_wrench(soles_[s], V3::Unit(i), V3::Zero());
-        J.col(at + 3) = tree_.of_wrench(soles_[s], V3::Zero(), V3::Unit(i));
+        J.col(at) = tree_.of_wrench(carrying_[s], V3::Unit(i), V3::Zero());
+        J.col(at + 3) = tree_.of_wrench(carrying_[s], V3::Zero(), V3::Unit(i));
       }
     }
     return J;
@@ -228,10 +228,10 @@ class Builder {
       tree_.set(moved);
       const std::vector<M3> now = sole_axes();
       Vector held = Vector::Zero(6 + n_);
-      for (std::size_t i = 0; i < soles_.size(); ++i) {
+      for (std::size_t i = 0; i < carrying_.size(); ++i) {
         const auto at = 6 * static_cast<Eigen::Index>(i);
         const M3 turn = now[i] * turned[i].transpose();
-        held += tree_.of_wrench(soles_[i], turn * ground.segment<3>(at),
+        held += tree_.of_wrench(carrying_[i], turn * ground.segment<3>(at),
                                 turn * ground.segment<3>(at + 3));
       }
       E.col(c.joint(JointFigure::zero, j)) = (tree_.needed() - held - needed + J * ground) / kStep;
@@ -248,12 +248,17 @@ class Builder {
 
   std::vector<M3> sole_axes() const {
     std::vector<M3> out;
-    for (const int sole : soles_) out.push_back(tree_.rotation(sole));
+    for (const int sole : carrying_) out.push_back(tree_.rotation(sole));
     return out;
   }
 
   void add_motion(const WindowMeans& w) {
     tree_.set(w.motion);
+    carrying_ = soles_;
+    std::erase_if(carrying_, [&](int sole) {
+      return std::find(w.in_air.begin(), w.in_air.end(), sole) != w.in_air.end();
+    });
+    if (carrying_.empty()) carrying_ = soles_;  // it stands on something that is no sensor
     const Matrix J = jacobians();
     const Vector pushed = ground(J, given(w));
     const Vector needed = tree_.needed() - J * pushed;
@@ -284,7 +289,7 @@ class Builder {
   const Eigen::VectorXd& scales_;
   DriveRows& out_;
   Eigen::Index n_;
-  std::vector<int> soles_;
+  std::vector<int> soles_, carrying_;  // joints; those that may carry in a window
   std::vector<Vector> rows_;
   std::size_t recording_ = 0, piece_ = 0;
 };

@@ -88,15 +88,37 @@ Track track_of(const Asking& asking, const WholeRecording& r) {
     if (r.attitude) out.up.push_back(r.R[k].transpose() * V3::UnitZ());
     if (!r.feet.empty()) out.weight.push_back(weight_at(asking, r, k));
   }
+  out.feet = r.feet;
   return out;
 }
 
-WindowMeans window_of(const Track& track, std::size_t a, std::size_t b, double creeping) {
+namespace {
+
+/// Joints of feet whose force is never more than what a sensor reads in the air.
+std::vector<int> feet_in_air(const Asking& asking, const Track& track, std::size_t a,
+                             std::size_t b) {
+  const double least =
+      asking.stance.carries * asking.body.mass() * eigen(asking.body.model.gravity).norm();
+  std::vector<int> out;
+  for (const FootForce& foot : track.feet) {
+    bool carries = false;
+    for (std::size_t k = a; k < b; ++k) carries = carries || !(std::abs(foot.fz[k]) < least);
+    if (!carries) out.push_back(foot.joint);
+  }
+  return out;
+}
+
+}  // namespace
+
+WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b) {
+  // slower, a joint's direction is a part of one
+  const double creeping = asking.stance.creeping;
   const auto n = static_cast<Eigen::Index>(track.joints.size());
   WindowMeans out;
   for (Vector* v : {&out.motion.q, &out.motion.dq, &out.motion.ddq, &out.sign, &out.error,
                     &out.command_rate, &out.current})
     *v = Vector::Zero(n);
+  out.in_air = feet_in_air(asking, track, a, b);
   const double share = 1.0 / static_cast<double>(b - a);
   for (std::size_t k = a; k < b; ++k) {
     for (Eigen::Index j = 0; j < n; ++j) {

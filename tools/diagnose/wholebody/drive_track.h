@@ -19,6 +19,7 @@ struct Track {
   std::vector<V3> acc, w, dw;
   std::vector<V3> up;          // the vertical in base axes; empty: no attitude
   std::vector<double> weight;  // sum of all feet's forces, N; empty: none was recorded
+  std::vector<FootForce> feet;
 };
 
 Track track_of(const Asking& asking, const WholeRecording& recording);
@@ -28,9 +29,10 @@ struct WindowMeans {
   Eigen::VectorXd sign, error, command_rate, current;
   V3 up = V3::Zero();
   double weight = 0.0;
+  std::vector<int> in_air;  // joints of feet that carry nothing all the time
 };
 
-/// Means over rows [a, b). Slower than `creeping` a joint's direction is a part of one.
-WindowMeans window_of(const Track& track, std::size_t a, std::size_t b, double creeping);
+/// Means over rows [a, b).
+WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b);
 
 }  // namespace sanso::diagnose

@@ -83,18 +83,19 @@ StanceLeft stance_left(const DriveRows& rows, const Eigen::VectorXd& figures, do
   const std::vector<double> usual = usual_sizes(rows, readings);
   StanceLeft out;
   out.at.assign(static_cast<std::size_t>(rows.columns.joints) + 1, 0.0);
+  const auto rough = [&](std::size_t w) { return w < readings.size() && rows.windows[w].rough; };
   for (std::size_t w = 0; w < readings.size(); ++w) {
+    if (rough(w) || rough(w + 1) || rough(w - 1)) continue;  // an impact is everywhere
     const Reading& r = readings[w];
-    out.at[0] += r.explained / 3.0;
-    for (std::size_t j = 0; j < r.by_joint.size(); ++j) out.at[j + 1] += r.by_joint[j];
     const StanceWindow& here = rows.windows[w];
-    const double scale = std::max(1.0, usual[here.recording]);
-    const double size = std::sqrt(r.explained) / scale;
-    const auto rough = [&](std::size_t other) {
-      return other < readings.size() && rows.windows[other].rough;
+    const double size = std::sqrt(r.explained) / std::max(1.0, usual[here.recording]);
+    if (size >= beyond && !may_be_a_foot(r)) add_push(here, r, size, out);
+    // no window alone says where something is that stays
+    const auto counted = [most = beyond * beyond](double squares) {
+      return most * std::log1p(squares / most);
     };
-    const bool steady = !rough(w) && !rough(w + 1) && !rough(w - 1) && !may_be_a_foot(r);
-    if (size >= beyond && steady) add_push(here, r, size, out);
+    out.at[0] += counted(r.explained / 3.0);
+    for (std::size_t j = 0; j < r.by_joint.size(); ++j) out.at[j + 1] += counted(r.by_joint[j]);
   }
   for (double& x : out.at) x /= std::max<double>(1.0, static_cast<double>(readings.size()));
   std::sort(out.pushes.begin(), out.pushes.end(),

@@ -16,7 +16,7 @@ struct Push {
   // base axes, N: at the centre of mass the same would be left; who pushes elsewhere pushes in
   // another direction
   V3 force = V3::Zero();
-  double beyond = 0.0;          // of what such a force is elsewhere, deviations
+  double beyond = 0.0;  // of what such a force is elsewhere, deviations
 };
 
 struct StanceLeft {

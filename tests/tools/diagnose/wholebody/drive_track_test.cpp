@@ -30,7 +30,7 @@ class DriveTrack : public ::testing::Test {
   WholeRecording& recording() { return world_.recordings.front(); }
   WindowMeans means(std::size_t a, std::size_t b) const { return means(world_.asking(), a, b); }
   WindowMeans means(const Asking& asking, std::size_t a, std::size_t b) const {
-    return window_of(track_of(asking, world_.recordings.front()), a, b, asking.stance.creeping);
+    return window_of(asking, track_of(asking, world_.recordings.front()), a, b);
   }
 
   static constexpr double slope_ = 0.5;  // rad/s, of the goals
@@ -74,6 +74,15 @@ TEST_F(DriveTrack, WhereAFootComesDownNothingIsSaidOfTheWeight) {
   EXPECT_TRUE(std::isnan(means(10, 20).weight));
   EXPECT_NEAR(means(20, 30).weight, 45.0, 1e-9);
   EXPECT_NEAR(means(1, 11).weight, 30.0, 1e-9);
+}
+
+TEST_F(DriveTrack, AFootIsInTheAirWhereItCarriesNothingAllTheTime) {
+  EXPECT_TRUE(means(10, 20).in_air.empty());
+  for (std::size_t k = 5; k < 25; ++k) recording().feet[1].fz[k] = 0.05;
+  EXPECT_EQ(means(10, 20).in_air, std::vector<int>{11});
+  EXPECT_TRUE(means(20, 30).in_air.empty()) << "it came down in it";
+  recording().feet[1].fz[15] = std::nan("");
+  EXPECT_TRUE(means(10, 20).in_air.empty()) << "nobody read it";
 }
 
 TEST_F(DriveTrack, WithoutFeetOrAttitudeThereIsNoWeight) {
