@@ -11,9 +11,7 @@ namespace sanso::diagnose {
 namespace {
 
 /// Of element (r, c) in three rows of three.
-std::size_t at(int r, int c) {
-  return 3 * static_cast<std::size_t>(r) + static_cast<std::size_t>(c);
-}
+std::size_t at(Eigen::Index r, Eigen::Index c) { return static_cast<std::size_t>(3 * r + c); }
 
 // Friction of MuJoCo is a soft constraint: as hard as a step of half a millisecond bears. Its
 // implicit integrator damps by an actuator's kd at the limit of its force too; Euler does not.
@@ -25,14 +23,14 @@ constexpr char kHead[] =
 
 std::string inertial(const BodyInertia& body) {
   Eigen::Matrix3d about;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) about(r, c) = body.about_com[at(r, c)];
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = 0; c < 3; ++c) about(r, c) = body.about_com[at(r, c)];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(about);
   Eigen::Matrix3d axes = principal.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) *= -1.0;
   Mat3 R{};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) R[at(r, c)] = axes(r, c);
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = 0; c < 3; ++c) R[at(r, c)] = axes(r, c);
   const Eigen::Vector3d& moments = principal.eigenvalues();
   return fmt::format("<inertial mass=\"{}\" pos=\"{}\" quat=\"{}\" diaginertia=\"{}\"/>",
                      number(body.mass), numbers(body.com), quaternion(R),
@@ -42,8 +40,8 @@ std::string inertial(const BodyInertia& body) {
 /// MuJoCo refuses a body whose largest moment exceeds the sum of the others.
 bool impossible(const BodyInertia& body) {
   Eigen::Matrix3d about;
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) about(r, c) = body.about_com[at(r, c)];
+  for (Eigen::Index r = 0; r < 3; ++r)
+    for (Eigen::Index c = 0; c < 3; ++c) about(r, c) = body.about_com[at(r, c)];
   const Eigen::Vector3d moments =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(about).eigenvalues();
   return moments[0] < 0.0 || moments[0] + moments[1] < moments[2] * (1.0 - 1e-9);

@@ -54,7 +54,7 @@ class Columns {
 };
 
 void add_joints(Columns& columns) {
-  for (int j = 0; j < model::kNumJoints; ++j) {
+  for (Eigen::Index j = 0; j < model::kNumJoints; ++j) {
     const auto i = static_cast<std::size_t>(j);
     const std::string name = model::kJoints[i].name;
     columns.add("q:" + name, [j](const Observation& o) { return o.x[model::kXJoint + j]; });

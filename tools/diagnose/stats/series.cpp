@@ -8,24 +8,23 @@
 
 namespace sanso::diagnose {
 
-std::vector<double> autocorrelation(std::span<const double> x, int max_lag) {
+std::vector<double> autocorrelation(std::span<const double> x, std::size_t max_lag) {
   const double centre = mean(x);
-  const auto n = static_cast<int>(x.size());
-  std::vector<double> rho(static_cast<std::size_t>(max_lag) + 1, 0.0);
+  std::vector<double> rho(max_lag + 1, 0.0);
   double power = 0.0;
   for (double v : x) power += (v - centre) * (v - centre);
   if (power <= 0.0) return rho;
-  for (int lag = 0; lag <= max_lag && lag < n; ++lag) {
+  for (std::size_t lag = 0; lag <= max_lag && lag < x.size(); ++lag) {
     double sum = 0.0;
-    for (int i = lag; i < n; ++i) sum += (x[i] - centre) * (x[i - lag] - centre);
-    rho[static_cast<std::size_t>(lag)] = sum / power;
+    for (std::size_t i = lag; i < x.size(); ++i) sum += (x[i] - centre) * (x[i - lag] - centre);
+    rho[lag] = sum / power;
   }
   return rho;
 }
 
 double autocorrelation_time(std::span<const double> x) {
   if (x.size() < 8) return 1.0;
-  const int max_lag = static_cast<int>(std::min<std::size_t>(x.size() / 4, 400));
+  const std::size_t max_lag = std::min<std::size_t>(x.size() / 4, 400);
   const std::vector<double> rho = autocorrelation(x, max_lag);
   double sum = 0.0;
   for (std::size_t k = 1; k + 1 < rho.size(); k += 2) {
@@ -36,7 +35,7 @@ double autocorrelation_time(std::span<const double> x) {
   return 1.0 + 2.0 * sum;
 }
 
-Autoregression fit_autoregression(std::span<const double> x, int order) {
+Autoregression fit_autoregression(std::span<const double> x, std::size_t order) {
   Autoregression model;
   const std::size_t n = x.size();
   const double centre = mean(x);
@@ -48,15 +47,15 @@ Autoregression fit_autoregression(std::span<const double> x, int order) {
   }
   double variance = n > 0 ? power / static_cast<double>(n) : 0.0;
   std::vector<double>& a = model.coefficients;
-  for (int m = 1; m <= order && variance > 0.0 && n > static_cast<std::size_t>(m) + 1; ++m) {
+  for (std::size_t m = 1; m <= order && variance > 0.0 && n > m + 1; ++m) {
     double numerator = 0.0, denominator = 0.0;
-    for (std::size_t i = static_cast<std::size_t>(m); i < n; ++i) {
+    for (std::size_t i = m; i < n; ++i) {
       numerator += forward[i] * backward[i - 1];
       denominator += forward[i] * forward[i] + backward[i - 1] * backward[i - 1];
     }
     if (denominator <= 0.0) break;
     const double reflection = 2.0 * numerator / denominator;
-    for (std::size_t i = n - 1; i >= static_cast<std::size_t>(m); --i) {
+    for (std::size_t i = n - 1; i >= m; --i) {
       const double f = forward[i], b = backward[i - 1];
       forward[i] = f - reflection * b;
       backward[i] = b - reflection * f;
@@ -68,7 +67,7 @@ Autoregression fit_autoregression(std::span<const double> x, int order) {
     a.push_back(reflection);
     variance *= 1.0 - reflection * reflection;
   }
-  a.resize(static_cast<std::size_t>(order), 0.0);
+  a.resize(order, 0.0);
   model.innovation_sigma = std::sqrt(std::max(variance, 0.0));
   return model;
 }

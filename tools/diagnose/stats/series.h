@@ -1,6 +1,7 @@
 // Properties of a time series: autocorrelation, autoregressive colour.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -8,7 +9,7 @@ namespace sanso::diagnose {
 
 /// Autocorrelation of x at lags 0 .. max_lag (biased estimate, so the sequence is positive
 /// definite).
-std::vector<double> autocorrelation(std::span<const double> x, int max_lag);
+std::vector<double> autocorrelation(std::span<const double> x, std::size_t max_lag);
 
 /// Integrated autocorrelation time 1 + 2 sum rho_k, in samples; the sum ends at the first pair
 /// rho_2m + rho_2m+1 that is not positive (initial positive sequence, Geyer 1992). At least 1. n /
@@ -20,6 +21,6 @@ struct Autoregression {
   std::vector<double> coefficients;  // a_1 .. a_p
   double innovation_sigma = 0.0;     // standard deviation of e
 };
-Autoregression fit_autoregression(std::span<const double> x, int order);
+Autoregression fit_autoregression(std::span<const double> x, std::size_t order);
 
 }  // namespace sanso::diagnose

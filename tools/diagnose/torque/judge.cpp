@@ -61,15 +61,15 @@ class Judge {
   void resample() {
     const std::vector<std::size_t> active = choice_.active();
     draws_.resize(static_cast<std::size_t>(settings_.decisions.bootstrap));
-    const int blocks = static_cast<int>(all_.size());
-    const int length = std::max(1, std::min(blocks / 3, static_cast<int>(std::cbrt(blocks))));
+    const std::size_t blocks = all_.size();
+    const auto root = static_cast<std::size_t>(std::cbrt(blocks));
+    const std::size_t length = std::max<std::size_t>(1, std::min(blocks / 3, root));
     parallel_for(draws_.size(), [&](std::size_t d) {
       Random random(seed_, d);
       BlockCounts counts(all_.size(), 0.0);
-      for (int taken = 0; taken < blocks;) {
-        const int from = random.below(blocks - length + 1);
-        for (int k = 0; k < length && taken < blocks; ++k, ++taken)
-          counts[static_cast<std::size_t>(from + k)] += 1.0;
+      for (std::size_t taken = 0; taken < blocks;) {
+        const std::size_t from = random.below(blocks - length + 1);
+        for (std::size_t k = 0; k < length && taken < blocks; ++k, ++taken) counts[from + k] += 1.0;
       }
       const double wider = std::sqrt(blocks / std::max(1.0, static_cast<double>(blocks - length)));
       draws_[d] = final_ + wider * (design_.fit(active, counts) - final_);

@@ -130,13 +130,14 @@ Predictability predictability(const std::vector<TorqueSample>& samples, std::siz
   out.explained = ridge.explained(y);
   // shifted by more than the dependence between neighbours, the torque has lost its state but kept
   // its own colour
-  const auto n = static_cast<int>(y.size());
-  const int block = std::clamp(static_cast<int>(3.0 * autocorrelation_time(missing)), 5, n / 4);
+  const Eigen::Index n = y.size();
+  const auto block = std::clamp<Eigen::Index>(
+      static_cast<Eigen::Index>(3.0 * autocorrelation_time(missing)), 5, n / 4);
   int exceed = 0;
   Eigen::VectorXd shifted(n);
   for (int b = 0; b < settings.decisions.bootstrap; ++b) {
-    const int shift = block + random.below(n - 2 * block);
-    for (int i = 0; i < n; ++i) shifted[i] = y[(i + shift) % n];
+    const Eigen::Index shift = block + random.below(n - 2 * block);
+    for (Eigen::Index i = 0; i < n; ++i) shifted[i] = y[(i + shift) % n];
     exceed += ridge.explained(shifted) >= out.explained;
   }
   out.p = (exceed + 1.0) / (settings.decisions.bootstrap + 1.0);
