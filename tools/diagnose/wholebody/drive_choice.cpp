@@ -114,7 +114,7 @@ class Chooser {
 
   bool open(const DriveTerm& t) const {
     return std::none_of(taken_.begin(), taken_.end(), [&](const DriveTerm* other) {
-      const bool links = t.family == "mass" && other->family == "mass";
+      const bool links = t.family == Family::mass && other->family == Family::mass;
       return other->where == t.where && (other->effect == t.effect || links);
     });
   }

@@ -86,7 +86,7 @@ Bounds bounds_of(JointFigure figure, const Asking& asking, const DriveLaw& l, bo
 /// An effect of the library, its first `numbers` parameters as they stand there.
 DriveTerm term_of(const Effect& effect, std::size_t numbers) {
   DriveTerm out;
-  out.effect = effect.id, out.family = to_string(effect.family);
+  out.effect = effect.id, out.family = effect.family;
   for (std::size_t k = 0; k < numbers; ++k) {
     out.parameters.emplace_back(effect.parameters[k].name);
     out.units.emplace_back(effect.parameters[k].unit);

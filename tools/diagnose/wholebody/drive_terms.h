@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/wholebody/drive_rows.h"
 
 namespace sanso::diagnose {
@@ -12,7 +13,8 @@ namespace sanso::diagnose {
 /// A name at its places. Coefficients x (unknown) become figures: columns * x; and numbers that a
 /// person reads: `nothing` + x, a place divided by the mass.
 struct DriveTerm {
-  std::string effect, family;
+  std::string effect;
+  Family family{};
   std::vector<std::string> where;
   std::vector<std::string> parameters, units;
   std::vector<double> low, high;  // bounds of x

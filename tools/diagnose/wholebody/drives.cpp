@@ -30,7 +30,7 @@ std::vector<std::string> all_placed() {
 
 Finding finding_of(const Asking& asking, const JudgedDriveTerm& j) {
   Finding f;
-  f.effect = j.term.effect, f.family = j.term.family, f.where = j.term.where;
+  f.effect = j.term.effect, f.family = to_string(j.term.family), f.where = j.term.where;
   f.regime = "stance";
   for (std::size_t i = 0; i < j.parameters.size(); ++i)
     f.parameters[j.term.parameters[i]] = j.parameters[i];

@@ -177,7 +177,7 @@ TEST(DriveTerms, AreOfKindsLegsPairsAndSingleJoints) {
     ASSERT_EQ(t.low.size(), t.high.size());
     EXPECT_EQ(t.units.size(), t.parameters.size());
     for (std::size_t i = 0; i < t.low.size(); ++i) EXPECT_LT(t.low[i], t.high[i]) << t.effect;
-    if (t.family != "mass" && t.effect != name_of(WholeFigure::imu_turn)) {
+    if (t.family != Family::mass && t.effect != name_of(WholeFigure::imu_turn)) {
       EXPECT_EQ(t.columns.cwiseAbs().sum(), static_cast<double>(t.where.size())) << t.effect;
     }
     gains[t.where.size()] += t.effect == "servo_p_gain";
