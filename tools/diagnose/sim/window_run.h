@@ -196,7 +196,8 @@ class WindowRun {
     store(velocity * (1.0 + joint.encoder_scale), dq);
     store(choose(now, T(1.0), T(0.0)), writes);
     double efforts[4][kLanes];
-    if (delay(k) == 0.0) {
+    const bool at_once = delay(k) == 0.0;
+    if (at_once) {
       const ServoOutputOf<T>& servo = torques_.servo[k];
       store(servo.torque, efforts[0]), store(servo.current, efforts[1]);
       store(servo.duty, efforts[2]), store(servo.volt, efforts[3]);
@@ -206,7 +207,7 @@ class WindowRun {
       const std::size_t row = next_[k][i]++, at = k * rows_[i] + row;
       window_[i].out_q[at] = q[i];
       window_[i].out_dq[at] = dq[i];
-      if (delay(k) == 0.0)
+      if (at_once)
         write_efforts(k, i, row, efforts[0][i], efforts[1][i], efforts[2][i], efforts[3][i]);
     }
   }
