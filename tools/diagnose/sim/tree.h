@@ -93,7 +93,7 @@ class Tree {
   void settle_bodies() {
     if (!f_.lone_hinge) return;
     const T zero = 0.0, quarter = 1.57079632679489661923;
-    T h[1], M[1];
+    T h[1], M[1] = {zero};  // a branch without joints has no inertia
     set_frames(&quarter, 0, 1);
     newton_euler<false>(&zero, nullptr, h, 0, 1);
     pull_sine_ = h[0];
