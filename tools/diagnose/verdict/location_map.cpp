@@ -84,6 +84,7 @@ std::vector<InAndOut> in_and_out(const Comparison& comparison, const Regimes& re
 /// Turns the cells' p into q, and sorts: called ones first (q < 0.05), then by share log(lift).
 void call(std::vector<LocationCell>& cells) {
   std::vector<double> p;
+  p.reserve(cells.size());
   for (const LocationCell& c : cells) p.push_back(c.q_value);
   const std::vector<double> q = false_discovery_rate(p);
   for (std::size_t i = 0; i < q.size(); ++i) cells[i].q_value = q[i];

@@ -98,6 +98,7 @@ std::vector<TorqueSample> missing_torque(const std::vector<Source>& sources,
     replay[s] = simulate(params, problem->sources[s].drive, windows, sim);
   }
   std::vector<Eigen::VectorXd> projected;
+  projected.reserve(raw.size());
   for (const Eigen::VectorXd& s : raw) projected.push_back(starts.project(s));
   std::vector<TorqueSample> out;
   for (const Shot& shot : problem->shots) {

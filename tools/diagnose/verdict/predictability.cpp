@@ -30,6 +30,7 @@ std::vector<TorqueSample> of_joint(const std::vector<TorqueSample>& samples, std
 
 std::vector<double> column(const std::vector<TorqueSample>& s, double TorqueSample::*field) {
   std::vector<double> out;
+  out.reserve(s.size());
   for (const TorqueSample& sample : s) out.push_back(sample.*field);
   return out;
 }
