@@ -34,7 +34,7 @@ std::vector<double> from_duty(const Recording& recording, const JointSettings& s
 
 /// Velocity by central differences: good enough for back-EMF, a small part of a servo's voltage.
 std::vector<double> velocity(const Recording& recording, const std::string& joint) {
-  const std::vector<double> measured = values(recording, "dq:" + joint);
+  std::vector<double> measured = values(recording, "dq:" + joint);
   if (!measured.empty()) return measured;
   const std::vector<double> q = values(recording, "q:" + joint);
   std::vector<double> out(q.size(), kNaN);

@@ -289,6 +289,7 @@ std::vector<std::string> disagreements(const EffortDesign& design, const EffortC
       const Eigen::Index column =
           design.first_column(choice.terms[i]) + static_cast<Eigen::Index>(c);
       std::vector<GroupValue> values;
+      values.reserve(told.size());
       for (const auto& [name, value] : told)
         values.push_back({name, value.first[column], value.second[column]});
       const std::string text = disagreement(in_words(t.term) + ", " + t.term.parameters[c],
