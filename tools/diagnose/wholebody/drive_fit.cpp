@@ -16,6 +16,7 @@ std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& lef
   for (std::size_t i = 0; i < rows.channel.size(); ++i)
     by[rows.channel[i]].push_back(std::abs(left[static_cast<Eigen::Index>(i)]));
   std::vector<double> out;
+  out.reserve(by.size());
   for (const auto& x : by) out.push_back(std::max(least, x.empty() ? 1.0 : 1.4826 * median(x)));
   return out;
 }
