@@ -234,7 +234,7 @@ def main():
     parser.add_argument("--changed", action="store_true")
     parser.add_argument("--fresh", action="store_true")
     parser.add_argument("--jobs", type=int, default=2)
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     root, build = given.root.resolve(), given.build.resolve()
     linter = next((name for name in LINTERS if shutil.which(name)), None)
     if linter is None:
