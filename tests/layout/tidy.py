@@ -160,7 +160,7 @@ def lint(linter, root, build, names, words):
     """Findings in our own files; what the analyzer suspects inside of libraries is theirs.
 
     The sources stand one after the other in one file, so that the analyzer takes all of it for the main file. Where
-    two of them define the same name the halves are read apart.
+    two of them define the same name the later ones are read apart.
     """
     origin, text = [], []
     for name in names:
@@ -175,11 +175,25 @@ def lint(linter, root, build, names, words):
                          capture_output=True, text=True, cwd=build)
     all_found = FINDING.findall(run.stdout)
     if len(names) > 1 and ("[clang-diagnostic-error]" in run.stdout or (run.returncode and not all_found)):
-        half = len(names) // 2
-        return lint(linter, root, build, names[:half], words) | lint(linter, root, build, names[half:], words)
+        return set().union(*(lint(linter, root, build, part, words)
+                             for part in parted(names, clashing(build, joined, origin, all_found))))
     if run.returncode != 0 and not all_found:
         return {f"{names[0]}: clang-tidy failed: {run.stderr.strip()[-400:]}"}
     return set(own_findings(root, build, joined, origin, all_found))
+
+
+def clashing(build, joined, origin, all_found):
+    """Sources in which the joined file does not compile."""
+    return {origin[int(line) - 1][0] for path, line, text in all_found
+            if "[clang-diagnostic-error" in text and build / path == joined}
+
+
+def parted(names, clash):
+    """What can stay together and what cannot; halves where nothing tells."""
+    together, apart = [n for n in names if n not in clash], [n for n in names if n in clash]
+    if together and apart:
+        return together, apart
+    return names[:len(names) // 2], names[len(names) // 2:]
 
 
 def own_findings(root, build, joined, origin, all_found):
@@ -222,6 +236,8 @@ def self_test():
         assert not memory().knows(["a.cpp"], ("-O2",)), "a header is gone"
         memory().forget(time.time() + 2 * FORGOTTEN)
         assert not list((root / "memory").iterdir())
+    assert parted(["a", "b", "c"], {"b"}) == (["a", "c"], ["b"]), "what compiles stays together"
+    assert parted(["a", "b"], {"a", "b"}) == (["a"], ["b"]), "no end"
     assert FINDING.findall("/a/b.cpp:1:2: error: x [bugprone-y]"), "a finding is not seen"
 
 
