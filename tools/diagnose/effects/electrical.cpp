@@ -101,7 +101,7 @@ Effect torque_constant() {
       .code = "E4",
       .name = "torque constant or winding resistance",
       .form = "torque per current (and back-EMF) times torque, resistance times resistance",
-      .parameters = {{"torque", "-", 1, 0.6, 1.4, 0.1}, {"resistance", "-", 1, 0.6, 1.4, 0.1}},
+      .parameters = {{"torque", "-", 1, 0.4, 2.5, 0.1}, {"resistance", "-", 1, 0.4, 2.5, 0.1}},
       .probes = {{1.15, 1}, {1, 1.15}},
       .needs = kCommand,
       .cluster = "AC",
