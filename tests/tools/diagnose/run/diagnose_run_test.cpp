@@ -101,10 +101,10 @@ TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolde
   EXPECT_FALSE(read_model_folder((folder_ / "out" / "model").string()).effects.empty());
 }
 
-/// The library's delays end at 60 ms: a longer one is present, but what stops at the bound is not
+/// The library's delays end at 120 ms: a longer one is present, but what stops at the bound is not
 /// confirmed.
 TEST_F(DiagnoseRun, WhatEndsAtABoundIsPresentAndNotConfirmed) {
-  for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.09}}, 0}}, i));
+  for (int i = 0; i < 3; ++i) add(record({{"command_delay", {"a"}, {{"delay", 0.16}}, 0}}, i));
   options_.effects = {"command_delay"};
   EXPECT_EQ(run_diagnose(options_), 1);
   EXPECT_EQ(verdict().at("status"), "PRESENT_UNNAMED") << verdict().at("answer");
