@@ -60,8 +60,11 @@ std::vector<FloorMotion> motions(Random& random) {
     if (i % 5 == 1) m.squat = random.uniform(0.2, 0.35);
     if (i % 5 == 2) m.sway = random.uniform(0.06, 0.1);
     if (i % 5 >= 3) m.sway = random.uniform(0.13, 0.16), m.lift = random.uniform(0.25, 0.35);
-    if (i % 5 == 3) m.rate_hz = random.uniform(0.12, 0.18);
-    if (i % 5 == 4) m.stride = random.uniform(0.05, 0.1), m.rate_hz = random.uniform(0.25, 0.35);
+    if (i % 5 == 3) m.rate_hz = random.uniform(0.12, 0.16);
+    if (i % 5 == 4) {  // it falls from side to side, and is caught: slower, it would fall over
+      m.sway = random.uniform(0.09, 0.12), m.lift = random.uniform(0.2, 0.3);
+      m.stride = random.uniform(0.03, 0.07), m.rate_hz = random.uniform(0.4, 0.6);
+    }
     out.push_back(m);
   }
   return out;

@@ -14,8 +14,8 @@ namespace {
 
 FloorMotion walk() {
   FloorMotion m;
-  m.name = "rec", m.condition = "walk", m.sway = 0.14, m.lift = 0.3, m.stride = 0.08;
-  m.rate_hz = 0.3;
+  m.name = "rec", m.condition = "walk", m.sway = 0.1, m.lift = 0.25, m.stride = 0.05;
+  m.rate_hz = 0.5;
   return m;
 }
 
