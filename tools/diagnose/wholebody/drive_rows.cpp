@@ -40,7 +40,7 @@ class Builder {
     const StanceSettings& s = asking_.stance;
     const auto step = static_cast<std::size_t>(std::max(2.0, std::round(s.window / r.interval)));
     for (std::size_t a = 1; a + step <= r.rows(); a += step) {
-      if (r.piece[a - 1] != r.piece[a + step - 1]) continue;
+      if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, step)) continue;
       const WindowMeans w = window_of(asking_, track, a, a + step);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
       piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
@@ -66,6 +66,16 @@ class Builder {
   }
 
  private:
+  /// A foot comes down or off in the window or beside it: smoothing spreads what an impact does,
+  /// and neither accelerations nor torques are what a mean says of them.
+  static bool impact_near(const Track& track, std::size_t a, std::size_t step) {
+    if (track.weight.empty()) return false;
+    const auto from = track.weight.begin() + static_cast<std::ptrdiff_t>(a - std::min(a, step));
+    const std::size_t end = std::min(track.weight.size(), a + 2 * step);
+    return std::any_of(from, track.weight.begin() + static_cast<std::ptrdiff_t>(end),
+                       [](double weight) { return !std::isfinite(weight); });
+  }
+
   /// Of what is no joint's loop; what the feet carry comes after it.
   std::size_t motion_channel() const { return out_.current ? static_cast<std::size_t>(n_) : 0; }
   const DriveLaw& law(Eigen::Index j) const { return out_.laws[static_cast<std::size_t>(j)]; }
