@@ -45,7 +45,7 @@ class Builder {
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
       piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
       recording_ = recording;
-      out_.windows.push_back({recording, r.t[a], r.t[a + step - 1], !std::isfinite(w.weight)});
+      out_.windows.push_back({recording, r.t[a], r.t[a + step - 1]});
       if (out_.current) add_loops(w);
       add_motion(w);
     }
@@ -275,7 +275,7 @@ class Builder {
     Matrix E = equations(w, needed);
     add_readings(w, pushed, J, E);
     const Matrix V = covariance(w, needed);
-    if (out_.weighed && std::isfinite(w.weight)) add_weight(w, E, V);
+    if (out_.weighed) add_weight(w, E, V);
     const Eigen::LLT<Matrix> root(V);
     const Eigen::ColPivHouseholderQR<Matrix> made(root.matrixL().solve(J));
     const Matrix left = made.householderQ().transpose() * Matrix(root.matrixL().solve(E));
@@ -355,6 +355,7 @@ DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales) {
   }
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) builder.add(r);
   builder.finish();
+  if (out.y.size() == 0) out.why_not = "no stretch without a foot that comes down or off";
   return out;
 }
 

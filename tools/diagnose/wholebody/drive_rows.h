@@ -40,7 +40,6 @@ struct DriveColumns {
 struct StanceWindow {
   std::size_t recording = 0;
   double from = 0.0, to = 0.0;  // s
-  bool rough = false;           // a foot comes down or off
 };
 
 struct DriveRows {

@@ -83,9 +83,7 @@ StanceLeft stance_left(const DriveRows& rows, const Eigen::VectorXd& figures, do
   const std::vector<double> usual = usual_sizes(rows, readings);
   StanceLeft out;
   out.at.assign(static_cast<std::size_t>(rows.columns.joints) + 1, 0.0);
-  const auto rough = [&](std::size_t w) { return w < readings.size() && rows.windows[w].rough; };
   for (std::size_t w = 0; w < readings.size(); ++w) {
-    if (rough(w) || rough(w + 1) || rough(w - 1)) continue;  // an impact is everywhere
     const Reading& r = readings[w];
     const StanceWindow& here = rows.windows[w];
     const double size = std::sqrt(r.explained) / std::max(1.0, usual[here.recording]);

@@ -112,5 +112,30 @@ kp = 100
   EXPECT_NE(drive_rows(world.asking()).why_not.find("more links"), std::string::npos);
 }
 
+/// A robot whose left foot hits the floor in these rows.
+StanceWorld hit_in(std::size_t first, std::size_t last) {
+  StanceWorld world(all_joints({}));
+  WholeRecording& r = world.recordings.front();
+  r.attitude = true;
+  const double weight = world.body.mass() * 9.81;
+  r.feet = {{"left", 5, std::vector<double>(r.rows(), 0.5 * weight)},
+            {"right", 11, std::vector<double>(r.rows(), 0.5 * weight)}};
+  for (std::size_t k = first; k < last; ++k) r.feet[0].fz[k] += (k % 2 == 0 ? 1.0 : 0.0) * weight;
+  return world;
+}
+
+TEST(DriveRows, LeaveOutWindowsWithAnImpactAndThoseBesideThem) {
+  const StanceWorld calm = hit_in(0, 0), hit = hit_in(400, 405);
+  const DriveRows all = drive_rows(calm.asking()), some = drive_rows(hit.asking());
+  EXPECT_LT(some.windows.size(), all.windows.size());
+  EXPECT_GE(some.windows.size() + 5, all.windows.size());
+  for (const StanceWindow& w : some.windows) EXPECT_FALSE(w.to > 3.9 && w.from < 4.15) << w.from;
+}
+
+TEST(DriveRows, SayWhyNotWhereFeetNeverRest) {
+  const StanceWorld world = hit_in(0, 800);
+  EXPECT_NE(drive_rows(world.asking()).why_not.find("comes down"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
