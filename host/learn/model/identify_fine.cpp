@@ -86,13 +86,12 @@ std::vector<FineWindow> fine_windows_of(const Episode& episode, int first_tick, 
   for (int start = first_tick; start + kFineSteps <= at.rbegin()->first; start += stride_ticks) {
     FineWindow w;
     bool whole = true;
-    for (int k = -kMostDelayTicks - 1; k <= kFineSteps && whole; ++k) {
+    for (int k = -kMostDelayTicks - 1, command = 0; k <= kFineSteps && whole; ++k, ++command) {
       const auto found = at.find(start + k);
       whole = found != at.end() && tilt_of(found->second->x) < kTilt_rad;
       if (!whole) break;
       if (k >= 0) w.x[static_cast<std::size_t>(k)] = found->second->x;
-      if (k < kFineSteps)
-        w.u[static_cast<std::size_t>(k + kMostDelayTicks + 1)] = found->second->u_out;
+      if (k < kFineSteps) w.u[static_cast<std::size_t>(command)] = found->second->u_out;
     }
     if (whole) out.push_back(w);
   }
