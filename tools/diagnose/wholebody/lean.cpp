@@ -148,6 +148,7 @@ Matrix scatter(const LeanProblem& problem, LeanProblem::Using which, const Chanc
   for (const Piece& p : problem.pieces())
     by_group.try_emplace(p.group, problem.numbers()).first->second.add(p.sums);
   std::vector<const Sums*> groups;
+  groups.reserve(by_group.size());
   for (const auto& entry : by_group) groups.push_back(&entry.second);
   const std::size_t n = groups.size();
   Random random(chance.seed, 41);
