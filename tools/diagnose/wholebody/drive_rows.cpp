@@ -163,7 +163,7 @@ class Builder {
   Vector ground(const Matrix& J, const Vector& given) const {
     const Matrix B = J.topRows(6);
     const Vector needed = tree_.needed();
-    const Vector f = B.transpose() * (B * B.transpose()).ldlt().solve(Vector(needed.head(6)));
+    Vector f = B.transpose() * (B * B.transpose()).ldlt().solve(Vector(needed.head(6)));
     const Eigen::Index free = J.cols() - 6;
     if (free <= 0) return f;
     const Matrix Q = Eigen::HouseholderQR<Matrix>(B.transpose()).householderQ();
