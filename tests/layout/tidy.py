@@ -24,8 +24,7 @@ import tempfile
 import time
 
 # More rooms join when they are clean.
-ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model", "tools/diagnose/gate",
-         "tools/diagnose/model_folder", "tools/diagnose/stats")
+ROOMS = ("firmware", "host/app", "host/learn", "host/link", "host/model", "tools/diagnose")
 TOGETHER = 8  # sources read at once
 # States of one function that the analyzer looks at, at most. Its own 225000 are three quarters of all the time: eight
 # sources of the diagnosis take 50 s with them, 20 s with these, 13 s without the analyzer.
