@@ -1,9 +1,9 @@
 // Bytes of a primitive set: little-endian, doubles for what is few, floats for the weights (1e-7 of
 // full scale: below any servo's resolution). Layout: version, form, num_basis (u16), duration,
 // period, fade_start, 15 scalars, orientation.
-#include <bit>
 #include <cmath>
 
+#include "shared/base/byte_io.h"
 #include "shared/policy/primitives.h"
 
 namespace sanso::policy {
@@ -15,42 +15,6 @@ constexpr double kMaxAngle_rad = 3.2;  // a servo's range
 constexpr double kMaxRate = 50.0;      // rad/s or m/s: ten times what the servo can do
 constexpr double kMaxWeight = 1e9f;    // forcing of 60 s motions at the highest acceleration
 constexpr double kQuatTolerance = 1e-6;
-
-class ByteWriter {
- public:
-  explicit ByteWriter(std::span<std::uint8_t> out) : out_(out) {}
-  template <class Unsigned>
-  void put_unsigned(Unsigned value) {
-    for (std::size_t k = 0; k < sizeof(Unsigned); ++k)
-      out_[at_++] = static_cast<std::uint8_t>(value >> (8 * k));
-  }
-  void put(double value) { put_unsigned(std::bit_cast<std::uint64_t>(value)); }
-  void put(float value) { put_unsigned(std::bit_cast<std::uint32_t>(value)); }
-  std::size_t size() const { return at_; }
-
- private:
-  std::span<std::uint8_t> out_;
-  std::size_t at_ = 0;
-};
-
-/// The caller has checked the length once; reading past the end is a programming error.
-class ByteReader {
- public:
-  explicit ByteReader(std::span<const std::uint8_t> in) : in_(in) {}
-  template <class Unsigned>
-  Unsigned get_unsigned() {
-    std::uint64_t value = 0;
-    for (std::size_t k = 0; k < sizeof(Unsigned); ++k)
-      value |= std::uint64_t{in_[at_++]} << (8 * k);
-    return static_cast<Unsigned>(value);
-  }
-  void get(double& value) { value = std::bit_cast<double>(get_unsigned<std::uint64_t>()); }
-  void get(float& value) { value = std::bit_cast<float>(get_unsigned<std::uint32_t>()); }
-
- private:
-  std::span<const std::uint8_t> in_;
-  std::size_t at_ = 0;
-};
 
 constexpr std::size_t size_for(int num_basis) {
   const auto n = static_cast<std::size_t>(num_basis);
@@ -131,23 +95,27 @@ std::size_t encoded_size(const PrimitiveSet& set) { return size_for(set.num_basi
 std::size_t to_bytes(const PrimitiveSet& set, std::span<std::uint8_t> out) {
   if (set.num_basis < 2 || set.num_basis > kMaxBasis || out.size() < encoded_size(set)) return 0;
   ByteWriter writer(out);
-  writer.put_unsigned(kVersion);
-  writer.put_unsigned(static_cast<std::uint8_t>(set.form));
-  writer.put_unsigned(static_cast<std::uint16_t>(set.num_basis));
-  visit_fields(set, [&](auto& value) { writer.put(value); });
+  writer(kVersion);
+  writer(set.form);
+  writer(static_cast<std::uint16_t>(set.num_basis));
+  visit_fields(set, [&](const auto& value) { writer(value); });
   return writer.size();
 }
 
 Status from_bytes(std::span<const std::uint8_t> bytes, PrimitiveSet& set) {
-  if (bytes.size() < 4) return Status::malformed;
   ByteReader reader(bytes);
-  if (reader.get_unsigned<std::uint8_t>() != kVersion) return Status::unsupported;
-  set.form = static_cast<PrimitiveForm>(reader.get_unsigned<std::uint8_t>());
-  const int num_basis = reader.get_unsigned<std::uint16_t>();
+  std::uint8_t version = 0;
+  std::uint16_t num_basis = 0;
+  reader(version);
+  reader(set.form);
+  reader(num_basis);
+  if (!reader.ok()) return Status::malformed;
+  if (version != kVersion) return Status::unsupported;
   if (num_basis < 2 || num_basis > kMaxBasis || bytes.size() != size_for(num_basis))
     return Status::malformed;
   set.num_basis = num_basis;
-  visit_fields(set, [&](auto& value) { reader.get(value); });
+  visit_fields(set, [&](auto& value) { reader(value); });
+  if (!reader.finished()) return Status::out_of_range;  // a number that is not finite
   return validate(set);
 }
 
