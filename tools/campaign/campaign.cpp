@@ -3,12 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
 #include "shared/files/atomic_file.h"
+#include "shared/files/parallel.h"
 #include "tools/campaign/run_scenario.h"
 
 namespace sanso::campaign {
@@ -31,18 +30,12 @@ void run(Row& row, std::uint64_t seed) {
 }
 
 void run_all(std::vector<Row>& rows, const Options& options) {
-  std::atomic<std::size_t> next{0};
   std::mutex printing;
-  std::vector<std::thread> threads;
-  for (int t = 0; t < options.threads; ++t)
-    threads.emplace_back([&] {
-      for (std::size_t i = next++; i < rows.size(); i = next++) {
-        run(rows[i], options.seed);
-        const std::lock_guard lock(printing);
-        fmt::print(stderr, "{}\n", line_of(rows[i]));
-      }
-    });
-  for (std::thread& thread : threads) thread.join();
+  files::parallel_for(rows.size(), options.threads, [&](std::size_t i) {
+    run(rows[i], options.seed);
+    const std::lock_guard lock(printing);
+    fmt::print(stderr, "{}\n", line_of(rows[i]));
+  });
 }
 
 }  // namespace
