@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "shared/math/order_statistics.h"
 #include "shared/servo_bus/xm430.h"
 #include "tools/bench/tick_rig.h"
 
@@ -29,11 +30,8 @@ struct Spread {
 };
 
 Spread spread_of(std::vector<Nanoseconds>& samples) {
-  std::sort(samples.begin(), samples.end());
   const auto at = [&](double p) {
-    return 1e-3 *
-           static_cast<double>(
-               samples[static_cast<std::size_t>(p * static_cast<double>(samples.size() - 1))]);
+    return 1e-3 * static_cast<double>(math::quantile_below(std::span(samples), p));
   };
   return {at(0.5), at(0.99), at(0.999), at(1.0)};
 }

@@ -12,6 +12,7 @@
 
 #include "host/learn/session/session.h"
 #include "host/motion/motion.h"
+#include "shared/math/order_statistics.h"
 #include "tools/inprocess/inprocess_access.h"
 
 namespace sanso::campaign {
@@ -75,8 +76,7 @@ double median_of(std::span<const Fall> falls, double Fall::*field) {
   for (const Fall& f : falls)
     if (f.fell) values.push_back(f.*field);
   if (values.empty()) return std::nan("");
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
+  return math::value_of_rank(std::span(values), values.size() / 2);
 }
 
 nlohmann::json json_of(const Fall& f, double tuck_s) {

@@ -14,6 +14,7 @@
 #include "host/motion/motion.h"
 #include "host/mpc/solver.h"
 #include "host/mpc/upper_layer.h"
+#include "shared/math/order_statistics.h"
 #include "shared/model/step_batch.h"
 #include "tools/bench/mpc/mujoco_phases.h"
 
@@ -24,11 +25,8 @@ double ms(Nanoseconds t) { return 1e-6 * static_cast<double>(t); }
 
 TimeSummary summary_of(std::vector<double> t) {
   if (t.empty()) return {};
-  std::sort(t.begin(), t.end());
-  const auto at = [&](double q) {
-    return t[static_cast<std::size_t>(q * static_cast<double>(t.size() - 1))];
-  };
-  return {at(0.5), at(0.99), t.back()};
+  const auto at = [&](double q) { return math::quantile_below(std::span(t), q); };
+  return {at(0.5), at(0.99), at(1.0)};
 }
 double median_of(std::vector<double> t) { return summary_of(std::move(t)).p50; }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shared/math/order_statistics.h"
 #include "tools/diagnose/sim/tree_dynamics.h"
 
 namespace sanso::diagnose {
@@ -15,9 +16,7 @@ double robust_peak(std::vector<double> values) {
   std::erase_if(values, [](double v) { return !std::isfinite(v); });
   if (values.empty()) return 0.0;
   for (double& v : values) v = std::abs(v);
-  const auto k = static_cast<std::ptrdiff_t>(static_cast<double>(values.size() - 1) * 0.999);
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
+  return math::quantile_below(std::span(values), 0.999);
 }
 
 struct Seen {
