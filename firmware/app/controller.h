@@ -39,7 +39,6 @@ class Controller {
   std::uint16_t fault_detail() const { return supervisor_.fault_detail(); }
   /// Torque is on, or was not yet confirmed to be off.
   bool torque_on() const { return torque_ != Torque::off; }
-  const BusCounters& bus_counters() const { return bus_.counters(); }
 
  private:
   enum class Torque : std::uint8_t { off, on, releasing };

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "shared/model/joints.h"
+
 namespace sanso::firmware {
 
 /// By how much a servo's zero lies away from its joint's, rad, index = servo id - 1.
@@ -13,7 +15,7 @@ struct BusSettings {
   double reply_timeout_s = 0.0045;
   double byte_rate_baud = 2'000'000;
   int slow_read_every_ticks = 2;
-  int position_p_gain_raw = 560;
+  int position_p_gain_raw = model::kPositionPGainRaw;
   int return_delay_raw = 1;
   bool fast_sync_read = true;
   bool require_opencr = true;

@@ -23,7 +23,6 @@ constexpr Nanoseconds from_seconds(double s) {
 // lower layer, low-level controller
 inline constexpr Nanoseconds kTickPeriod = 10 * kMillisecond;
 inline constexpr Nanoseconds kMiddlePeriod = 30 * kMillisecond;  // middle layer's grid
-inline constexpr Nanoseconds kUpperPeriod = 60 * kMillisecond;   // upper layer, default
 inline constexpr int kTicksPerMiddle = 3;
 inline constexpr int kTicksPerUpper = 6;
 

@@ -11,8 +11,6 @@ inline constexpr std::uint16_t kModel = 0x7400;  // 29696
 // u8: 1 switches the servo supply on; without it no servo answers
 inline constexpr std::uint16_t kServoPower = 24;
 inline constexpr std::uint16_t kLed = 25;            // u8
-inline constexpr std::uint16_t kRgbLed = 26;         // u16, 5-5-5 bits
-inline constexpr std::uint16_t kBuzzer = 28;         // u16
 inline constexpr std::uint16_t kButtons = 30;        // u8, bits below
 inline constexpr std::uint16_t kVoltage = 31;        // u8, 0.1 V
 inline constexpr std::uint16_t kGyro = 32;           // 3 x i16, 16.4 counts per deg/s

@@ -97,7 +97,6 @@ void BusSlave::run(Nanoseconds now) {
 
 void BusSlave::execute(const Packet& packet, Nanoseconds now) {
   if (packet.is_status()) return;
-  ++instructions_;
   if (packet.id == servo_bus::kBroadcastId) {
     broadcast(packet, now);
     return;

@@ -34,8 +34,6 @@ class BusSlave {
   std::size_t transmit(std::span<std::uint8_t> out, Nanoseconds now);
   Nanoseconds next_byte() const { return outgoing_.empty() ? INT64_MAX : outgoing_.front().time; }
 
-  std::uint64_t instructions() const { return instructions_; }  // understood, since construction
-
  private:
   struct Incoming {
     Nanoseconds end = 0;
@@ -83,7 +81,6 @@ class BusSlave {
   std::deque<TimedByte> outgoing_;
   Nanoseconds last_arrival_ = 0;
   Nanoseconds foreigner_spoke_ = 0;
-  std::uint64_t instructions_ = 0;
 };
 
 }  // namespace sanso::emulator

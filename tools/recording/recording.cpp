@@ -51,8 +51,6 @@ bool suffix_fits(Suffix suffix, std::string_view after_colon) {
 
 }  // namespace
 
-std::span<const ChannelKind> channel_kinds() { return kKinds; }
-
 const ChannelKind* kind_of(std::string_view column) {
   const auto colon = column.find(':');
   for (const ChannelKind& kind : kKinds) {

@@ -49,8 +49,6 @@ struct ChannelKind {
   std::string_view unit;
   enum class Suffix { none, joint, xyz, wxyz } suffix;
 };
-/// Every kind of column there is; the reader, the writer and the documentation walk this list.
-std::span<const ChannelKind> channel_kinds();
 /// Kind of a column name, or nullptr when it is none of them ("q:" without a joint is none).
 const ChannelKind* kind_of(std::string_view column);
 

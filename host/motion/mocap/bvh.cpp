@@ -140,13 +140,6 @@ Eigen::Matrix3d elementary_rotation(BvhChannel channel, double degrees) {
 
 }  // namespace
 
-bool BvhClip::has_joint(const std::string& name) const {
-  for (const auto& j : joints) {
-    if (j.name == name) return true;
-  }
-  return false;
-}
-
 int BvhClip::joint(const std::string& name) const {
   std::string known;
   for (std::size_t j = 0; j < joints.size(); ++j) {

@@ -35,7 +35,6 @@ struct BvhClip {
 
   /// Index of a joint. Throws ClipError naming the joints there are.
   int joint(const std::string& name) const;
-  bool has_joint(const std::string& name) const;
   /// World positions of all joints in one frame, file units and axes.
   std::vector<Eigen::Vector3d> positions(std::size_t frame) const;
 };

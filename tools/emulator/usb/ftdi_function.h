@@ -21,7 +21,6 @@ class FtdiFunction final : public UsbFunction {
   void line_in(std::span<const std::uint8_t> data);
   /// Of the line, as the host has set it; 0 before.
   int baud() const { return baud_; }
-  int latency_ms() const { return latency_ms_; }
 
  private:
   std::optional<UsbBytes> own_request(const UsbSetup& setup,
