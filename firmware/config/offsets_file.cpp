@@ -10,10 +10,11 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <utility>
+
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::firmware {
 
@@ -137,13 +138,12 @@ bool parse_offsets(const std::string&, const std::string& name, JointOffsets&, s
 #endif
 
 bool read_offsets_file(const std::string& path, JointOffsets& offset_rad, std::string& error) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file && text.empty()) {
+  try {
+    return parse_offsets(files::read_text(path), path, offset_rad, error);
+  } catch (const files::InputError&) {
     error = path + ": cannot be read, expected the offsets file of the robot (offset.yaml)";
     return false;
   }
-  return parse_offsets(text, path, offset_rad, error);
 }
 
 }  // namespace sanso::firmware

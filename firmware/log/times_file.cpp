@@ -3,7 +3,10 @@
 
 #include <array>
 #include <cstdio>
+#include <sstream>
 #include <utility>
+
+#include "shared/files/atomic_file.h"
 
 namespace sanso::firmware {
 namespace {
@@ -33,19 +36,22 @@ std::string times_line(const TickTimes& times) {
 }
 
 bool write_times(const TickTimes& times, const std::string& file) {
-  std::FILE* out = std::fopen(file.c_str(), "w");
-  if (out == nullptr) return false;
-  std::fputs("less_than_us,wake,tick,reply,imu_age\n", out);
+  std::ostringstream out;
+  out << "less_than_us,wake,tick,reply,imu_age\n";
   for (std::size_t bin = 0; bin < TimeHistogram::kBins; ++bin) {
     if (bin + 1 < TimeHistogram::kBins)
-      std::fprintf(out, "%g", us(TimeHistogram::end_of(bin)));
+      out << us(TimeHistogram::end_of(bin));
     else
-      std::fputs("inf", out);
-    for (const auto& [name, histogram] : named(times))
-      std::fprintf(out, ",%u", histogram->count(bin));
-    std::fputs("\n", out);
+      out << "inf";
+    for (const auto& [name, histogram] : named(times)) out << ',' << histogram->count(bin);
+    out << '\n';
   }
-  return std::fclose(out) == 0;
+  try {
+    files::write_atomically(file, out.str());
+    return true;
+  } catch (const files::WriteError&) {
+    return false;
+  }
 }
 
 }  // namespace sanso::firmware

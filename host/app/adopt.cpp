@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "host/learn/model/named_figures.h"
+#include "shared/files/json.h"
 
 namespace sanso::app {
 namespace {
@@ -22,9 +22,8 @@ using Json = nlohmann::json;
 }
 
 Json read(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) no_verdict(file, "no such file");
-  Json verdict = Json::parse(in, nullptr, false);
+  if (!std::filesystem::exists(file)) no_verdict(file, "no such file");
+  Json verdict = files::json_or_null(file);
   if (!verdict.is_object() || !verdict.contains("findings") || !verdict["findings"].is_array())
     no_verdict(file, "no findings in it");
   return verdict;

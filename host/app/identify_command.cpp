@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -19,6 +18,7 @@
 #include "host/motion/motion.h"
 #include "shared/files/atomic_file.h"
 #include "shared/files/hash.h"
+#include "shared/files/json.h"
 #include "shared/model/ground.h"
 
 namespace sanso::app {
@@ -48,8 +48,7 @@ std::vector<fs::path> episodes_in(const fs::path& given) {
 std::string motion_of(const IdentifyOptions& options) {
   if (!options.motion.empty()) return options.motion;
   const fs::path summary = options.episodes.front() / "summary.json";
-  std::ifstream in(summary);
-  const Json read = in ? Json::parse(in, nullptr, false) : Json();
+  const Json read = files::json_or_null<Json>(summary);
   if (!read.is_object() || !read.contains("motion") || !read["motion"].is_string())
     throw std::runtime_error(summary.string() +
                              ": does not say which motion it is; name it with --motion");

@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <stdexcept>
+
+#include "shared/files/atomic_file.h"
 
 namespace sanso::app {
 namespace {
@@ -24,10 +25,8 @@ std::string who_answers(const std::optional<wire::Identity>& identity) {
 }  // namespace
 
 wire::Key read_key(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const Result<wire::Key> key = wire::key_from_hex(text);
-  if (!in || !key.ok())
+  const Result<wire::Key> key = wire::key_from_hex(files::read_text(file));
+  if (!key.ok())
     throw std::runtime_error(
         "--key " + file.string() +
         ": expected a file of 64 hexadecimal digits, the same as the controller's key_file");

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 #include "tools/conceal/seal.h"
 #include "tools/plant/world_error.h"
 
@@ -16,14 +16,6 @@ namespace sanso::conceal {
 namespace {
 
 using nlohmann::json;
-
-std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw plant::WorldError("cannot open " + path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 std::vector<std::string> strings(const json& object, const char* key) {
   return object.contains(key) ? object.at(key).get<std::vector<std::string>>()
@@ -145,14 +137,13 @@ bool right_answer(const Score& score) {
 }  // namespace
 
 Score reveal(const std::string& directory, const std::string& verdict_file) {
-  const std::string sealed = read_file(directory + "/answer.sealed");
-  const std::span bytes(reinterpret_cast<const std::uint8_t*>(sealed.data()), sealed.size());
+  const std::vector<std::uint8_t> bytes = files::read_file(directory + "/answer.sealed");
   const json answer = json::parse(open_seal(bytes));
   json verdict;
   Score score;
   score.hash = seal_hash(bytes);
   try {
-    verdict = json::parse(read_file(verdict_file));
+    verdict = json::parse(files::read_text(verdict_file));
     score.status = verdict.at("status").get<std::string>();
     score.detected = verdict.at("mismatch").get<bool>();
     const json findings = verdict.value("findings", json::array());

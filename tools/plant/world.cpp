@@ -5,11 +5,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <limits>
 #include <sstream>
 #include <utility>
 
+#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 #include "shared/files/toml.h"
 #include "tools/plant/body_data.h"
@@ -191,6 +192,10 @@ void visit_world(const auto& t, auto& world) {
   });
 }
 
+bool is_file(const std::string& name) {
+  return std::filesystem::exists(name) && !std::filesystem::is_directory(name);
+}
+
 World load_named(const std::string& name_or_path) {
   for (const auto& [prefix, draw] :
        {std::pair{"seed:", &draw_world}, std::pair{"honest:", &draw_honest_world}}) {
@@ -205,21 +210,22 @@ World load_named(const std::string& name_or_path) {
   }
   const std::string& built_in = built_in_file(name_or_path + ".toml");
   if (!built_in.empty()) return parse_world(built_in, "worlds/" + name_or_path + ".toml");
-  std::ifstream file(name_or_path);
-  if (!file) {
+  if (!is_file(name_or_path)) {
     throw WorldError(fmt::format(
         "world '{}': expected nominal, lab, hard, back, worst, tired, hung, seed:N, honest:N or "
         "the path of a TOML file",
         name_or_path));
   }
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_world(text.str(), name_or_path);
+  try {
+    return parse_world(files::read_text(name_or_path), name_or_path);
+  } catch (const files::InputError& error) {
+    throw WorldError(error.what());
+  }
 }
 
 /// "lab+ramp+wheels" into its parts; a file whose name has a plus is one part.
 std::vector<std::string> parts_of(const std::string& name) {
-  if (std::ifstream(name)) return {name};
+  if (is_file(name)) return {name};
   std::vector<std::string> parts;
   std::istringstream text(name);
   for (std::string part; std::getline(text, part, '+');) parts.push_back(part);

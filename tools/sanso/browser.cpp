@@ -3,7 +3,6 @@
 
 #include <unistd.h>
 
-#include <fstream>
 #include <stdexcept>
 #include <vector>
 
@@ -56,11 +55,6 @@ HeadlessBrowser::~HeadlessBrowser() {
   fs::remove_all(folder_, ignored);
 }
 
-std::string HeadlessBrowser::last_words() const {
-  constexpr std::size_t kShown = 400;
-  std::ifstream in(folder_ / "browser.log");
-  const std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return all.size() > kShown ? all.substr(all.size() - kShown) : all;
-}
+std::string HeadlessBrowser::last_words() const { return child_->last_words(); }
 
 }  // namespace sanso::cli

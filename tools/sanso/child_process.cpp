@@ -16,6 +16,9 @@
 #include <stdexcept>
 #include <thread>
 
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
+
 namespace sanso::cli {
 namespace {
 
@@ -57,6 +60,16 @@ ChildProcess::ChildProcess(const fs::path& program, const std::vector<std::strin
   ::close(descriptor);
   if (pid_ < 0)
     throw std::runtime_error(program.string() + ": cannot start: " + std::strerror(error));
+}
+
+std::string ChildProcess::last_words() const {
+  constexpr std::size_t kShown = 600;
+  try {
+    const std::string all = files::read_text(log_);
+    return all.size() > kShown ? all.substr(all.size() - kShown) : all;
+  } catch (const files::InputError&) {
+    return "";
+  }
 }
 
 bool ChildProcess::running() {

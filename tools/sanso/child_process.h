@@ -24,7 +24,8 @@ class ChildProcess {
   pid_t pid() const { return pid_; }
   /// False once it has ended by itself.
   bool running();
-  const std::filesystem::path& log() const { return log_; }
+  /// The end of what it printed, for an error message; empty before it printed anything.
+  std::string last_words() const;
 
  private:
   pid_t pid_ = -1;

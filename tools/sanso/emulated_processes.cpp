@@ -8,7 +8,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <stdexcept>
 #include <thread>
 
@@ -40,12 +39,6 @@ int free_port() {
   return ntohs(address.sin_port);
 }
 
-std::string last_lines(const fs::path& log) {
-  std::ifstream in(log);
-  std::string all((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  return all.size() > 600 ? all.substr(all.size() - 600) : all;
-}
-
 }  // namespace
 
 EmulatedProcesses::EmulatedProcesses(const std::string& world, std::uint64_t seed,
@@ -67,7 +60,7 @@ EmulatedProcesses::~EmulatedProcesses() {
 }
 
 std::string EmulatedProcesses::address() const { return fmt::format("127.0.0.1:{}", port_); }
-std::string EmulatedProcesses::firmware_log() const { return last_lines(firmware_->log()); }
+std::string EmulatedProcesses::firmware_log() const { return firmware_->last_words(); }
 std::string EmulatedProcesses::tell(const std::string& json) const {
   return emulator::tell_emulator(robot_directory_, json);
 }
@@ -81,9 +74,9 @@ void EmulatedProcesses::put_on_feet(const model::State& x) const {
 
 void EmulatedProcesses::check() {
   if (!emulator_->running())
-    throw std::runtime_error("sanso-emulator ended:\n" + last_lines(emulator_->log()));
+    throw std::runtime_error("sanso-emulator ended:\n" + emulator_->last_words());
   if (!firmware_->running())
-    throw std::runtime_error("sanso-firmware ended:\n" + last_lines(firmware_->log()));
+    throw std::runtime_error("sanso-firmware ended:\n" + firmware_->last_words());
 }
 
 void EmulatedProcesses::signal_firmware(int signal) const { ::kill(firmware_->pid(), signal); }
@@ -115,7 +108,7 @@ void EmulatedProcesses::start_emulator(const std::string& world, std::uint64_t s
     if (fs::exists(fs::path(robot_directory_) / "control")) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
-  throw std::runtime_error("sanso-emulator did not start:\n" + last_lines(emulator_->log()));
+  throw std::runtime_error("sanso-emulator did not start:\n" + emulator_->last_words());
 }
 
 void EmulatedProcesses::start_firmware() {

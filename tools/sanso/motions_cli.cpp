@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -139,8 +138,7 @@ void compose(const NewOptions& options) {
   if (options.recipe.empty() || options.name.empty())
     throw std::runtime_error(
         "sanso motions new: expected a recipe and --as NAME; --example prints a recipe");
-  std::ifstream in(options.recipe);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::string text = files::read_text(options.recipe);
   write_and_tell(motion::compose_motion(text, options.recipe.string(), options.name),
                  "the recipe's way", options.out);
   fmt::print(
@@ -178,8 +176,7 @@ void record(const RecordOptions& options) {
   if (options.recipe.empty() || options.name.empty())
     throw std::runtime_error(
         "sanso motions record: expected NAME and --recipe FILE; --example prints a recipe");
-  std::ifstream in(options.recipe);
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::string text = files::read_text(options.recipe);
   const motion::RecordRecipe recipe = motion::parse_record_recipe(text, options.recipe.string());
   const inprocess::RecordedMotion made =
       inprocess::record_motion(recipe, motion::MotionLibrary().load(recipe.like), options.name,

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 #include "host/learn/session/session_state.h"
 #include "host/learn/session/summary.h"
 #include "shared/files/atomic_file.h"
+#include "shared/files/json.h"
 #include "shared/model/joints.h"
 #include "tools/report/html.h"
 #include "tools/report/svg_chart.h"
@@ -92,8 +92,7 @@ void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summa
 /// What was run, in words, from summary.json; a session that was killed before its first summary
 /// has none.
 std::string introduction(const fs::path& folder, const SessionState& state) {
-  std::ifstream in(folder / "summary.json");
-  const auto summary = nlohmann::json::parse(in, nullptr, false);
+  const auto summary = files::json_or_null(folder / "summary.json");
   if (!summary.is_object()) return state.identity;
   std::string without;
   for (const auto& layer : summary.value("without", nlohmann::json::array()))

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/app/interrupt.h"
 #include "shared/files/atomic_file.h"
+#include "shared/files/json.h"
 
 namespace sanso::sweep {
 namespace {
@@ -22,8 +22,7 @@ double wall_s() {
 
 /// The row of a finished session, from what it stored.
 Json row_of(const app::LearnOptions& job) {
-  std::ifstream file(job.out / "summary.json");
-  const Json summary = Json::parse(file);
+  const Json summary = files::read_json<Json>(job.out / "summary.json");
   const Json& iterations = summary.at("iterations");
   int succeeded = 0, counted = 0;
   double best = iterations.front().at("cost"), first = best;

@@ -4,9 +4,11 @@
 #include <Eigen/Geometry>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
-#include <sstream>
+#include <string>
+
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::motion {
 namespace {
@@ -191,11 +193,11 @@ BvhClip parse_bvh(const std::string& text, const std::string& name) {
 }
 
 BvhClip read_bvh(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw ClipError(path + ": cannot be opened; give the path of a BVH file");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_bvh(text.str(), path);
+  try {
+    return parse_bvh(files::read_text(path), path);
+  } catch (const files::InputError& error) {
+    throw ClipError(error.what() + std::string("; give the path of a BVH file"));
+  }
 }
 
 }  // namespace sanso::motion

@@ -4,9 +4,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <string>
+
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::motion {
 namespace {
@@ -83,12 +85,11 @@ HumanMotion parse_deepmimic(const std::string& text, const std::string& name) {
 }
 
 HumanMotion read_deepmimic(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    throw ClipError(path + ": cannot be opened; give the path of a DeepMimic motion (JSON)");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parse_deepmimic(text.str(), path);
+  try {
+    return parse_deepmimic(files::read_text(path), path);
+  } catch (const files::InputError& error) {
+    throw ClipError(error.what() + std::string("; give the path of a DeepMimic motion (JSON)"));
+  }
 }
 
 }  // namespace sanso::motion

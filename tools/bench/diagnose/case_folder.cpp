@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "shared/files/atomic_file.h"
 #include "shared/files/input_error.h"
 
 namespace sanso::bench {
@@ -84,13 +83,6 @@ Names recordings_in(const fs::path& folder) {
     if (is_recording(entry.path())) out.push_back(entry.path().string());
   std::sort(out.begin(), out.end());
   return out;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 // --- judging -------------------------------------------------------------------------------------
@@ -223,7 +215,7 @@ std::vector<CaseFiles> read_cases(const std::string& folder) {
     c.model = (entry.path() / "model").string();
     c.recordings = recordings_in(entry.path());
     c.heldout = recordings_in(entry.path() / "heldout");
-    c.answer = parse_answer(text_of(answer), answer.string());
+    c.answer = parse_answer(files::read_text(answer), answer.string());
     if (c.recordings.empty()) bad_file(c.folder, "no rec_*.csv or rec_*.csv.gz");
     out.push_back(std::move(c));
   }

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "shared/files/atomic_file.h"
+#include "shared/files/json.h"
 #include "tools/bench/diagnose/outcome_json.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/score.h"
@@ -103,8 +104,9 @@ int bench_folder(const FolderBenchOptions& options) {
   std::vector<CaseOutcome> all;
   for (const CaseFiles& c : cases) {
     const fs::path folder = fs::path(options.out) / c.name;
-    if (std::ifstream stored(folder / "outcome.json"); options.resume && stored) {
-      all.push_back(nlohmann::json::parse(stored).get<CaseOutcome>());
+    const fs::path outcome = folder / "outcome.json";
+    if (options.resume && fs::exists(outcome)) {
+      all.push_back(files::read_json(outcome).get<CaseOutcome>());
     } else {
       all.push_back(run_case(c, folder, options.settings));
     }

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "host/learn/model/prediction.h"
+#include "shared/files/json.h"
 #include "shared/model/joints.h"
 #include "shared/model/step_model.h"
 #include "shared/servo_bus/units.h"
@@ -88,8 +88,7 @@ void add_base(Columns& columns, bool posed) {
 
 void require_soles(const fs::path& folder) {
   const fs::path file = folder / "summary.json";
-  std::ifstream in(file);
-  const nlohmann::json summary = in ? nlohmann::json::parse(in, nullptr, false) : nlohmann::json();
+  const auto summary = files::json_or_null(file);
   if (!summary.is_object() || !summary.contains("world") || !summary["world"].is_string())
     throw std::runtime_error(
         file.string() +

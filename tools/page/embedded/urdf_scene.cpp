@@ -5,10 +5,11 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "host/model/urdf_text.h"
+#include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 #include "tools/page/embedded/packing.h"
 
 namespace sanso::page {
@@ -94,8 +95,11 @@ class Drawing {
       if (error) continue;
       if (size > left_) return note("would make the page too large");
       left_ -= size;
-      std::ifstream in(path, std::ios::binary);
-      return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+      try {
+        return files::read_text(path);
+      } catch (const files::InputError&) {
+        return note("cannot be read");
+      }
     }
     return note("is not beside the URDF");
   }
