@@ -52,9 +52,9 @@ struct Count {
 };
 
 double explained_half_second(const diagnose::Verdict& verdict, bool& proved) {
-  const auto proof = verdict.heldout.find("0.5");
-  proved = proof != verdict.heldout.end() && proof->second.contains("all");
-  return proved ? proof->second.at("all").explained() : 0.0;
+  const auto proof = verdict.heldout.find(diagnose::Horizon::ahead(0.5));
+  proved = proof != verdict.heldout.end() && proof->second.all.has_value();
+  return proved ? proof->second.all->explained() : 0.0;
 }
 
 nlohmann::ordered_json json_of(const Outcome& o) {

@@ -40,16 +40,16 @@ const char* meaning(VerdictStatus status) {
 void tell_summary(report::HtmlPage& page, const Diagnosis& d) {
   const Verdict& v = d.verdict;
   page.paragraph(meaning(v.status));
-  for (const char* horizon : {"0.5", "2"}) {
+  for (const Horizon horizon : {Horizon::ahead(0.5), Horizon::ahead(2.0)}) {
     const auto at = v.heldout.find(horizon);
-    if (at == v.heldout.end() || !at->second.contains("all")) continue;
-    const FitScore& s = at->second.at("all");
+    if (at == v.heldout.end() || !at->second.all) continue;
+    const FitScore& s = *at->second.all;
     page.paragraph(fmt::format(
         "On recordings that were not fitted, {} s ahead, the error {} from {:.3g} to {:.3g} {} "
         "(measurement noise "
         "{:.2g}): {:.0f} % of the error beyond noise is explained.",
-        horizon, s.patched < s.nominal ? "falls" : "goes", s.nominal, s.patched, position_unit(d),
-        s.noise, 100 * s.explained()));
+        horizon.text(), s.patched < s.nominal ? "falls" : "goes", s.nominal, s.patched,
+        position_unit(d), s.noise, 100 * s.explained()));
     return;
   }
 }

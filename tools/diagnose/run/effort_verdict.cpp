@@ -158,8 +158,8 @@ void add_all(Verdict& v, const EffortOutcome& outcome, const Settings& settings)
     sum.named += s.named * s.named, joints += 1.0;
   }
   const auto root = [&](double x) { return std::sqrt(x / joints); };
-  v.heldout["0"]["all"] = {root(sum.nominal), root(sum.patched), root(sum.noise),
-                           root(sum.baseline), root(sum.named)};
+  v.heldout[Horizon::recorded_motion()].all = FitScore{
+      root(sum.nominal), root(sum.patched), root(sum.noise), root(sum.baseline), root(sum.named)};
   v.outlook = outlook(v.heldout, unit, settings.remains, settings.decisions);
 }
 
@@ -194,7 +194,8 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
     }
   }
   for (const EffortScore& s : outcome.scores) {
-    v.heldout["0"][s.channel] = {s.nominal, s.patched, s.noise, s.baseline(), s.named};
+    v.heldout[Horizon::recorded_motion()].channels[s.channel] = {s.nominal, s.patched, s.noise,
+                                                                 s.baseline(), s.named};
     v.notes.push_back(
         fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, none {:.4g}, patched "
                     "{:.4g} {}",

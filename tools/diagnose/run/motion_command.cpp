@@ -30,13 +30,12 @@ std::string finding_text(const Finding& f) {
 std::string proof_text(const Verdict& v) {
   std::string out;
   for (const auto& [horizon, scores] : v.heldout) {
-    const auto all = scores.find("all");
-    if (all == scores.end()) continue;
-    const FitScore& s = all->second;
+    if (!scores.all) continue;
+    const FitScore& s = *scores.all;
     out += fmt::format(
         "held out   {} s: {:.4g} -> {:.4g} (noise {:.2g}; going on as it went {:.4g}; named alone "
         "{:.4g})\n",
-        horizon, s.nominal, s.patched, s.noise, s.baseline, s.named);
+        horizon.text(), s.nominal, s.patched, s.noise, s.baseline, s.named);
   }
   return out;
 }

@@ -33,7 +33,7 @@ struct EffortSoFar {
 EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& progress,
                                 EffortSoFar* so_far = nullptr);
 
-/// Verdict of an outcome: names, intervals, held-out efforts (horizon "0"), what stays unnamed.
+/// Verdict of an outcome: names, intervals, held-out efforts, what stays unnamed.
 Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
                        const DiagnoseOptions& options);
 

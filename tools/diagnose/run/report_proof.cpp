@@ -16,14 +16,17 @@ void add_scores(report::HtmlPage& page, const Diagnosis& d) {
                        "noise", "unit", "explained"},
                       {}};
   for (const auto& [horizon, scores] : d.verdict.heldout) {
-    for (const auto& [channel, s] : scores) {
-      const bool all = channel == "all";
-      const std::string joint = all ? "all joints" : channel.substr(channel.find(':') + 1);
-      table.rows.push_back({horizon + " s", joint, fmt::format("{:.4g}", s.nominal),
+    const auto add = [&, &at = horizon](const std::string& of, const FitScore& s,
+                                        const std::string& unit) {
+      table.rows.push_back({at.text() + " s", of, fmt::format("{:.4g}", s.nominal),
                             fmt::format("{:.4g}", s.baseline), fmt::format("{:.4g}", s.named),
-                            fmt::format("{:.4g}", s.patched), fmt::format("{:.2g}", s.noise),
-                            all ? position_unit(d) : at_joint("rad", slides_of(d, joint)),
+                            fmt::format("{:.4g}", s.patched), fmt::format("{:.2g}", s.noise), unit,
                             fmt::format("{:.0f} %", 100 * s.explained())});
+    };
+    if (scores.all) add("all joints", *scores.all, position_unit(d));
+    for (const auto& [channel, s] : scores.channels) {
+      const std::string joint = channel.substr(channel.find(':') + 1);
+      add(joint, s, at_joint("rad", slides_of(d, joint)));
     }
   }
   page.paragraph(

@@ -27,9 +27,9 @@ std::string text_of(const Verdict& v) {
                        d.row >= 0 ? fmt::format(" row {}", d.row) : "", d.defect, d.message);
   if (v.status == VerdictStatus::refused) return out;
   for (const Finding& f : v.findings) out += parameters_text(f);
-  const auto scores = v.heldout.find("0");
+  const auto scores = v.heldout.find(Horizon::recorded_motion());
   if (scores != v.heldout.end()) {
-    for (const auto& [channel, s] : scores->second)
+    for (const auto& [channel, s] : scores->second.channels)
       out += fmt::format("held out   {}: {:.4g} -> {:.4g} (noise {:.2g})\n", channel, s.nominal,
                          s.patched, s.noise);
   }
@@ -40,11 +40,11 @@ std::string text_of(const Verdict& v) {
 }
 
 void tell_scores(report::HtmlPage& page, const Verdict& v) {
-  const auto scores = v.heldout.find("0");
-  if (scores == v.heldout.end() || scores->second.empty()) return;
+  const auto scores = v.heldout.find(Horizon::recorded_motion());
+  if (scores == v.heldout.end() || scores->second.channels.empty()) return;
   page.heading("Proof on data that were not fitted");
   report::Table table{{"what", "nominal", "patched", "noise"}, {}};
-  for (const auto& [channel, s] : scores->second)
+  for (const auto& [channel, s] : scores->second.channels)
     table.rows.push_back({channel, fmt::format("{:.4g}", s.nominal),
                           fmt::format("{:.4g}", s.patched), fmt::format("{:.2g}", s.noise)});
   page.table(table);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 namespace sanso::diagnose {
@@ -74,23 +75,23 @@ Sums sums_of(const Problem& problem, const Errors& errors, std::size_t c) {
 }
 
 /// One horizon: RMS of each position channel, and of all.
-std::map<std::string, FitScore> scores_of(const Problem& problem, const Errors& errors) {
-  std::map<std::string, FitScore> out;
+HorizonScores scores_of(const Problem& problem, const Errors& errors) {
+  HorizonScores out;
   Sums all;
   for (std::size_t c = 0; c < problem->channels.size(); ++c) {
     const Sums s = sums_of(problem, errors, c);
-    out["q:" + problem->joints[problem->channels[c].joint]] = s.score();
+    out.channels["q:" + problem->joints[problem->channels[c].joint]] = s.score();
     all.nominal += s.nominal, all.patched += s.patched, all.named += s.named;
     all.baseline += s.baseline, all.noise += s.noise, all.rows += s.rows;
   }
-  out["all"] = all.score();
+  out.all = all.score();
   return out;
 }
 
-/// Horizons in s, by the text that names them.
-std::map<std::string, double> horizons(double users) {
-  std::map<std::string, double> out{{"0.1", 0.1}, {"0.5", 0.5}, {"2", 2.0}};
-  out[fmt::format("{:.3g}", users)] = users;
+/// Horizons, and their exact s.
+std::map<Horizon, double> horizons(double users) {
+  std::map<Horizon, double> out;
+  for (const double seconds : {0.1, 0.5, 2.0, users}) out[Horizon::ahead(seconds)] = seconds;
   return out;
 }
 
@@ -113,6 +114,15 @@ double FitScore::explained_by(double error) const {
                after = nominal * nominal - error * error;
   return before > 0.0 ? std::clamp(after / before, -1.0, 1.0) : 0.0;
 }
+
+Horizon Horizon::ahead(double seconds) {
+  Horizon out;
+  out.seconds_ = seconds;
+  out.seconds_ = std::strtod(out.text().c_str(), nullptr);
+  return out;
+}
+
+std::string Horizon::text() const { return fmt::format("{:.3g}", seconds_); }
 
 Split make_split(const std::vector<Source>& sources) {
   const std::size_t n = sources.size();
@@ -158,7 +168,7 @@ HeldoutScores heldout_scores(const std::vector<Source>& sources,
                              const Explained& models, const Part& heldout,
                              const Settings& settings) {
   HeldoutScores out;
-  for (const auto& [name, seconds] : horizons(settings.remains.horizon)) {
+  for (const auto& [horizon, seconds] : horizons(settings.remains.horizon)) {
     ProblemOptions options;
     options.shot_seconds = seconds;
     options.maximum_rows = 4 * settings.data.maximum_rows;
@@ -172,7 +182,7 @@ HeldoutScores heldout_scores(const std::vector<Source>& sources,
     const bool all_named = models.named.effects.size() == models.patched.effects.size();
     errors.named = all_named ? errors.patched : prediction_error(problem, library, models.named);
     errors.baseline = constant_velocity_error(problem, errors.nominal);
-    out[name] = scores_of(problem, errors);
+    out[horizon] = scores_of(problem, errors);
   }
   return out;
 }

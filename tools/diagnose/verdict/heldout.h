@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@
 
 namespace sanso::diagnose {
 
-/// One joint (or "all") at one horizon, on recordings that were not fitted.
+/// One joint, or all of them, at one horizon, on recordings that were not fitted.
 struct FitScore {
   double nominal = 0.0, patched = 0.0, noise = 0.0;
   // what any model has to beat: the joint goes on at the speed that it had at the start (of an
@@ -41,9 +42,32 @@ Split make_split(const std::vector<Source>& sources);
 /// The problem's shots inside a part; at least one shot or the problem unchanged.
 Problem restricted(const Problem& problem, const Part& part);
 
-/// RMSE of the positions restarted from the measured state at every horizon, in rad (m):
-/// horizon text -> channel or "all" -> score.
-using HeldoutScores = std::map<std::string, std::map<std::string, FitScore>>;
+/// How far ahead of a measured state is predicted.
+class Horizon {
+ public:
+  /// Nothing runs ahead: efforts, forces and readings, told along the recorded motion.
+  static Horizon recorded_motion() { return {}; }
+  /// Positions, so many seconds ahead; kept to the three digits that files give.
+  static Horizon ahead(double seconds);
+
+  bool runs_ahead() const { return seconds_ > 0.0; }
+  double seconds() const { return seconds_; }
+  /// "0.5", in s; "0" along the recorded motion.
+  std::string text() const;
+  bool operator==(const Horizon&) const = default;
+  /// By text, "10" before "2": the order in which files give them.
+  bool operator<(const Horizon& other) const { return text() < other.text(); }
+
+ private:
+  double seconds_ = 0.0;
+};
+
+/// RMSE at one horizon. Of positions: restarted from the measured state, in rad (m).
+struct HorizonScores {
+  std::optional<FitScore> all;  // the channels together; nothing: they have no common unit
+  std::map<std::string, FitScore> channels;
+};
+using HeldoutScores = std::map<Horizon, HorizonScores>;
 
 /// Models that are scored: the explanation, and what of it has a name. Compared with them are the
 /// plain model folder and a joint that goes on as it went.

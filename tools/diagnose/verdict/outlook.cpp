@@ -5,23 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 namespace sanso::diagnose {
 namespace {
 
-/// The horizon to tell of: HeldoutScores are keyed by text.
-std::map<std::string, std::map<std::string, FitScore>>::const_iterator horizon_of(
-    const HeldoutScores& scores, double users) {
-  const auto seconds = [](const std::string& text) { return std::strtod(text.c_str(), nullptr); };
+/// The horizon to tell of.
+HeldoutScores::const_iterator horizon_of(const HeldoutScores& scores, double users) {
   auto best = scores.end();
   for (auto it = scores.begin(); it != scores.end(); ++it) {
-    if (!it->second.contains("all")) continue;
+    if (!it->second.all) continue;
     if (best == scores.end()) {
       best = it;
       continue;
     }
-    const double now = seconds(it->first), before = seconds(best->first);
+    const double now = it->first.seconds(), before = best->first.seconds();
     const bool reaches = now >= users - 1e-9, reached = before >= users - 1e-9;
     if (reaches == reached ? (reaches ? now < before : now > before) : reaches) best = it;
   }
@@ -63,7 +60,7 @@ std::optional<Outlook> outlook(const HeldoutScores& scores, const std::string& u
   Outlook out;
   out.horizon = at->first;
   out.unit = unit;
-  out.score = at->second.at("all");
+  out.score = *at->second.all;
   if (!std::isfinite(out.score.named)) out.score.named = out.score.nominal;
   out.named_share = out.score.explained_by(out.score.named);
   out.patched_share = out.score.explained();

@@ -24,7 +24,7 @@ const char* to_string(Grade grade);
 
 struct Outlook {
   Grade grade = Grade::located;
-  std::string horizon;                            // key of HeldoutScores that it is told of
+  Horizon horizon;                                // that it is told of
   std::string unit;                               // of the errors
   FitScore score;                                 // of all channels, RMS
   double named_share = 0.0, patched_share = 0.0;  // of the error energy beyond noise, removed

@@ -126,10 +126,10 @@ std::string better(const Verdict& v) {
   }
   if (!v.outlook) return "";
   const Outlook& o = *v.outlook;
-  const bool effort = o.horizon == "0";
+  const bool effort = !o.horizon.runs_ahead();
   std::string text =
       fmt::format(" On data that were not fitted the error {} {} from {:.3g} to {:.3g} {}",
-                  effort ? "of the effort" : o.horizon + " s ahead",
+                  effort ? "of the effort" : o.horizon.text() + " s ahead",
                   o.score.patched < o.score.nominal ? "falls" : "goes", o.score.nominal,
                   o.score.patched, o.unit);
   if (std::isfinite(o.score.baseline)) {

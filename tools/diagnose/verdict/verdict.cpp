@@ -65,15 +65,12 @@ ordered_json json_of(const FitScore& s) {
 
 ordered_json fit_json(const Verdict& v) {
   ordered_json heldout = ordered_json::object();
-  for (const auto& [horizon, channels] : v.heldout) {
-    ordered_json entry = ordered_json::object();
-    if (const auto all = channels.find("all"); all != channels.end()) entry = json_of(all->second);
+  for (const auto& [horizon, scores] : v.heldout) {
+    ordered_json entry = scores.all ? json_of(*scores.all) : ordered_json::object();
     ordered_json by_channel = ordered_json::object();
-    for (const auto& [name, score] : channels) {
-      if (name != "all") by_channel[name] = json_of(score);
-    }
+    for (const auto& [name, score] : scores.channels) by_channel[name] = json_of(score);
     entry["channels"] = by_channel;
-    heldout[horizon + "s"] = entry;
+    heldout[horizon.text() + "s"] = entry;
   }
   return {{"heldout", heldout}, {"recordings", v.heldout_recordings}};
 }
@@ -127,7 +124,7 @@ ordered_json json_of(const Unfinished& u) {
 
 ordered_json json_of(const Outlook& o) {
   return {{"grade", to_string(o.grade)},
-          {"horizon", o.horizon + "s"},
+          {"horizon", o.horizon.text() + "s"},
           {"unit", o.unit},
           {"nominal", number(o.score.nominal)},
           {"baseline", number(o.score.baseline)},

@@ -28,8 +28,7 @@ struct Verdict {
   std::optional<Outlook> outlook;  // how far the names go, and whether what is left matters
   std::vector<Finding> findings;
   std::vector<LocationCell> locations;
-  // horizon -> "all" | channel -> score
-  std::map<std::string, std::map<std::string, FitScore>> heldout;
+  HeldoutScores heldout;
   std::vector<std::string> heldout_recordings;
   std::vector<Defect> refused;
   std::vector<Untestable> untestable;

@@ -82,7 +82,7 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
   v.answer = answer_of(answers);
   v.untestable = answers.untestable;
   v.detectable = answers.detectable;
-  v.heldout["0"] = answers.scores;
+  v.heldout[Horizon::recorded_motion()].channels = answers.scores;
   if (!answers.scores.empty())
     v.heldout_recordings = {data.recordings.size() >= 8 ? "every third recording"
                                                         : "every third piece of each recording"};

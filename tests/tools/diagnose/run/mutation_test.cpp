@@ -178,10 +178,10 @@ TEST_F(Mutation, ThePatchedModelKnowsWhatWasFoundAndExplainsWhatWasHeldOut) {
     found |= e.id == "coulomb_friction" && e.where == std::vector<std::string>{"b"};
   EXPECT_TRUE(found);
   for (const auto& [horizon, scores] : plain().verdict.heldout) {
-    const FitScore& all = scores.at("all");
-    EXPECT_LE(all.patched, all.nominal) << horizon;
+    ASSERT_TRUE(scores.all.has_value()) << horizon.text();
+    EXPECT_LE(scores.all->patched, scores.all->nominal) << horizon.text();
   }
-  EXPECT_GT(plain().verdict.heldout.at("0.5").at("all").explained(), 0.8);
+  EXPECT_GT(plain().verdict.heldout.at(Horizon::ahead(0.5)).all->explained(), 0.8);
   EXPECT_FALSE(plain().verdict.heldout_recordings.empty());
 }
 

@@ -244,9 +244,10 @@ TEST_F(EffortVerdict, TellsEveryJointsScoresAndEveryDrivesGain) {
   outcome_.gains = {{"a", "A", 0.25, 0.2, 0.3, false, true}, {"b", "A", 1, 1, 1, false, false}};
   const Verdict v = verdict();
   ASSERT_EQ(v.heldout.size(), 1u);
+  const HorizonScores& scores = v.heldout.at(Horizon::recorded_motion());
   for (const EffortScore& s : outcome_.scores) {
-    EXPECT_EQ(v.heldout.at("0").at(s.channel).nominal, s.nominal);
-    EXPECT_EQ(v.heldout.at("0").at(s.channel).patched, s.patched);
+    EXPECT_EQ(scores.channels.at(s.channel).nominal, s.nominal);
+    EXPECT_EQ(scores.channels.at(s.channel).patched, s.patched);
     EXPECT_NE(effort_table(outcome_).find(s.channel), std::string::npos);
   }
   EXPECT_TRUE(notes_hold(v.notes, "drive gain of a: 0.25 N m for 1 A [0.2, 0.3]"));

@@ -157,7 +157,7 @@ TEST(Conclude, TheAnswerSaysWhatSpeaksAgainst) {
 
 TEST(Conclude, TellsEverythingThatWasMeasured) {
   Evidence e = found(VerdictStatus::confirmed);
-  e.proof.scores["0.5"]["all"] = {0.03, 0.006, 0.005};
+  e.proof.scores[Horizon::ahead(0.5)].all = FitScore{0.03, 0.006, 0.005};
   e.proof.recordings = {"rec_2"};
   e.untestable = {{"battery_drift", "no voltage"}};
   e.detectable = {{"backlash", "hip", "width", "rad", 0.002}};
@@ -165,7 +165,7 @@ TEST(Conclude, TellsEverythingThatWasMeasured) {
   e.data_hash = {{"a.csv", "00ff"}};
   e.seed = 17;
   const Verdict v = conclude(e);
-  EXPECT_EQ(v.heldout.at("0.5").at("all").patched, 0.006);
+  EXPECT_EQ(v.heldout.at(Horizon::ahead(0.5)).all->patched, 0.006);
   EXPECT_EQ(v.heldout_recordings, e.proof.recordings);
   EXPECT_EQ(v.untestable[0].effect, "battery_drift");
   EXPECT_EQ(v.detectable[0].size, 0.002);

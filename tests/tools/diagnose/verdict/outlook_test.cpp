@@ -17,7 +17,7 @@ constexpr double kNominal = 0.1, kBaseline = 0.06, kNoise = 0.001;
 Outlook of(double named, double patched, double baseline = kBaseline,
            const RemainsSettings& remains = {}) {
   HeldoutScores scores;
-  scores["0.5"]["all"] = {kNominal, patched, kNoise, baseline, named};
+  scores[Horizon::ahead(0.5)].all = FitScore{kNominal, patched, kNoise, baseline, named};
   return *outlook(scores, "rad", remains, DecisionSettings{});
 }
 
@@ -60,12 +60,13 @@ TEST(Outlook, WhatIsLeftMattersAboveNoiseAndAboveWhatTheUserCanLiveWith) {
 
 TEST(Outlook, SpeaksOfTheShortestScoredHorizonThatReachesTheUsers) {
   HeldoutScores scores;
-  for (const char* horizon : {"0.1", "0.5", "2", "10"}) scores[horizon]["all"] = {1.0, 1.0, 0.1};
-  scores["0.7"]["q:knee"] = {1.0, 1.0, 0.1};  // no "all": not scored as a whole
+  for (const double s : {0.1, 0.5, 2.0, 10.0})
+    scores[Horizon::ahead(s)].all = FitScore{1.0, 1.0, 0.1};
+  scores[Horizon::ahead(0.7)].channels["q:knee"] = {1.0, 1.0, 0.1};  // not scored as a whole
   const auto told = [&](double seconds) {
     RemainsSettings remains;
     remains.horizon = seconds;
-    return outlook(scores, "rad", remains, DecisionSettings{})->horizon;
+    return outlook(scores, "rad", remains, DecisionSettings{})->horizon.text();
   };
   EXPECT_EQ(told(0.05), "0.1");
   EXPECT_EQ(told(0.5), "0.5");
@@ -73,6 +74,15 @@ TEST(Outlook, SpeaksOfTheShortestScoredHorizonThatReachesTheUsers) {
   EXPECT_EQ(told(5.0), "10");
   EXPECT_EQ(told(60.0), "10") << "none reaches: the longest";
   EXPECT_FALSE(outlook({}, "rad", RemainsSettings{}, DecisionSettings{}).has_value());
+}
+
+TEST(Horizon, IsWhatFilesCallItAndStandsInTheirOrder) {
+  EXPECT_EQ(Horizon::ahead(0.50004), Horizon::ahead(0.5)) << "three digits";
+  EXPECT_EQ(Horizon::ahead(2.0).text(), "2");
+  EXPECT_EQ(Horizon::recorded_motion().text(), "0");
+  EXPECT_FALSE(Horizon::recorded_motion().runs_ahead());
+  EXPECT_TRUE(Horizon::ahead(0.01).runs_ahead());
+  EXPECT_LT(Horizon::ahead(10.0), Horizon::ahead(2.0)) << "by text";
 }
 
 // ---- plain words
@@ -92,7 +102,7 @@ Evidence evidence(VerdictStatus status) {
   Evidence e;
   e.joints = {"hip", "knee"};
   e.findings = {finding(status)};
-  e.proof.scores["0.5"]["all"] = {0.1, 0.002, kNoise, kBaseline, 0.002};
+  e.proof.scores[Horizon::ahead(0.5)].all = FitScore{0.1, 0.002, kNoise, kBaseline, 0.002};
   e.proof.recordings = {"rec_3"};
   return e;
 }

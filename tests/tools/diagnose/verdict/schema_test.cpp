@@ -28,8 +28,8 @@ Verdict full() {
   f.rivals.push_back({"joint_compliance", {"knee"}, 0.5, 1.0, 0.9, ""});
   f.incidence.push_back({{Signal::q, "reversal"}, 20.0, 1.0, 0.9, 1.1});
   v.findings.push_back(f);
-  v.heldout["0.5"]["all"] = {0.031, 0.006, 0.005};
-  v.heldout["0.5"]["q:knee"] = {0.031, 0.006, 0.005};
+  v.heldout[Horizon::ahead(0.5)].all = FitScore{0.031, 0.006, 0.005};
+  v.heldout[Horizon::ahead(0.5)].channels["q:knee"] = {0.031, 0.006, 0.005};
   v.locations.push_back({"knee", "reversal", 0.62, 9.1});
   v.refused.push_back({"a.csv", "pwm:knee", 812, "16-bit wrap", "jump"});
   v.untestable.push_back({"battery_drift", "no voltage"});
@@ -108,7 +108,7 @@ TEST(Schema, NoNumberThatJsonCannotHoldGetsOut) {
     v.findings[0].parameters["width"] = {bad, bad, bad, "rad", false};
     v.findings[0].rivals[0].behind_in_se = bad;
     v.findings[0].incidence[0].slope = bad;
-    v.heldout["0.5"]["all"] = {bad, bad, bad};
+    v.heldout[Horizon::ahead(0.5)].all = FitScore{bad, bad, bad};
     v.detectable[0].size = bad;
     v.next_experiment->seconds_to_100_to_1 = bad;
     v.unexplained->predictable = bad;

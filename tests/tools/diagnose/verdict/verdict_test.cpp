@@ -20,7 +20,7 @@ TEST(Verdict, HasTheDocumentedKeysAndParses) {
   f.one_of = {"backlash", "joint_compliance"};
   f.parameters["width"] = {0.021, 0.019, 0.023, "rad"};
   v.findings.push_back(f);
-  v.heldout["0.5"]["all"] = {0.031, 0.006, 0.005};
+  v.heldout[Horizon::ahead(0.5)].all = FitScore{0.031, 0.006, 0.005};
   v.locations.push_back({"l_knee", "reversal", 0.62, 9.1});
   v.refused.push_back({"rec_2.csv", "pwm:knee", 812, "16-bit wrap", "jump"});
   const auto json = nlohmann::json::parse(verdict_json(v));
