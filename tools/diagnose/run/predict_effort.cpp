@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "shared/files/input_error.h"
+#include "tools/diagnose/effects/effort_only.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/gate/load.h"
 #include "tools/diagnose/run/settings_page.h"
@@ -40,7 +41,7 @@ const Effect& constant_torque() {
 /// The entry of model.toml for a term; empty id: there is none.
 EffectEntry entry_for(const JudgedTerm& t) {
   const double first = t.values.front().value;
-  if (t.term.effect == kEffortOffset) {
+  if (t.term.effect == kEffortOffset.id) {
     const Effect& effect = constant_torque();
     std::vector<double> theta = effect.null();
     theta[*effect.effort.constant] = -first;

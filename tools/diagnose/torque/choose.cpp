@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/effects/effort_only.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -83,7 +84,7 @@ class Chooser {
   bool open(std::size_t t) const {
     const EffortTerm& term = design_.terms()[t];
     if (term.nuisance || !allowed(term.effect)) return false;
-    if (term.effect == kCoupledDrive && !coupled_) return false;
+    if (term.effect == kCoupledDrive.id && !coupled_) return false;
     int ripples = 0;
     for (const std::size_t taken : choice_.terms) {
       const EffortTerm& other = design_.terms()[taken];

@@ -74,9 +74,9 @@ EffortTerm at_joint_term(const EffortRows& rows, const Effect& effect, std::size
 
 EffortTerm offset_term(const EffortRows& rows, std::size_t j) {
   EffortTerm term;
-  term.effect = kEffortOffset;
+  term.effect = kEffortOffset.id;
   term.law.beside_gain = true;
-  term.family = "sensor";
+  term.family = to_string(kEffortOffset.family);
   term.where = {joint_of(rows, j).name};
   term.joints = {j};
   term.parameters = {"torque"};
@@ -184,9 +184,9 @@ EffortTerm zero_term(const EffortRows& rows, const Effect& effect, std::size_t j
 /// last motor sits behind the bend: its friction and rotor act on both.
 EffortTerm coupled_term(const EffortRows& rows, std::size_t j, std::size_t k, double ratio) {
   EffortTerm term;
-  term.effect = kCoupledDrive;
+  term.effect = kCoupledDrive.id;
   term.law.dry = DryFriction::adds;
-  term.family = "transmission";
+  term.family = to_string(kCoupledDrive.family);
   term.where = {joint_of(rows, j).name, joint_of(rows, k).name};
   term.joints = {j, k};
   term.parameters = {"coulomb", "viscous", "armature"};

@@ -8,13 +8,10 @@
 #include <vector>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/effort_only.h"
 #include "tools/diagnose/torque/effort_rows.h"
 
 namespace sanso::diagnose {
-
-// Names of terms that the library does not have: they are found here, and not simulated.
-inline constexpr const char* kEffortOffset = "effort_offset";
-inline constexpr const char* kCoupledDrive = "coupled_drive";
 
 /// Adds the columns' values at one instant to `out`, joint by joint: out[joint * columns + column].
 using ColumnsAt = std::function<void(const MotionSample&, const std::vector<NeededEffort>&,
@@ -22,9 +19,9 @@ using ColumnsAt = std::function<void(const MotionSample&, const std::vector<Need
 
 /// One name at one place, with one column a parameter: effort += sum of value * column.
 struct EffortTerm {
-  std::string effect;  // library id or one of the two above
+  std::string effect;  // id of the library, or of effects/effort_only.h
   std::string family;
-  EffortColumns law;                // as the library has it; of the two above, the same of them
+  EffortColumns law;                // as the library has it; of the others, the same of them
   std::vector<std::string> where;   // joints or a link
   std::vector<std::size_t> joints;  // whose effort it may change
   std::vector<std::string> parameters, units;

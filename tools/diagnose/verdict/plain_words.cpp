@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/effects/effort_only.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -16,8 +17,7 @@ namespace {
 constexpr std::size_t kTold = 6;
 
 std::string name_of(const std::string& id) {
-  if (id == "effort_offset") return "a constant effort";
-  if (id == "coupled_drive") return "a motor that turns two joints";
+  if (const EffortOnly* term = find_effort_only(id)) return term->name;
   const Effect* effect = find_effect(id);
   return effect == nullptr ? id : std::string(effect->name);
 }

@@ -101,7 +101,7 @@ const std::vector<JointLaw>& joint_laws() {
        [](auto, auto v, auto...) { return 0.06 - 0.03 * std::abs(v); }},
       {"air_drag", {0.02}, [](auto, auto v, auto...) { return 0.02 * v * std::abs(v); }},
       {"cable_spring", {0.3, 0.1}, [](auto q, auto...) { return 0.3 * q - 0.1; }},
-      {kEffortOffset, {-0.08}, [](auto...) { return -0.08; }},
+      {kEffortOffset.id, {-0.08}, [](auto...) { return -0.08; }},
   };
   return laws;
 }
@@ -137,7 +137,7 @@ TEST(EffortTerms, FrictionsSideBySideKeepTheirOwnSizes) {
   expect_truth(rows,
                {the(rows, "coulomb_friction", "a"), the(rows, "load_friction", "a"),
                 the(rows, "viscous_friction", "a"), the(rows, "rotor_inertia", "a"),
-                the(rows, "air_drag", "a"), the(rows, kEffortOffset, "a")},
+                the(rows, "air_drag", "a"), the(rows, kEffortOffset.id, "a")},
                {0.1, 0.2, 0.06, 0.02, 0.03, 0.05});
 }
 
@@ -298,15 +298,15 @@ TEST(EffortTerms, AMotorBehindTheBendActsOnBothJointsWithOnePower) {
         const double w = m.dq[1] - m.dq[0], a = m.ddq[1] - m.ddq[0];
         return (j == 0 ? -1.0 : 1.0) * (0.1 * sign(w) + 0.05 * w + 0.01 * a);
       });
-  const std::vector<EffortTerm> terms = matching(rows, kCoupledDrive, "a");
+  const std::vector<EffortTerm> terms = matching(rows, kCoupledDrive.id, "a");
   ASSERT_EQ(terms.size(), 2u);
   const bool first = terms[0].fixed.at("ratio") < 0.0;
   expect_truth(rows, {terms[first ? 0 : 1]}, {0.1, 0.05, 0.01});
   EXPECT_GT(fitted(rows, {terms[first ? 1 : 0]}).left, 2.0);
   // no motor is shared with a slide
   const EffortRows sliding = made_effort(arm(kStated), kNoise, nothing);
-  EXPECT_EQ(matching(sliding, kCoupledDrive, "a").size(), 2u);
-  EXPECT_TRUE(matching(sliding, kCoupledDrive, "b").empty());
+  EXPECT_EQ(matching(sliding, kCoupledDrive.id, "a").size(), 2u);
+  EXPECT_TRUE(matching(sliding, kCoupledDrive.id, "b").empty());
 }
 
 TEST(EffortTerms, NoMoreCanBeTakenAwayThanTheModelStates) {
