@@ -135,16 +135,6 @@ std::string answer_of(const Verdict& v) {
   return text + ".";
 }
 
-VerdictStatus overall(const Verdict& v) {
-  const auto some = [&](VerdictStatus s) {
-    return std::any_of(v.findings.begin(), v.findings.end(),
-                       [s](const Finding& f) { return f.status == s; });
-  };
-  if (v.unexplained || some(VerdictStatus::present_unnamed)) return VerdictStatus::present_unnamed;
-  if (v.findings.empty()) return VerdictStatus::absent;
-  return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
-}
-
 /// The joints together, as far as their efforts have one unit.
 void add_all(Verdict& v, const EffortOutcome& outcome, const Settings& settings) {
   if (outcome.scores.empty()) return;
@@ -211,7 +201,7 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
   v.heldout_recordings = outcome.heldout_names;
   add_gain_notes(v, outcome);
   v.unexplained = unnamed(outcome, rows, options);
-  v.status = overall(v);
+  v.status = overall_status(v.findings, v.unexplained.has_value());
   v.mismatch = v.status != VerdictStatus::absent;
   v.answer = answer_of(v);
   add_all(v, outcome, options.settings);

@@ -3,21 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "tools/diagnose/verdict/plain_words.h"
 
 namespace sanso::diagnose {
 namespace {
-
-VerdictStatus overall_status(const std::vector<Finding>& findings, bool something_unnamed) {
-  if (something_unnamed) return VerdictStatus::present_unnamed;
-  if (findings.empty()) return VerdictStatus::absent;
-  const bool several = std::any_of(findings.begin(), findings.end(), [](const Finding& f) {
-    return f.status == VerdictStatus::one_of;
-  });
-  return several ? VerdictStatus::one_of : VerdictStatus::confirmed;
-}
 
 /// The answer but for what is described or was refuted.
 std::string names(const std::vector<Finding>& findings, const std::optional<Unexplained>& unnamed) {

@@ -172,6 +172,17 @@ VerdictStatus status_of(const Finding& finding) {
                                             : VerdictStatus::present_unnamed;
 }
 
+VerdictStatus overall_status(const std::vector<Finding>& findings, bool something_unnamed) {
+  const auto some = [&](VerdictStatus s) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [s](const Finding& f) { return f.status == s; });
+  };
+  if (something_unnamed || some(VerdictStatus::present_unnamed))
+    return VerdictStatus::present_unnamed;
+  if (findings.empty()) return VerdictStatus::absent;
+  return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
+}
+
 unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
   const Effect* effect = find_effect(c.effect);
   if (effect == nullptr || c.joints.empty()) return 0;

@@ -64,6 +64,10 @@ std::string reserve(const Finding& finding);
 /// are left; CONFIRMED where one is and no bound stopped it; else PRESENT_UNNAMED.
 VerdictStatus status_of(const Finding& finding);
 
+/// Of a verdict that was reached: PRESENT_UNNAMED where something stays without a name or a finding
+/// is no certain one; ABSENT without a finding; ONE_OF where one of them is a set; else CONFIRMED.
+VerdictStatus overall_status(const std::vector<Finding>& findings, bool something_unnamed);
+
 /// One finding for every accepted effect that no residual contradicts.
 std::vector<Finding> findings_of(const Library& library, const Selection& selection,
                                  const Regimes& regimes);

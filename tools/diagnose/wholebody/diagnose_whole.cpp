@@ -24,17 +24,6 @@ WholeDiagnosis refused(std::vector<Defect> defects) {
   return out;
 }
 
-VerdictStatus overall(const std::vector<Finding>& findings, bool unnamed) {
-  if (unnamed) return VerdictStatus::present_unnamed;
-  const auto some = [&](VerdictStatus s) {
-    return std::any_of(findings.begin(), findings.end(),
-                       [s](const Finding& f) { return f.status == s; });
-  };
-  if (findings.empty()) return VerdictStatus::absent;
-  if (some(VerdictStatus::present_unnamed)) return VerdictStatus::present_unnamed;
-  return some(VerdictStatus::one_of) ? VerdictStatus::one_of : VerdictStatus::confirmed;
-}
-
 std::string answer_of(const WholeAnswers& answers) {
   std::string text;
   if (answers.findings.empty() && answers.unnamed) {
@@ -69,8 +58,8 @@ void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answ
 Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned long seed) {
   Verdict v;
   v.findings = answers.findings;
-  v.status = overall(v.findings, answers.unnamed);
-  v.mismatch = answers.unnamed || !v.findings.empty();
+  v.status = overall_status(v.findings, answers.unnamed);
+  v.mismatch = v.status != VerdictStatus::absent;
   v.locations = answers.locations;
   if (answers.unnamed && !answers.locations.empty()) {
     Unexplained& u = v.unexplained.emplace();
