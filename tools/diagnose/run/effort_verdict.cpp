@@ -135,33 +135,89 @@ std::string answer_of(const Verdict& v) {
   return text + ".";
 }
 
-/// The joints together, as far as their efforts have one unit.
-void add_all(Verdict& v, const EffortOutcome& outcome, const Settings& settings) {
-  if (outcome.scores.empty()) return;
+/// The joints together, as far as their efforts have the first one's unit.
+FitScore together(const std::vector<EffortScore>& scores) {
   FitScore sum{0.0, 0.0, 0.0, 0.0, 0.0};
   double joints = 0.0;
-  const std::string& unit = outcome.scores.front().unit;
-  for (const EffortScore& s : outcome.scores) {
-    if (s.unit != unit) continue;
+  for (const EffortScore& s : scores) {
+    if (s.unit != scores.front().unit) continue;
     sum.nominal += s.nominal * s.nominal, sum.patched += s.patched * s.patched;
     sum.noise += s.noise * s.noise, sum.baseline += s.baseline() * s.baseline();
     sum.named += s.named * s.named, joints += 1.0;
   }
   const auto root = [&](double x) { return std::sqrt(x / joints); };
-  v.heldout[Horizon::recorded_motion()].all = FitScore{
-      root(sum.nominal), root(sum.patched), root(sum.noise), root(sum.baseline), root(sum.named)};
-  v.outlook = outlook(v.heldout, unit, settings.remains, settings.decisions);
+  return {root(sum.nominal), root(sum.patched), root(sum.noise), root(sum.baseline),
+          root(sum.named)};
 }
 
-void add_gain_notes(Verdict& v, const EffortOutcome& outcome) {
-  for (const EffortGainFound& g : outcome.gains) {
-    v.notes.push_back(
+HeldoutScores heldout_of(const std::vector<EffortScore>& scores) {
+  HeldoutScores out;
+  if (scores.empty()) return out;
+  HorizonScores& here = out[Horizon::recorded_motion()];
+  for (const EffortScore& s : scores)
+    here.channels[s.channel] = {s.nominal, s.patched, s.noise, s.baseline(), s.named};
+  here.all = together(scores);
+  return out;
+}
+
+bool beaten(const EffortOutcome& outcome, const JudgedTerm& t) {
+  const EffortScore* score = score_at(outcome, t.term.where.front());
+  return score != nullptr && !score->beats_both();
+}
+
+bool named(const EffortOutcome& outcome, const JudgedTerm& t) {
+  return t.predicts && !beaten(outcome, t);
+}
+
+std::vector<Finding> findings_of(const EffortOutcome& outcome) {
+  std::vector<Finding> out;
+  for (const JudgedTerm& t : outcome.terms) {
+    if (named(outcome, t)) out.push_back(finding_of(t));
+  }
+  return out;
+}
+
+/// What describes the effort and has no name.
+std::vector<std::string> notes_on_terms(const EffortOutcome& outcome) {
+  std::vector<std::string> out;
+  for (const JudgedTerm& t : outcome.terms) {
+    if (named(outcome, t)) continue;
+    out.push_back("described, not named: " + in_words(t.term) +
+                  (beaten(outcome, t) ? ": the joint's effort is not predicted better than by the "
+                                        "nominal model and by a constant"
+                                      : ": its gain on held-out data is not beyond chance"));
+  }
+  return out;
+}
+
+std::vector<std::string> notes_on_scores(const std::vector<EffortScore>& scores) {
+  std::vector<std::string> out;
+  for (const EffortScore& s : scores) {
+    out.push_back(
+        fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, none {:.4g}, patched "
+                    "{:.4g} {}",
+                    s.channel, s.nominal, s.constant, s.zero, s.patched, s.unit));
+  }
+  for (const EffortScore& s : scores) {
+    if (s.beyond == 0) continue;
+    out.push_back(
+        fmt::format("{}: {} held-out windows move faster than anything fitted and do not judge",
+                    s.channel, s.beyond));
+  }
+  return out;
+}
+
+std::vector<std::string> notes_on_gains(const std::vector<EffortGainFound>& gains) {
+  std::vector<std::string> out;
+  for (const EffortGainFound& g : gains) {
+    out.push_back(
         g.determined
             ? fmt::format("drive gain of {}: {:.4g} N m for 1 {} [{:.4g}, {:.4g}], a nuisance",
                           g.joint, g.value, g.unit, g.low, g.high)
             : fmt::format("drive gain of {}: not determined by these data, its efforts are in {}",
                           g.joint, g.unit));
   }
+  return out;
 }
 
 }  // namespace
@@ -171,40 +227,19 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
   Verdict v;
   v.seed = options.seed;
   v.notes = outcome.notes;
-  for (const JudgedTerm& t : outcome.terms) {
-    const EffortScore* score = score_at(outcome, t.term.where.front());
-    const bool beaten = score != nullptr && !score->beats_both();
-    if (t.predicts && !beaten) {
-      v.findings.push_back(finding_of(t));
-    } else {
-      v.notes.push_back("described, not named: " + in_words(t.term) +
-                        (beaten ? ": the joint's effort is not predicted better than by the "
-                                  "nominal model and by a constant"
-                                : ": its gain on held-out data is not beyond chance"));
-    }
-  }
-  for (const EffortScore& s : outcome.scores) {
-    v.heldout[Horizon::recorded_motion()].channels[s.channel] = {s.nominal, s.patched, s.noise,
-                                                                 s.baseline(), s.named};
-    v.notes.push_back(
-        fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, none {:.4g}, patched "
-                    "{:.4g} {}",
-                    s.channel, s.nominal, s.constant, s.zero, s.patched, s.unit));
-  }
-  for (const EffortScore& s : outcome.scores) {
-    if (s.beyond > 0) {
-      v.notes.push_back(
-          fmt::format("{}: {} held-out windows move faster than anything fitted and do not judge",
-                      s.channel, s.beyond));
-    }
-  }
+  for (const std::vector<std::string>& notes :
+       {notes_on_terms(outcome), notes_on_scores(outcome.scores), notes_on_gains(outcome.gains)})
+    v.notes.insert(v.notes.end(), notes.begin(), notes.end());
+  v.findings = findings_of(outcome);
+  v.heldout = heldout_of(outcome.scores);
   v.heldout_recordings = outcome.heldout_names;
-  add_gain_notes(v, outcome);
   v.unexplained = unnamed(outcome, rows, options);
   v.status = overall_status(v.findings, v.unexplained.has_value());
   v.mismatch = v.status != VerdictStatus::absent;
   v.answer = answer_of(v);
-  add_all(v, outcome, options.settings);
+  if (!outcome.scores.empty())
+    v.outlook = outlook(v.heldout, outcome.scores.front().unit, options.settings.remains,
+                        options.settings.decisions);
   v.summary = plain_words(v);
   return v;
 }
