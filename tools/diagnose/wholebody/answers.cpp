@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/robust.h"
@@ -159,6 +160,19 @@ void WholeAnswers::cannot(WholeFigure figure, const std::string& because) {
 
 void WholeAnswers::cannot(const std::string& effect, const std::string& because) {
   untestable.push_back({effect, because});
+}
+
+void WholeAnswers::take(WholeAnswers later) {
+  const auto append = [](auto& to, auto& from) {
+    to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+  };
+  append(findings, later.findings), append(untestable, later.untestable);
+  append(detectable, later.detectable), append(notes, later.notes), append(log, later.log);
+  append(locations, later.locations);
+  for (auto& [channel, score] : later.scores) scores[channel] = score;
+  for (auto& [number, m] : later.numbers) numbers[number] = m;
+  unnamed = unnamed || later.unnamed;
+  asked += later.asked;
 }
 
 void WholeAnswers::widen(const std::string& choice, const WholeAnswers& other,

@@ -86,6 +86,8 @@ struct WholeAnswers {
   /// The same questions with another choice of a term that they do not ask for: intervals take in
   /// what it says, and a name that it does without has `choice` for a rival.
   void widen(const std::string& choice, const WholeAnswers& other, const Chance& chance);
+  /// What a later question said, behind what stands here.
+  void take(WholeAnswers later);
 };
 
 }  // namespace sanso::diagnose

@@ -43,7 +43,8 @@ std::string answer_of(const WholeAnswers& answers) {
 }
 
 /// What no recording of positions can show without forces or commands, said once.
-void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answers) {
+WholeAnswers limits_of(const WholeData& data, const WholeBody& body) {
+  WholeAnswers answers;
   answers.cannot(WholeFigure::compliance,
                  "a touchdown lasts as long as a few samples: stiffness is not asked for");
   if (body.model.tree.size() > 0)
@@ -53,6 +54,7 @@ void say_limits(const WholeData& data, const WholeBody& body, WholeAnswers& answ
                                    [](const WholeRecording& r) { return !r.feet.empty(); });
   if (!weighed)
     answers.notes.push_back("nothing weighs the robot: its motion alone is the same at any mass");
+  return answers;
 }
 
 Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned long seed) {
@@ -84,9 +86,9 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
 }
 
 /// The questions about impulses again, as if what they rest on were something else.
-void ask_otherwise(const Asking& asking, const Known& before, WholeAnswers& answers,
-                   const std::function<void(const std::string&)>& progress) {
-  if (answers.findings.empty() || asking.body.model.tree.size() > 0) return;
+WholeAnswers asked_otherwise(const Asking& asking, const Known& before, WholeAnswers answers,
+                             const std::function<void(const std::string&)>& progress) {
+  if (answers.findings.empty() || asking.body.model.tree.size() > 0) return answers;
   const Asked scale = asked_for(WholeFigure::pose_scale);
   const auto fall =
       answers.numbers.find(number_of(scale.effect, scale.parameter, {asking.body.root}));
@@ -96,11 +98,9 @@ void ask_otherwise(const Asking& asking, const Known& before, WholeAnswers& answ
     progress("asks again with " + c.name);
     Asking other{c.body,           c.recordings,      c.known,     c.settings,
                  asking.decisions, asking.tolerances, asking.seed, asking.stance};
-    WholeAnswers said;
-    Patch none;
-    ask_hits(other, said, none);
-    answers.widen(c.name, said, asking.chance());
+    answers.widen(c.name, ask_hits(other).answers, asking.chance());
   }
+  return answers;
 }
 
 Defect nothing_to_ask(const WholeData& data, const WholeAnswers& answers) {
@@ -127,8 +127,8 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   if (!data.defects.empty()) return refused(data.defects);
   WholeBody nominal = body;
   Known known = apply_effects(nominal);
-  WholeAnswers answers;
-  Patch patch;
+  Answered found;
+  const Patch& patch = found.patch;
   const Known before = known;
   const auto asking = [&] {
     const Settings& s = options.settings;
@@ -136,25 +136,25 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
                   s.tolerances, options.seed,    s.stance, s.smoother};
   };
   progress("asks: does it fall as gravity says?");
-  ask_free_fall(asking(), answers, patch);
+  found.take(ask_free_fall(asking()));
   if (patch.pose_scale) known.pose_scale = *patch.pose_scale;
   progress("asks: what do hits and slides say of the ground?");
-  ask_hits(asking(), answers, patch);
+  found.take(ask_hits(asking()));
   progress("asks: do the feet carry what it weighs?");
-  ask_weight(asking(), answers, patch);
+  found.take(ask_weight(asking()));
   progress("asks: does the IMU read what the base does?");
-  ask_imu(asking(), answers, patch);
+  found.take(ask_imu(asking()));
   progress("asks: do standing soles lie flat, and stay?");
-  ask_soles(asking(), answers, patch);
+  found.take(ask_soles(asking()));
   if (patch.imu_turn) known.imu_turn = math::rotation_matrix(math::quat_exp(V3(-*patch.imu_turn)));
   if (patch.acc_bias) known.acc_bias += *patch.acc_bias;
   if (body.model.tree.size() > 0) {
     progress("asks: do drives, links and motion agree?");
-    ask_drives(asking(), answers, patch);
+    found.take(ask_drives(asking()));
   }
-  ask_otherwise(asking(), before, answers, progress);
+  WholeAnswers answers = asked_otherwise(asking(), before, std::move(found.answers), progress);
   if (answers.asked == 0) return refused({nothing_to_ask(data, answers)});
-  say_limits(data, body, answers);
+  answers.take(limits_of(data, body));
   WholeDiagnosis out;
   out.verdict = verdict_of(answers, data, options.seed);
   out.nominal = body, out.patched = patched(body, patch);

@@ -60,31 +60,29 @@ bool named(const Asking& asking, const JudgedDriveTerm& j) {
 }
 
 /// `alone`: nothing else is in the balance, and it is one.
-void judge(const Asking& asking, const JudgedDriveTerm& j, bool alone, WholeAnswers& answers,
-           Patch& patch) {
-  answers.log.push_back(text_of(j));
+Answered judge(const Asking& asking, const JudgedDriveTerm& j, bool alone) {
+  Answered out;
+  out.answers.log.push_back(text_of(j));
   if (!named(asking, j)) {
-    answers.notes.push_back(text_of(j) + ": described, not named");
-    return;
+    out.answers.notes.push_back(text_of(j) + ": described, not named");
+    return out;
   }
   for (const std::string& place : j.other_places)
-    answers.notes.push_back(in_words(j.term) + ": as well " + place);
-  answers.findings.push_back(finding_of(asking, j));
-  if (!alone) answers.findings.back().status = VerdictStatus::present_unnamed;
-  if (!alone) return;
+    out.answers.notes.push_back(in_words(j.term) + ": as well " + place);
+  out.answers.findings.push_back(finding_of(asking, j));
+  if (!alone) out.answers.findings.back().status = VerdictStatus::present_unnamed;
+  if (!alone) return out;
   EffectEntry entry{j.term.effect, j.term.where, {}, 0};
   for (std::size_t i = 0; i < j.parameters.size(); ++i)
     entry.parameters[j.term.parameters[i]] = j.parameters[i].value;
-  patch.entries.push_back(std::move(entry));
+  out.patch.entries.push_back(std::move(entry));
+  return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// Somebody pushed: a force that comes, goes, and is nowhere else in that recording.
-void judge_pushes(const Asking& asking, const std::vector<Push>& pushes, WholeAnswers& answers) {
-  if (pushes.empty()) return;
+WholeAnswers judge_pushes(const Asking& asking, const std::vector<Push>& pushes) {
+  WholeAnswers answers;
+  if (pushes.empty()) return answers;
   const Push& p = pushes.front();
   const Effect& effect = effect_of(WholeFigure::push);
   Finding f;
@@ -108,43 +106,42 @@ void judge_pushes(const Asking& asking, const std::vector<Push>& pushes, WholeAn
         "usual in it",
         asking.recordings[each.recording].name, each.from, each.to, each.force[0], each.force[1],
         each.force[2], each.beyond));
+  return answers;
 }
 
-/// Where what has no name would be a torque, or a force on the base.
-void say_where(const Asking& asking, const StanceLeft& left, WholeAnswers& answers) {
+/// Where what has no name would be a torque, or a force on the base; strongest first.
+std::vector<LocationCell> locations_of(const Asking& asking, const StanceLeft& left) {
+  std::vector<LocationCell> out;
   const double all = std::accumulate(left.at.begin(), left.at.end(), 0.0);
   for (std::size_t i = 0; i < left.at.size(); ++i) {
     LocationCell cell;
     cell.where = i == 0 ? asking.body.root : asking.body.model.tree.joints[i - 1].name;
     cell.regime = "stance", cell.share = left.at[i] / std::max(all, 1e-300);
-    answers.locations.push_back(cell);
+    out.push_back(cell);
   }
-  std::stable_sort(answers.locations.begin(), answers.locations.end(),
+  std::stable_sort(out.begin(), out.end(),
                    [](const auto& a, const auto& b) { return a.share > b.share; });
+  return out;
 }
 
-/// Torques tell a heavier link from sensors that read too much; the sum of forces does not.
-void replace_weight(const DriveChoice& choice, WholeAnswers& answers, Patch& patch) {
+/// Whether a heavier link is told from sensors that read too much.
+bool weighed_by(const DriveChoice& choice) {
   const std::string scale = name_of(WholeFigure::force_scale);
-  const bool told = std::any_of(choice.terms.begin(), choice.terms.end(), [&](const auto& j) {
+  return std::any_of(choice.terms.begin(), choice.terms.end(), [&](const auto& j) {
     return j.term.effect == scale || find_effect(j.term.effect)->family == Family::mass;
   });
-  if (!told) return;
-  std::erase_if(answers.findings, [&](const Finding& f) {
-    return std::find(f.one_of.begin(), f.one_of.end(), scale) != f.one_of.end();
-  });
-  patch.mass_share.reset();
 }
 
 }  // namespace
 
-void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_drives(const Asking& asking) {
+  Answered out;
   auto [rows, choice] = balance_drives(asking);
   if (!rows.why_not.empty()) {
-    for (const std::string& effect : all_placed()) answers.cannot(effect, rows.why_not);
-    return;
+    for (const std::string& effect : all_placed()) out.answers.cannot(effect, rows.why_not);
+    return out;
   }
-  answers.asked += all_placed().size();
+  out.answers.asked += all_placed().size();
   StanceLeft left = stance_left(rows, choice.figures, asking.stance.pushed);
   const std::vector<Push> pushes = left.pushes;
   if (!pushes.empty()) {  // whoever pushes is no figure of the robot
@@ -152,21 +149,22 @@ void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     choice = choose_drive_terms(asking, rows);
     left = stance_left(rows, choice.figures, asking.stance.pushed);
   }
-  answers.log.insert(answers.log.end(), choice.log.begin(), choice.log.end());
-  answers.scores["stance"] = {choice.before, choice.after, 1.0,
-                              std::numeric_limits<double>::quiet_NaN(),
-                              std::numeric_limits<double>::quiet_NaN()};
+  out.answers.log.insert(out.answers.log.end(), choice.log.begin(), choice.log.end());
+  out.answers.scores["stance"] = {choice.before, choice.after, 1.0,
+                                  std::numeric_limits<double>::quiet_NaN(),
+                                  std::numeric_limits<double>::quiet_NaN()};
   const bool alone =
       choice.adequate && std::all_of(choice.terms.begin(), choice.terms.end(),
                                      [&](const auto& j) { return named(asking, j); });
-  if (alone) replace_weight(choice, answers, patch);
-  for (const JudgedDriveTerm& j : choice.terms) judge(asking, j, alone, answers, patch);
-  judge_pushes(asking, pushes, answers);
-  if (alone) return;
-  answers.notes.push_back(
+  for (const JudgedDriveTerm& j : choice.terms) out.take(judge(asking, j, alone));
+  out.answers.take(judge_pushes(asking, pushes));
+  out.weighed = alone && weighed_by(choice);
+  if (alone) return out;
+  out.answers.notes.push_back(
       "drives: more is missing than these balances can name, so no size among them is sure");
-  answers.unnamed = true;
-  say_where(asking, left, answers);
+  out.answers.unnamed = true;
+  out.answers.locations = locations_of(asking, left);
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -87,7 +87,8 @@ bool falls(const Asking& asking, const WholeRecording& r, const Span& flight) {
   return (a + gravity * upwards(asking.body)).norm() <= asking.settings.falls * gravity;
 }
 
-void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_free_fall(const Asking& asking) {
+  Answered out;
   Samples fall, rest;
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) {
     const WholeRecording& recording = asking.recordings[r];
@@ -99,9 +100,9 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   const auto fallen = measured(fall, asking.known.pose_scale, asking.chance());
   const auto rested = measured(rest, asking.known.pose_scale, asking.chance());
   if (!fallen) {
-    answers.cannot(WholeFigure::pose_scale,
-                   "too few flights without contact: nothing falls freely");
-    return;
+    out.answers.cannot(WholeFigure::pose_scale,
+                       "too few flights without contact: nothing falls freely");
+    return out;
   }
   Asked asked = asked_for(WholeFigure::pose_scale);
   asked.where = {asking.body.root}, asked.channel = "fall";
@@ -110,14 +111,14 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   Measured m = *fallen;
   if (!rested) {
     asked.equally_good = {"clock_rate", "gravity"};
-    answers.notes.push_back(
+    out.answers.notes.push_back(
         "a clock that runs fast and another gravity fall alike: [ground] height in model.toml, and "
         "recordings that end at rest, would tell them from the scale of the positions");
   } else {
     const double apart = std::abs(fallen->value - rested->value);
     const double chance = asking.chance().deviations() * std::hypot(fallen->sigma, rested->sigma) +
                           asking.settings.scale;
-    answers.notes.push_back(fmt::format(
+    out.answers.notes.push_back(fmt::format(
         "scale of the positions: falling {:.4f} [{:.4f}, {:.4f}], resting {:.4f} "
         "[{:.4f}, {:.4f}]",
         fallen->value, fallen->low, fallen->high, rested->value, rested->low, rested->high));
@@ -128,8 +129,9 @@ void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch) {
       asked.effect = "gravity", asked.equally_good = {"clock_rate"};
     }
   }
-  if (answers.judge(asked, m, asking.chance()) == Said::missing && of_lengths)
-    patch.pose_scale = m.value;
+  if (out.answers.judge(asked, m, asking.chance()) == Said::missing && of_lengths)
+    out.patch.pose_scale = m.value;
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -153,7 +153,8 @@ void tell_unstated(const std::string& what, const Measured& m, WholeAnswers& ans
                                       what, m.value, m.low, m.high));
 }
 
-void ask_rebound(const Asking& asking, const Hits& hits, WholeAnswers& answers, Patch& patch) {
+Answered ask_rebound(const Asking& asking, const Hits& hits) {
+  Answered out;
   Asked asked = asked_for(WholeFigure::restitution);
   asked.where = {asking.body.root}, asked.channel = "rebound";
   asked.nominal = asking.body.ground.restitution.value_or(0.0);
@@ -162,16 +163,18 @@ void ask_rebound(const Asking& asking, const Hits& hits, WholeAnswers& answers, 
   asked.equally_good = {name_of(WholeFigure::compliance)};
   const auto m = measured(hits.restitution, asked.nominal, asking.chance());
   if (!m) {
-    answers.cannot(WholeFigure::restitution, "too few hits of a single corner after a flight");
-    return;
+    out.answers.cannot(WholeFigure::restitution, "too few hits of a single corner after a flight");
+    return out;
   }
   const bool stated = asking.body.ground.restitution.has_value();
-  if (!stated) tell_unstated(asked.effect, *m, answers);
-  if (!stated || answers.judge(asked, *m, asking.chance()) == Said::missing)
-    patch.restitution = std::clamp(m->value, 0.0, 1.0);
+  if (!stated) tell_unstated(asked.effect, *m, out.answers);
+  if (!stated || out.answers.judge(asked, *m, asking.chance()) == Said::missing)
+    out.patch.restitution = std::clamp(m->value, 0.0, 1.0);
+  return out;
 }
 
-void ask_slip(const Asking& asking, const Hits& hits, WholeAnswers& answers, Patch& patch) {
+Answered ask_slip(const Asking& asking, const Hits& hits) {
+  Answered out;
   const ContactMaterial material = asking.body.material_of(asking.body.root);
   Asked asked = asked_for(WholeFigure::friction);
   asked.where = {asking.body.root}, asked.channel = "slip";
@@ -179,27 +182,30 @@ void ask_slip(const Asking& asking, const Hits& hits, WholeAnswers& answers, Pat
   asked.tolerance = asking.settings.friction * asked.nominal;
   const auto m = measured(hits.friction, asked.nominal, asking.chance());
   if (!m) {
-    answers.cannot(WholeFigure::friction,
-                   fmt::format("nothing slips often enough: the coefficient is {:.2g} at least",
-                               hits.largest_ratio));
-    return;
+    out.answers.cannot(WholeFigure::friction,
+                       fmt::format("nothing slips often enough: the coefficient is {:.2g} at least",
+                                   hits.largest_ratio));
+    return out;
   }
-  if (!material.friction) tell_unstated("the friction coefficient", *m, answers);
-  if (!material.friction || answers.judge(asked, *m, asking.chance()) == Said::missing)
-    patch.friction = std::max(0.0, m->value);
+  if (!material.friction) tell_unstated("the friction coefficient", *m, out.answers);
+  if (!material.friction || out.answers.judge(asked, *m, asking.chance()) == Said::missing)
+    out.patch.friction = std::max(0.0, m->value);
+  return out;
 }
 
 }  // namespace
 
-void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_hits(const Asking& asking) {
+  Answered out;
   if (asking.body.model.tree.size() > 0) {
-    answers.cannot(WholeFigure::restitution,
-                   "the impulse of a touchdown runs through moving joints");
-    return;
+    out.answers.cannot(WholeFigure::restitution,
+                       "the impulse of a touchdown runs through moving joints");
+    return out;
   }
   const Hits hits = find_hits(asking);
-  ask_rebound(asking, hits, answers, patch);
-  ask_slip(asking, hits, answers, patch);
+  out.take(ask_rebound(asking, hits));
+  out.take(ask_slip(asking, hits));
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -200,14 +200,15 @@ std::string text_of(const V3& x, const M3& covariance, const std::string& unit) 
                      s[0], s[1], s[2], unit);
 }
 
-void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
+Answered judge_turn(const Asking& asking, const Judged& j) {
+  Answered out;
   const V3 turn = rotation_vector(j.mount.turn);
   const double surely = j.z * deviation_along(j.spread.turn, turn) + asking.settings.mount;
-  answers.detectable.push_back(
+  out.answers.detectable.push_back(
       {name_of(WholeFigure::imu_turn), asking.body.imu.link, "x, y, z", "rad",
        j.z * deviations_of(j.spread.turn).maxCoeff() + asking.settings.mount});
-  answers.log.push_back("imu turned by " + text_of(turn, j.spread.turn, "rad"));
-  if (!j.choice.parts.turn || turn.norm() <= surely) return;
+  out.answers.log.push_back("imu turned by " + text_of(turn, j.spread.turn, "rad"));
+  if (!j.choice.parts.turn || turn.norm() <= surely) return out;
   Finding f = vector_finding(WholeFigure::imu_turn, {asking.body.imu.link}, {"x", "y", "z"}, turn,
                              j.spread.turn, "rad", j.score, asking.chance());
   const bool by_gyro =
@@ -216,17 +217,19 @@ void judge_turn(const Asking& asking, const Judged& j, WholeAnswers& answers, Pa
     f.one_of.push_back(name_of(WholeFigure::slope));
   if (j.choice.bias_rivals) f.one_of.push_back(name_of(WholeFigure::imu_bias));
   f.status = status_of(f);
-  answers.findings.push_back(f);
-  patch.imu_turn = turn;
+  out.answers.findings.push_back(f);
+  out.patch.imu_turn = turn;
   const M3 R_true = eigen(asking.body.imu.R_joint_imu) * j.mount.turn.transpose();
   const std::string link =
       link_like(asking.body, R_true, asking.body.imu.joint, asking.settings.same_frame);
   if (!link.empty() && link != asking.body.imu.link)
-    answers.notes.push_back("the IMU is turned as the link " + link +
-                            " of the URDF is: [imu] link = \"" + link + "\"");
+    out.answers.notes.push_back("the IMU is turned as the link " + link +
+                                " of the URDF is: [imu] link = \"" + link + "\"");
+  return out;
 }
 
-void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, Patch& patch) {
+Answered judge_biases(const Asking& asking, const Judged& j) {
+  Answered out;
   const bool gyro = std::any_of(j.windows.begin(), j.windows.end(),
                                 [](const ImuWindow& w) { return w.with_gyro; });
   const double of_gyro =
@@ -235,29 +238,30 @@ void judge_biases(const Asking& asking, const Judged& j, WholeAnswers& answers, 
       j.z * deviation_along(j.spread.acc_bias, j.mount.acc_bias) + asking.settings.acc_bias;
   const std::vector<std::string> where{asking.body.imu.link};
   const std::string bias = name_of(WholeFigure::imu_bias);
-  answers.detectable.push_back({bias, asking.body.imu.link, "acc", "m/s^2", of_acc});
-  answers.log.push_back("imu biases: gyro " +
-                        text_of(j.mount.gyro_bias, j.spread.gyro_bias, "rad/s") + ", acc " +
-                        text_of(j.mount.acc_bias, j.spread.acc_bias, "m/s^2"));
+  out.answers.detectable.push_back({bias, asking.body.imu.link, "acc", "m/s^2", of_acc});
+  out.answers.log.push_back("imu biases: gyro " +
+                            text_of(j.mount.gyro_bias, j.spread.gyro_bias, "rad/s") + ", acc " +
+                            text_of(j.mount.acc_bias, j.spread.acc_bias, "m/s^2"));
   if (gyro) {
-    answers.detectable.push_back({bias, asking.body.imu.link, "gyro", "rad/s", of_gyro});
+    out.answers.detectable.push_back({bias, asking.body.imu.link, "gyro", "rad/s", of_gyro});
     if (j.mount.gyro_bias.norm() > of_gyro) {
       Finding f =
           vector_finding(WholeFigure::imu_bias, where, {"gyro_x", "gyro_y", "gyro_z"},
                          j.mount.gyro_bias, j.spread.gyro_bias, "rad/s", {}, asking.chance());
       f.status = status_of(f);
-      answers.findings.push_back(f);
-      patch.gyro_bias = j.mount.gyro_bias;
+      out.answers.findings.push_back(f);
+      out.patch.gyro_bias = j.mount.gyro_bias;
     }
   }
-  if (!j.choice.parts.acc_bias || j.mount.acc_bias.norm() <= of_acc) return;
+  if (!j.choice.parts.acc_bias || j.mount.acc_bias.norm() <= of_acc) return out;
   Finding f =
       vector_finding(WholeFigure::imu_bias, where, {"acc_x", "acc_y", "acc_z"}, j.mount.acc_bias,
                      j.spread.acc_bias, "m/s^2", j.score, asking.chance());
   f.one_of.push_back(name_of(WholeFigure::imu_turn));
   f.status = status_of(f);
-  answers.findings.push_back(f);
-  patch.acc_bias = j.mount.acc_bias;
+  out.answers.findings.push_back(f);
+  out.patch.acc_bias = j.mount.acc_bias;
+  return out;
 }
 
 std::vector<ImuWindow> all_windows(const Asking& asking) {
@@ -279,7 +283,8 @@ std::optional<LeanFit> imu_vertical(const Asking& asking) {
   return LeanFit::of(leans, asking.tolerances.zero, asking.chance());
 }
 
-void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_imu(const Asking& asking) {
+  Answered out;
   const std::vector<ImuWindow> windows = all_windows(asking);
   std::vector<char> seen;
   for (const ImuWindow& w : windows) {
@@ -288,10 +293,10 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   }
   if (std::count(seen.begin(), seen.end(), 1) < asking.settings.imu_groups) {
     const char* why = "no IMU beside a base attitude (imu_acc:, base_q:) over some seconds";
-    answers.cannot(WholeFigure::imu_bias, why), answers.cannot(WholeFigure::imu_turn, why);
-    return;
+    out.answers.cannot(WholeFigure::imu_bias, why), out.answers.cannot(WholeFigure::imu_turn, why);
+    return out;
   }
-  ++answers.asked;
+  ++out.answers.asked;
   const double z = asking.chance().deviations();
   Judged j{windows, choose_parts(windows, asking.chance()), {}, {}, {}, z};
   // where neither is needed, what may hide is what a fit of both leaves open
@@ -300,9 +305,10 @@ void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   j.mount = fit_mount(windows, asking.settings, parts);
   j.spread = spread_of(windows, j.mount, parts, asking);
   j.score = held_out(windows, parts, asking);
-  answers.scores["imu_acc"] = j.score;
-  judge_turn(asking, j, answers, patch);
-  judge_biases(asking, j, answers, patch);
+  out.answers.scores["imu_acc"] = j.score;
+  out.take(judge_turn(asking, j));
+  out.take(judge_biases(asking, j));
+  return out;
 }
 
 }  // namespace sanso::diagnose

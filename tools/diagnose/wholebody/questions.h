@@ -45,6 +45,18 @@ struct Patch {
   std::optional<V3> imu_turn, acc_bias, gyro_bias;  // turn: recorded axes from assumed ones, rad
   std::optional<V2> slope, pose_tilt;               // beside what is known, rad
   std::vector<EffectEntry> entries;                 // of drives and links, beside what is known
+  /// What a later question found, beside what stands here or in its place.
+  void take(Patch later);
+};
+
+/// What a question came to.
+struct Answered {
+  WholeAnswers answers;
+  Patch patch;
+  // torques tell a heavier link from sensors that read too much, which the feet's sum does not
+  bool weighed = false;
+  /// What a later question came to; where it weighed, in place of what the feet's sum said.
+  void take(Answered later);
 };
 
 /// Whether a flight is one: a robot in somebody's hands, or on a stand, touches nothing either.
@@ -52,21 +64,21 @@ bool falls(const Asking& asking, const WholeRecording& r, const Span& flight);
 
 /// Free fall: the pace at which base positions fall says their scale; where the base rests says it
 /// again.
-void ask_free_fall(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_free_fall(const Asking& asking);
 /// Hits and slides of a robot that is one body: restitution and friction.
-void ask_hits(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_hits(const Asking& asking);
 /// The feet's vertical forces against weight and inertia of the whole.
-void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_weight(const Asking& asking);
 /// The IMU against the base's motion: how it is mounted, what it adds.
-void ask_imu(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_imu(const Asking& asking);
 /// How the vertical that the IMU feels leans in the axes of the poses; nothing without an
 /// accelerometer beside an attitude.
 std::optional<LeanFit> imu_vertical(const Asking& asking);
 /// Standing soles against the vertical and against slip.
-void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_soles(const Asking& asking);
 
 /// Drives and links against each other: position loop, currents, motion.
-void ask_drives(const Asking& asking, WholeAnswers& answers, Patch& patch);
+Answered ask_drives(const Asking& asking);
 
 /// Reads the model's [[effect]] entries into `body` (masses) and what is returned. Throws
 /// files::InputError for an effect that a floating base cannot have here.

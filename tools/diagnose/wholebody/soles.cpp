@@ -85,10 +85,11 @@ void add_foot(const Asking& asking, std::size_t number, const FootForce& foot, S
   }
 }
 
-void judge_slip(const Asking& asking, const Soles& soles, WholeAnswers& answers) {
+WholeAnswers judge_slip(const Asking& asking, const Soles& soles) {
+  WholeAnswers answers;
   if (soles.slips.empty()) {
     answers.cannot(WholeFigure::friction, "no base position: nobody knows whether a foot slips");
-    return;
+    return answers;
   }
   const double fast = quantile(soles.slips, 0.9);
   answers.notes.push_back(
@@ -101,6 +102,7 @@ void judge_slip(const Asking& asking, const Soles& soles, WholeAnswers& answers)
     answers.cannot(WholeFigure::friction,
                    "feet slip, and no forces along the ground were recorded to compare with");
   }
+  return answers;
 }
 
 /// Whether headings differ enough to tell what leans in the world from what leans with the robot.
@@ -132,18 +134,18 @@ Asked asked_of(WholeFigure figure, std::vector<std::string> where, double tolera
 }
 
 /// The floor, with what the poses' vertical is known to lean by taken out.
-bool judge_floor(const Asking& asking, const LeanFit& soles, WholeAnswers& answers, Patch& patch) {
+Answered judge_floor(const Asking& asking, const LeanFit& soles) {
+  Answered out;
   const std::optional<LeanFit> imu = imu_vertical(asking);
   const bool vouched = imu && told_by_headings(*imu, asking);
   V2 lean = soles.in_world;
   Measured floor = soles.world;
-  bool found = false;
   if (vouched) {
     const V2 rotation = rotation_of(imu->in_world);
     const Asked asked =
         asked_of(WholeFigure::pose_tilt, {asking.body.root}, asking.settings.level, {});
-    if (judge_lean(asking, asked, imu->world, rotation, answers) == Said::missing)
-      patch.pose_tilt = rotation, found = true;
+    if (judge_lean(asking, asked, imu->world, rotation, out.answers) == Said::missing)
+      out.patch.pose_tilt = rotation;
     lean -= imu->in_world;
     floor.sigma = std::hypot(floor.sigma, imu->world.sigma);
     floor.value = lean.norm();
@@ -153,9 +155,9 @@ bool judge_floor(const Asking& asking, const LeanFit& soles, WholeAnswers& answe
   std::vector<std::string> others;
   if (!vouched) others.push_back(name_of(WholeFigure::pose_tilt));
   const Asked asked = asked_of(WholeFigure::slope, {}, asking.settings.level, others);
-  if (judge_lean(asking, asked, floor, rotation_of(lean), answers) == Said::missing)
-    patch.slope = rotation_of(lean), found = true;
-  return found;
+  if (judge_lean(asking, asked, floor, rotation_of(lean), out.answers) == Said::missing)
+    out.patch.slope = rotation_of(lean);
+  return out;
 }
 
 /// Zeros of joints turn soles as a floor does.
@@ -164,19 +166,20 @@ std::string wrong_zero() { return std::string(effect_of(JointFigure::zero)->id);
 /// Names of what leans with the robot.
 std::vector<std::string> with_the_robot() { return {name_of(WholeFigure::imu_turn), wrong_zero()}; }
 
-void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers, Patch& patch) {
+Answered judge_tilt(const Asking& asking, const Leans& leans) {
+  Answered out;
   if (leans.empty()) {
-    answers.cannot(WholeFigure::slope,
-                   "no flat sole below a foot with fz:<link> (URDF <collision> box "
-                   "or [[contact]] box)");
-    return;
+    out.answers.cannot(WholeFigure::slope,
+                       "no flat sole below a foot with fz:<link> (URDF <collision> box "
+                       "or [[contact]] box)");
+    return out;
   }
   const auto fit = LeanFit::of(leans, asking.tolerances.zero, asking.chance());
   if (!fit) {
-    answers.cannot(WholeFigure::slope, "the feet stand flat too seldom");
-    return;
+    out.answers.cannot(WholeFigure::slope, "the feet stand flat too seldom");
+    return out;
   }
-  answers.notes.push_back(fmt::format(
+  out.answers.notes.push_back(fmt::format(
       "standing soles lean by {:.4f} +- {:.4f} rad in the world and by {:.4f} +- {:.4f} rad with "
       "the robot",
       fit->in_world.norm(), fit->world.sigma, fit->in_body.norm(), fit->body.sigma));
@@ -184,34 +187,38 @@ void judge_tilt(const Asking& asking, const Leans& leans, WholeAnswers& answers,
   Asked apart = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   apart.parameter = "angle";
   if (fit->apart.value > tolerance &&
-      answers.judge(apart, fit->apart, asking.chance()) == Said::missing) {
-    answers.notes.push_back(
+      out.answers.judge(apart, fit->apart, asking.chance()) == Said::missing) {
+    out.answers.notes.push_back(
         "every recording leans its own way: headings that start anew, or another place each time; "
         "poses of one world would tell the floor from the robot");
-    return;
+    return out;
   }
   bool found = false;
   if (told_by_headings(*fit, asking)) {
-    found = judge_floor(asking, *fit, answers, patch);
+    Answered floor = judge_floor(asking, *fit);
+    found = !floor.answers.findings.empty();
+    out.take(std::move(floor));
     const Asked own =
         asked_of(WholeFigure::imu_turn, {asking.body.imu.link}, tolerance, {wrong_zero()});
     const V2 rotation = rotation_of(fit->in_body);
-    found |= judge_lean(asking, own, fit->body, rotation, answers) == Said::missing;
+    found |= judge_lean(asking, own, fit->body, rotation, out.answers) == Said::missing;
   } else {
-    answers.notes.push_back(
+    out.answers.notes.push_back(
         "all headings are alike: a floor that leans and an IMU, or zeros of joints, that lean the "
         "robot are the same here; turn the robot by a quarter or half");
   }
-  if (found) return;
+  if (found) return out;
   const Asked all = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   const V2 rotation = rotation_of(fit->alike);
-  if (judge_lean(asking, all, fit->together, rotation, answers) == Said::missing)
-    patch.slope = rotation;
+  if (judge_lean(asking, all, fit->together, rotation, out.answers) == Said::missing)
+    out.patch.slope = rotation;
+  return out;
 }
 
 }  // namespace
 
-void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_soles(const Asking& asking) {
+  Answered out;
   Soles soles;
   bool feet = false;
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) {
@@ -222,12 +229,13 @@ void ask_soles(const Asking& asking, WholeAnswers& answers, Patch& patch) {
     }
   }
   if (!feet) {
-    answers.cannot(WholeFigure::slope,
-                   "no foot that is known to stand (fz:<link>) beside an attitude");
-    return;
+    out.answers.cannot(WholeFigure::slope,
+                       "no foot that is known to stand (fz:<link>) beside an attitude");
+    return out;
   }
-  judge_slip(asking, soles, answers);
-  judge_tilt(asking, soles.leans, answers, patch);
+  out.answers.take(judge_slip(asking, soles));
+  out.take(judge_tilt(asking, soles.leans));
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -68,7 +68,8 @@ void scaled_by(Samples& samples, double factor) {
 
 }  // namespace
 
-void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
+Answered ask_weight(const Asking& asking) {
+  Answered out;
   Loads loads;
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) add_loads(asking, r, loads);
   // the link that floats takes all of it: which one has it cannot be told from a sum
@@ -77,31 +78,33 @@ void ask_weight(const Asking& asking, WholeAnswers& answers, Patch& patch) {
   for (const auto& [name, samples] : loads.by_recording) {
     if (const auto m = measured(samples, 0.0, asking.chance())) {
       values.push_back({name, m->value, m->sigma});
-      answers.notes.push_back(
+      out.answers.notes.push_back(
           fmt::format("{}: the feet carry {:.2f} % more than the model weighs [{:.2f}, {:.2f}]",
                       name, 100 * m->value, 100 * m->low, 100 * m->high));
     }
   }
   const std::string apart =
       disagreement("weight on the feet, share", "-", values, asking.decisions);
-  if (!apart.empty()) answers.notes.push_back(apart);
+  if (!apart.empty()) out.answers.notes.push_back(apart);
   scaled_by(loads.share, of_base);
   const auto m = measured(loads.share, 0.0, asking.chance());
   if (!m) {
     const char* why = "no forces of the feet (fz:<link>) over some seconds: nothing weighs it";
     for (const WholeFigure figure :
          {WholeFigure::mass_share, WholeFigure::payload, WholeFigure::force_scale})
-      answers.cannot(figure, why);
-    return;
+      out.answers.cannot(figure, why);
+    return out;
   }
-  answers.notes.push_back(
+  out.answers.notes.push_back(
       "a sum of vertical forces tells neither which link is heavier nor whether the sensors read "
       "too much; weighing the robot would");
   Asked asked = asked_for(WholeFigure::mass_share);
   asked.where = {asking.body.root}, asked.regime = "stance", asked.channel = "weight";
   asked.tolerance = asking.tolerances.mass * of_base;
   asked.equally_good = {name_of(WholeFigure::payload), name_of(WholeFigure::force_scale)};
-  if (answers.judge(asked, *m, asking.chance()) == Said::missing) patch.mass_share = m->value;
+  if (out.answers.judge(asked, *m, asking.chance()) == Said::missing)
+    out.patch.mass_share = m->value;
+  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -65,6 +65,26 @@ TEST(Widen, AChoiceThatCannotBeAskedSaysNothing) {
   EXPECT_DOUBLE_EQ(answers.findings[0].parameters.at("e").low, before.parameters.at("e").low);
 }
 
+TEST(Answered, TorquesThatWeighTakeThePlaceOfTheFeetsSum) {
+  Finding heavy, scale;
+  heavy.effect = name_of(WholeFigure::mass_share);
+  heavy.one_of = {heavy.effect, name_of(WholeFigure::force_scale)};
+  scale.effect = name_of(WholeFigure::force_scale), scale.one_of = {scale.effect};
+  for (const bool weighed : {false, true}) {
+    Answered all, drives;
+    all.answers.findings = {of(0.23, 0.009).findings[0], heavy};
+    all.patch.mass_share = 0.1, all.patch.slope = V2(0.01, 0.0);
+    drives.answers.findings = {scale}, drives.weighed = weighed;
+    drives.patch.slope = V2(0.02, 0.0);
+    all.take(drives);
+    EXPECT_EQ(all.answers.findings.size(), weighed ? 2U : 3U);
+    EXPECT_EQ(all.answers.findings.front().effect, "restitution");
+    EXPECT_EQ(all.answers.findings.back().effect, scale.effect) << "what is new stays";
+    EXPECT_EQ(all.patch.mass_share.has_value(), !weighed);
+    EXPECT_EQ(all.patch.slope->x(), 0.02) << "the later one";
+  }
+}
+
 TEST(Chance, MoreQuestionsAskForMore) {
   Chance few, many;
   few.whole.questions = 2, many.whole.questions = 200;
