@@ -13,7 +13,8 @@ diagnose::FirstLook made(const Eigen::VectorXd& amounts) {
   constexpr int kGroups = 5, kRows = 200, kProbes = 4;
   diagnose::FirstLook look;
   look.effect = {"viscous_friction", "coulomb_friction", "backlash", "cogging"};
-  look.family = {"friction", "friction", "transmission", "transmission"};
+  using diagnose::Family;
+  look.family = {Family::friction, Family::friction, Family::transmission, Family::transmission};
   look.z.assign(kProbes, 0.0);
   look.nuisances = 1;
   look.nuisance_precision = diagnose::Settings{}.tolerances.precision;

@@ -196,7 +196,7 @@ Names sparse_regression(const FirstLook& look) {
 
 Names friction_ladder(const FirstLook& look) {
   const auto friction = [&look](Index i) {
-    return look.family[static_cast<std::size_t>(i)] == "friction";
+    return look.family[static_cast<std::size_t>(i)] == diagnose::Family::friction;
   };
   return select(look, [&](const Gram& gram) { return pursuit(gram, kLargestModel, friction); });
 }

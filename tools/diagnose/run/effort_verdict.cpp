@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/diagnose/effects/parameter_of.h"
 #include "tools/diagnose/run/predict_effort.h"
 #include "tools/diagnose/verdict/plain_words.h"
 #include "tools/diagnose/verdict/predictability.h"
@@ -36,8 +37,11 @@ Finding finding_of(const JudgedTerm& t) {
     const bool met = v.at_bound && v.value != 0.0;
     f.parameters[t.term.parameters[c]] = {v.value, v.low, v.high, v.unit, met};
   }
-  for (const auto& [name, value] : t.term.fixed)
-    f.parameters[name] = {value, value, value, name == "speed" ? "rad/s" : "-", false};
+  for (const auto& [name, value] : t.term.fixed) {
+    const EffectParameter* known = find_parameter(f.effect, name);
+    const bool speed = known != nullptr && known->scale == Unit::speed;
+    f.parameters[name] = {value, value, value, speed ? "rad/s" : "-", false};
+  }
   f.status = status_of(f);
   return f;
 }

@@ -9,7 +9,7 @@ FirstLook first_look(const Library& library, const Screening& first,
   for (const ProbeScore& p : first.probes) {
     const Candidate& c = library[p.candidate];
     out.effect.push_back(c.effect);
-    out.family.push_back(c.family);
+    out.family.push_back(find_effect(c.effect)->family);
     out.z.push_back(p.z);
   }
   out.correlation.assign(first.correlation.data(),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/diagnose/compare/candidate.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/fit/screen.h"
 #include "tools/diagnose/settings.h"
 
@@ -14,7 +15,8 @@ namespace sanso::diagnose {
 
 /// One entry a probe of a candidate.
 struct FirstLook {
-  std::vector<std::string> effect, family;
+  std::vector<std::string> effect;
+  std::vector<Family> family;
   std::vector<double> z;            // matched-filter score of the probe
   std::vector<double> correlation;  // probes x probes, of the projected signatures
   // |z| that the family's maximum exceeds by chance once in a hundred

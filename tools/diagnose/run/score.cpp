@@ -39,16 +39,17 @@ struct Compared {
   std::string prefix;
   std::vector<double> JointData::*measured;
   std::vector<double> Prediction::*predicted;
-  bool effort;  // means nothing while the actuator is off
+  bool effort;    // means nothing while the actuator is off
+  bool position;  // of the score that is told of all joints
 };
 std::vector<Compared> compared_channels(Actuator actuator) {
-  std::vector<Compared> all{{"q:", &JointData::q, &Prediction::q, false},
-                            {"dq:", &JointData::dq, &Prediction::dq, false}};
+  std::vector<Compared> all{{"q:", &JointData::q, &Prediction::q, false, true},
+                            {"dq:", &JointData::dq, &Prediction::dq, false, false}};
   if (actuator == Actuator::dc_servo || actuator == Actuator::torque)
-    all.push_back({"tau:", &JointData::tau, &Prediction::tau, true});
+    all.push_back({"tau:", &JointData::tau, &Prediction::tau, true, false});
   if (actuator == Actuator::dc_servo) {
-    all.push_back({"i:", &JointData::i, &Prediction::i, true});
-    all.push_back({"pwm:", &JointData::pwm, &Prediction::pwm, true});
+    all.push_back({"i:", &JointData::i, &Prediction::i, true, false});
+    all.push_back({"pwm:", &JointData::pwm, &Prediction::pwm, true, false});
   }
   return all;
 }
@@ -72,7 +73,7 @@ HorizonScore score_horizon(const SimParams& params, const Drive& drive,
             channel.effort && !data.command.empty() ? &data.command : nullptr);
       }
       out.channels[channel.prefix + params.tree.joints[j].name] = sum.rmse();
-      if (channel.prefix == "q:") {
+      if (channel.position) {
         positions.squares += sum.squares;
         positions.count += sum.count;
       }

@@ -11,6 +11,7 @@
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/effects/effort_only.h"
+#include "tools/diagnose/effects/parameter_of.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -367,7 +368,9 @@ std::string in_words(const EffortTerm& term) {
   std::string places, fixed;
   for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
   for (const auto& [name, value] : term.fixed) {
-    if (name != "shape")
+    const EffectParameter* known = find_parameter(term.effect, name);
+    // the shape of a curve, which every term of the kind has alike
+    if (known == nullptr || known->scale != Unit::none)
       fixed += fmt::format("{}{} {:.3g}", fixed.empty() ? " (" : ", ", name, value);
   }
   return term.effect + " at " + places + (fixed.empty() ? "" : fixed + ")");

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/effort_only.h"
+#include "tools/diagnose/effects/parameter_of.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -46,11 +48,18 @@ const std::pair<const std::string, VerdictParameter>* telling(const Finding& f) 
   return best;
 }
 
+/// Periods in a turn; nothing: it does not repeat.
+std::optional<double> order_of(const Finding& f) {
+  for (const auto& [name, p] : f.parameters) {
+    const EffectParameter* known = find_parameter(f.effect, name);
+    if (known != nullptr && known->role == Role::order) return p.value;
+  }
+  return std::nullopt;
+}
+
 std::string size_of(const Finding& f) {
-  const auto order = f.parameters.find("order");
   std::string text;
-  if (order != f.parameters.end())
-    text = fmt::format(", {:.0f} periods a turn", order->second.value);
+  if (const auto order = order_of(f)) text = fmt::format(", {:.0f} periods a turn", *order);
   const auto* size = telling(f);
   if (size == nullptr || size->second.low == size->second.high) return text;
   const VerdictParameter& p = size->second;
@@ -180,9 +189,8 @@ std::string sentence(const Finding& f) {
     text += "}";
   }
   text += " at " + places(f.where);
-  const auto order = f.parameters.find("order");
-  if (order != f.parameters.end()) {
-    text += fmt::format(" (order {:.0f})", order->second.value);
+  if (const auto order = order_of(f)) {
+    text += fmt::format(" (order {:.0f})", *order);
   } else if (const auto* size = telling(f);
              size != nullptr && f.status == VerdictStatus::confirmed) {
     text += fmt::format(" ({} {:.3g} {})", size->first, size->second.value, size->second.unit);

@@ -147,13 +147,17 @@ Predictability predictability(const std::vector<TorqueSample>& samples, std::siz
 
 namespace {
 
-using FormulaTerm = std::pair<std::string, std::function<double(const TorqueSample&)>>;
+struct FormulaTerm {
+  std::string name;
+  std::function<double(const TorqueSample&)> value;
+  bool constant = false;  // a formula gives its size alone
+};
 
 /// What a missing torque may be a sum of.
 const std::vector<FormulaTerm>& formula_terms() {
   using S = const TorqueSample&;
   static const std::vector<FormulaTerm> terms{
-      {"1", [](S) { return 1.0; }},
+      {"1", [](S) { return 1.0; }, true},
       {"q", [](S s) { return s.q; }},
       {"sin(q)", [](S s) { return std::sin(s.q); }},
       {"cos(q)", [](S s) { return std::cos(s.q); }},
@@ -209,11 +213,11 @@ Choice with_best_column(const Choice& now, const Eigen::MatrixXd& X, const Eigen
 void write_formula(const Choice& choice, SparseFormula& out) {
   for (std::size_t k = 0; k < choice.columns.size(); ++k) {
     const double value = choice.w[k];
-    const std::string& name = formula_terms()[choice.columns[k]].first;
-    out.terms.push_back(name);
+    const FormulaTerm& term = formula_terms()[static_cast<std::size_t>(choice.columns[k])];
+    out.terms.push_back(term.name);
     out.text +=
         fmt::format("{}{:.3g}{}", k == 0 ? (value < 0 ? "-" : "") : (value < 0 ? " - " : " + "),
-                    std::abs(value), name == "1" ? "" : " " + name);
+                    std::abs(value), term.constant ? "" : " " + term.name);
   }
   if (!out.text.empty()) out.text = "missing torque = " + out.text;
 }
@@ -232,7 +236,7 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size
   for (Eigen::Index i = 0; i < n; ++i) {
     y[i] = s[i].missing;
     for (std::size_t t = 0; t < terms.size(); ++t)
-      X(i, static_cast<Eigen::Index>(t)) = terms[t].second(s[i]);
+      X(i, static_cast<Eigen::Index>(t)) = terms[t].value(s[i]);
   }
   const double effective =
       static_cast<double>(n) / autocorrelation_time(column(s, &TorqueSample::missing));
