@@ -186,7 +186,7 @@ Evidence measure(const DiagnoseOptions& options, const LoadedRecordings& loaded,
   out.next_experiment = next_experiment(problem, library, selection, out.findings);
   out.left = what_is_left(sources, loaded.gate.noise, library, selection, whole, options.seed);
   out.notes = loaded.gate.notes;
-  for (std::string& text : disagreements(library, selection)) out.notes.push_back(std::move(text));
+  out.disagreements = disagreements(library, selection);
   out.data_hash = loaded.hashes;
   out.decisions = options.settings.decisions;
   out.remains = options.settings.remains;

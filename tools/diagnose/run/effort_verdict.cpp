@@ -231,12 +231,14 @@ Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
   Verdict v;
   v.seed = options.seed;
   v.notes = outcome.notes;
+  v.disagreements = outcome.disagreements;
   for (const std::vector<std::string>& notes :
        {notes_on_terms(outcome), notes_on_scores(outcome.scores), notes_on_gains(outcome.gains)})
     v.notes.insert(v.notes.end(), notes.begin(), notes.end());
   v.findings = findings_of(outcome);
   v.heldout = heldout_of(outcome.scores);
   v.heldout_recordings = outcome.heldout_names;
+  v.heldout_last_part = outcome.heldout_last_part;
   v.unexplained = unnamed(outcome, rows, options);
   v.status = overall_status(v.findings, v.unexplained.has_value());
   v.mismatch = v.status != VerdictStatus::absent;

@@ -321,6 +321,7 @@ EffortSplit split_blocks(const EffortRows& rows, const EffortSettings& settings)
   const std::vector<char> held = whole_recordings(rows);
   const bool whole = std::find(held.begin(), held.end(), 1) != held.end();
   EffortSplit out;
+  out.last_part = !whole;
   std::map<std::size_t, int> count, seen;
   for (const std::size_t r : rows.recording_of_block) ++count[r];
   for (const std::size_t r : rows.recording_of_block) {

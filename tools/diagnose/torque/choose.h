@@ -40,6 +40,7 @@ struct ChooseOptions {
 struct EffortSplit {
   BlockCounts fitted, heldout;
   std::vector<std::string> heldout_names;
+  bool last_part = false;  // of recordings of which the rest is fitted
 };
 /// Several conditions: the smallest is held out; three recordings and more: every third; else the
 /// last part of every recording.

@@ -311,12 +311,13 @@ EffortOutcome explain_effort(const EffortRows& rows, const Settings& settings,
   out.gains = scale_unknown_gains(design, settings);
   const EffortSplit split = split_blocks(rows, settings.effort);
   out.heldout_names = split.heldout_names;
+  out.heldout_last_part = split.last_part;
   const EffortChoice choice = choose_terms(design, split, settings, options);
   out.log = choice.log;
   const Judge judge(design, split, choice, settings, options.seed);
   out.terms = judge.terms();
-  for (std::string& text : disagreements(design, choice, out.terms, settings))
-    out.notes.push_back(std::move(text));
+  out.disagreements = disagreements(design, choice, out.terms, settings);
+  out.notes.insert(out.notes.end(), out.disagreements.begin(), out.disagreements.end());
   for (EffortGainFound& gain : out.gains) {
     const std::optional<Eigen::Index> column = gain_column(design, gain.joint);
     if (!column || !gain.determined) continue;

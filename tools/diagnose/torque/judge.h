@@ -46,6 +46,9 @@ struct EffortOutcome {
   std::vector<EffortGainFound> gains;
   std::vector<EffortLeft> left;  // all rows, fitted on the fitted part
   std::vector<std::string> heldout_names, notes, log;
+  bool heldout_last_part = false;  // of recordings of which the rest was fitted
+  std::vector<std::string>
+      disagreements;  // of the notes: sizes that do not hold for all recordings
 };
 
 /// The whole torque side: terms, choice, judgement.

@@ -88,11 +88,14 @@ Verdict conclude(const Evidence& evidence) {
   out.locations = evidence.before.cells;
   out.heldout = evidence.proof.scores;
   out.heldout_recordings = evidence.proof.recordings;
+  out.heldout_last_part = evidence.proof.last_part;
   out.untestable = evidence.untestable;
   out.detectable = evidence.detectable;
   out.next_experiment = evidence.next_experiment;
   out.stretches = evidence.left.stretches;
+  out.disagreements = evidence.disagreements;
   out.notes = evidence.notes;
+  out.notes.insert(out.notes.end(), out.disagreements.begin(), out.disagreements.end());
   out.notes.push_back(note_on_what_is_left(evidence.left, evidence.decisions));
   out.data_hash = evidence.data_hash;
   out.seed = evidence.seed;

@@ -49,6 +49,7 @@ struct Evidence {
   std::vector<Detectable> detectable;
   std::optional<NextExperiment> next_experiment;
   std::vector<std::string> notes;                // of the gate
+  std::vector<std::string> disagreements;        // sizes that do not hold for all recordings
   std::map<std::string, std::string> data_hash;  // file -> hash
   DecisionSettings decisions;                    // by which what is left counts
   RemainsSettings remains;

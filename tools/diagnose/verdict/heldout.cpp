@@ -151,6 +151,7 @@ Split make_split(const std::vector<Source>& sources) {
     split.fitted.until[0] = split.heldout.from[0] = 2.0 / 3.0;
     split.heldout.until[0] = 1.0;
     split.heldout_names.push_back(stem(sources[0].file) + ", last third");
+    split.last_part = true;
   }
   return split;
 }
@@ -204,6 +205,7 @@ HeldoutProof prove(const std::vector<Source>& sources, const std::vector<NoiseLe
   if (part.effects.size() < final.effects.size()) models.named = refitted(part);
   out.scores = heldout_scores(sources, noise, library, models, split.heldout, around.settings());
   out.recordings = split.heldout_names;
+  out.last_part = split.last_part;
   out.part = split.heldout;
   return out;
 }

@@ -36,6 +36,7 @@ struct Part {
 struct Split {
   Part fitted, heldout;
   std::vector<std::string> heldout_names;
+  bool last_part = false;  // of the only recording: no whole one judges
 };
 Split make_split(const std::vector<Source>& sources);
 
@@ -85,6 +86,7 @@ HeldoutScores heldout_scores(const std::vector<Source>& sources,
 struct HeldoutProof {
   HeldoutScores scores;
   std::vector<std::string> recordings;  // held out
+  bool last_part = false;               // of the only recording
   Part part;                            // held out
   Model model;                          // fitted to the rest
 };

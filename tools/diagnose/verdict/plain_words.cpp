@@ -120,9 +120,7 @@ std::string unnamed(const Verdict& v) {
 /// Sizes that do not hold for all recordings.
 std::string apart(const Verdict& v) {
   std::string text;
-  for (const std::string& note : v.notes) {
-    if (note.starts_with("recordings disagree")) text += " But " + note + ".";
-  }
+  for (const std::string& note : v.disagreements) text += " But " + note + ".";
   return text;
 }
 
@@ -157,11 +155,8 @@ std::string next(const Verdict& v) {
                        any_of(v.next_experiment->separates));
   }
   if (v.unfinished) return " Let it run to its end before recording anything more.";
-  const bool one =
-      std::any_of(v.heldout_recordings.begin(), v.heldout_recordings.end(),
-                  [](const std::string& name) { return name.find("last ") != std::string::npos; });
   if (v.status == VerdictStatus::absent) return "";
-  if (one)
+  if (v.heldout_last_part)
     return " Record next: the same motions under a second condition (half the gain, a payload, a "
            "tilted base), so that a whole recording can judge.";
   if (v.unexplained)

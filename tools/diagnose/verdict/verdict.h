@@ -30,6 +30,7 @@ struct Verdict {
   std::vector<LocationCell> locations;
   HeldoutScores heldout;
   std::vector<std::string> heldout_recordings;
+  bool heldout_last_part = false;  // of recordings of which the rest was fitted
   std::vector<Defect> refused;
   std::vector<Untestable> untestable;
   std::vector<Detectable> detectable;
@@ -37,6 +38,8 @@ struct Verdict {
   std::optional<Unexplained> unexplained;
   std::vector<Stretch> stretches;  // strongest first
   std::vector<std::string> notes;
+  std::vector<std::string>
+      disagreements;  // of the notes: sizes that do not hold for all recordings
   std::map<std::string, std::string> data_hash;  // file -> hash
   unsigned long seed = 0;
 };

@@ -168,7 +168,7 @@ void WholeAnswers::take(WholeAnswers later) {
   };
   append(findings, later.findings), append(untestable, later.untestable);
   append(detectable, later.detectable), append(notes, later.notes), append(log, later.log);
-  append(locations, later.locations);
+  append(disagreements, later.disagreements), append(locations, later.locations);
   for (auto& [channel, score] : later.scores) scores[channel] = score;
   for (auto& [number, m] : later.numbers) numbers[number] = m;
   unnamed = unnamed || later.unnamed;

@@ -72,6 +72,7 @@ struct WholeAnswers {
   std::vector<Untestable> untestable;
   std::vector<Detectable> detectable;
   std::vector<std::string> notes, log;
+  std::vector<std::string> disagreements;   // of the notes: what does not hold for all recordings
   bool unnamed = false;                     // something is missing that has no name
   std::vector<LocationCell> locations;      // where it shows, strongest first
   std::map<std::string, FitScore> scores;   // by channel, on data that were not fitted

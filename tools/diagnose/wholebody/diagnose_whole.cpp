@@ -77,6 +77,7 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
   if (!answers.scores.empty())
     v.heldout_recordings = {data.recordings.size() >= 8 ? "every third recording"
                                                         : "every third piece of each recording"};
+  v.disagreements = answers.disagreements;
   v.notes = data.notes;
   v.notes.insert(v.notes.end(), answers.notes.begin(), answers.notes.end());
   v.data_hash = data.hashes;

@@ -85,7 +85,8 @@ Answered ask_weight(const Asking& asking) {
   }
   const std::string apart =
       disagreement("weight on the feet, share", "-", values, asking.decisions);
-  if (!apart.empty()) out.answers.notes.push_back(apart);
+  if (!apart.empty())
+    out.answers.notes.push_back(apart), out.answers.disagreements.push_back(apart);
   scaled_by(loads.share, of_base);
   const auto m = measured(loads.share, 0.0, asking.chance());
   if (!m) {

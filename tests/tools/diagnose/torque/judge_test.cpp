@@ -135,6 +135,7 @@ TEST(EffortSplit, OfOneConditionIsTheEndOfEachOrEveryThirdRecording) {
       EXPECT_NEAR(held[r], share * seen[r], count < 3 ? 1.0 : 0.0) << r << " of " << count;
     }
     EXPECT_EQ(split.heldout_names.size(), static_cast<std::size_t>(count < 3 ? count : count / 3));
+    EXPECT_EQ(split.last_part, count < 3);
     EXPECT_EQ(split.heldout_names.front(), count < 3 ? "last 40 % of 0.csv" : "2.csv");
   }
 }

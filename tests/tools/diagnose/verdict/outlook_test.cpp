@@ -138,6 +138,17 @@ TEST(PlainWords, GiveTheSizeThatWasFittedAndNotTheOneThatStandsAtItsEnd) {
   EXPECT_TRUE(holds(v.answer, "speed 1.43 rad/s")) << v.answer;
 }
 
+TEST(PlainWords, SayWhatRecordingsDisagreeAboutAndNotesKeepIt) {
+  Evidence e = evidence(VerdictStatus::confirmed);
+  e.notes = {"a note of the gate"};
+  e.disagreements = {"recordings disagree about a size"};
+  const Verdict v = conclude(e);
+  EXPECT_TRUE(holds(v.summary, " But recordings disagree about a size.")) << v.summary;
+  EXPECT_FALSE(holds(v.summary, e.notes[0])) << v.summary;
+  ASSERT_EQ(v.notes.size(), 3U) << "the last one is on what is left";
+  EXPECT_EQ(v.notes[1], e.disagreements[0]);
+}
+
 TEST(PlainWords, OfNothingPromiseNothing) {
   Evidence e;
   e.joints = {"hip"};
@@ -166,7 +177,7 @@ TEST(PlainWords, PutARecordingWhereOneCouldDecide) {
   e.next_experiment->separates = {"coulomb_friction", "backlash"};
   EXPECT_TRUE(holds(conclude(e).summary, "Record next: double the P gain"));
   e.next_experiment.reset();
-  e.proof.recordings = {"rec, last third"};
+  e.proof.last_part = true;
   EXPECT_TRUE(holds(conclude(e).summary, "second condition"));
 }
 

@@ -92,6 +92,7 @@ TEST(Split, FittedAndHeldOutAreAllButWhatLiesAcrossTheCut) {
 TEST(Split, HoldsOutTheSmallestConditionWhole) {
   const Split split = make_split(sources({"loaded", "free", "loaded"}));
   EXPECT_EQ(split.heldout_names, std::vector<std::string>{"rec_1"});
+  EXPECT_FALSE(split.last_part);
   EXPECT_EQ(split.fitted.until[1], 0.0);
   EXPECT_EQ(split.fitted.until[0], 1.0);
   EXPECT_EQ(split.fitted.until[2], 1.0);
@@ -105,6 +106,7 @@ TEST(Split, HoldsOutAThirdOfManyRecordingsAndTheEndOfOne) {
   const Split one = make_split(sources({""}));
   EXPECT_NEAR(one.fitted.until[0], 2.0 / 3.0, 1e-12);
   EXPECT_EQ(one.heldout.until[0], 1.0);
+  EXPECT_TRUE(one.last_part);
 }
 
 TEST(Restricted, KeepsEveryShotsOwnEntries) {
