@@ -1,4 +1,6 @@
-// Forward by the largest gain, backward where a term no longer pays.
+// Which terms the missing effort is made of: forward by the largest gain in the fitted part, taken
+// only where blocks are predicted that were left out; backward where a term no longer pays; and all
+// of that again with the weights that what is left suggests.
 #include "tools/diagnose/torque/choose.h"
 
 #include <fmt/format.h>
@@ -68,6 +70,7 @@ class Chooser {
     if (options_.progress) options_.progress(line);
   }
 
+  /// Weights by what is left: of the nuisances alone in the first round, of the choice after it.
   void weigh() {
     const EffortValues x = design_.fit(choice_.active(), split_.fitted);
     design_.set_weights(
@@ -96,6 +99,7 @@ class Chooser {
     return ripples < settings_.effort.ripples;
   }
 
+  /// sum over the fitted blocks of weights (target - X x)^2.
   double total(const EffortValues& x) const {
     const std::vector<double> losses = design_.losses(x);
     double sum = 0.0;
@@ -147,6 +151,11 @@ class Chooser {
     return best;
   }
 
+  /// s^2 + c^2 over the joint's rows of the fitted part, q and dq in the middle of each:
+  ///
+  ///   s = sum of e sin(order q),  c = sum of e cos(order q),  e = weights left
+  ///
+  /// Of a friction that ripples, e has the sign of dq.
   double power_of(const Eigen::VectorXd& left, std::size_t j, int order, bool friction) const {
     double s = 0.0, c = 0.0;
     const EffortRows& rows = design_.rows();
@@ -170,6 +179,7 @@ class Chooser {
     for (std::size_t t = 0; t < design_.terms().size(); ++t) {
       if (open(t)) candidates.push_back(t);
     }
+    // gain = total without the candidate - total with it, both fitted
     std::vector<double> gain(candidates.size());
     parallel_for(candidates.size(), [&](std::size_t c) {
       gain[c] = before - total(design_.fit(plus(active, candidates[c]), split_.fitted));
@@ -185,6 +195,7 @@ class Chooser {
     const auto tried = std::min(order.size(), static_cast<std::size_t>(settings_.decisions.rivals));
     for (std::size_t i = 0; i < tried; ++i) {
       if (!pays(active, candidates[order[i]])) continue;
+      // those that gain more than half as much may be the same in simpler words
       std::vector<std::size_t> next;
       for (std::size_t k = i + 1; k < order.size() && gain[order[k]] > 0.5 * gain[order[i]]; ++k)
         next.push_back(candidates[order[k]]);
@@ -241,6 +252,7 @@ class Chooser {
     return best;
   }
 
+  /// Adds t to the choice, tells what is reached, and what share of the error left it predicts.
   void take(const std::vector<std::size_t>& active, std::size_t t) {
     const EffortTerm& term = design_.terms()[t];
     const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
@@ -250,6 +262,7 @@ class Chooser {
     say(fmt::format("+ {}: {:.1f} % of what is left there", in_words(term), 100 * g.share));
   }
 
+  /// Values of the choice and the share that they remove, 1 - total(x) / total(0).
   void tell() const {
     if (!options_.reached) return;
     const EffortValues x = design_.fit(choice_.active(), split_.fitted);
@@ -267,6 +280,7 @@ class Chooser {
     options_.reached(chosen, before > 0.0 ? 1.0 - total(x) / before : 0.0);
   }
 
+  /// Predicts blocks it was not fitted to beyond chance, and takes a share that matters.
   bool pays(const std::vector<std::size_t>& active, std::size_t t) const {
     const EffortTerm& term = design_.terms()[t];
     const EffortGain g = crossed_gain(design_, active, plus(active, t), split_.fitted, term.joints,
@@ -274,6 +288,7 @@ class Chooser {
     return g.low > 0.0 && g.share >= settings_.decisions.minimum_share;
   }
 
+  /// Drops the least useful of the terms that no longer predict, until all do.
   void backward() {
     while (!choice_.terms.empty()) {
       std::optional<std::size_t> worst;

@@ -1,4 +1,5 @@
-// Columns are evaluated at every instant of a row and averaged.
+// The regression of the missing effort, target = X x + noise: columns are means over a row's
+// instants, and all that a fit needs of a block is kept, so that a fit on other blocks is a sum.
 #include "tools/diagnose/torque/effort_fit.h"
 
 #include <algorithm>
@@ -12,7 +13,11 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Rows of one recording by instant, so that a window's columns are summed in one pass.
+/// The term's columns, rows x its parameters, N m a unit of each:
+///
+///   X(i, c) = 1 / (last - first) * sum over k in [first, last) of column c at instant k
+///
+/// Zero in rows of joints whose effort the term does not change. An instant is evaluated once.
 Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
   const std::size_t n = term.size();
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows.rows.size()),
@@ -46,6 +51,7 @@ Eigen::MatrixXd columns_of(const EffortRows& rows, const EffortTerm& term) {
 EffortDesign::EffortDesign(const EffortRows& rows) : rows_(&rows) {
   const auto n = static_cast<Eigen::Index>(rows.rows.size());
   target_.resize(n);
+  // target = effort - nominal, means of the row
   for (Eigen::Index i = 0; i < n; ++i) {
     const EffortRow& row = rows.rows[static_cast<std::size_t>(i)];
     target_[i] = row.effort - row.nominal;
@@ -100,6 +106,7 @@ std::size_t EffortDesign::append(std::vector<EffortTerm> terms) {
 void EffortDesign::scale(std::size_t joint, double gain, bool from_zero) {
   gain_[joint] = gain;
   from_zero_[joint] = from_zero ? 1 : 0;
+  // target = gain * effort - nominal, or gain * effort alone
   for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
     const EffortRow& row = rows_->rows[i];
     if (row.joint == joint)
@@ -119,6 +126,7 @@ void EffortDesign::form_blocks() {
   for (std::size_t i = 0; i < rows_->rows.size(); ++i)
     members[rows_->rows[i].block].push_back(static_cast<Eigen::Index>(i));
   block_.resize(blocks);
+  // of block b, W its rows' weights:  G = X'WX,  c = X'W target,  yy = target'W target
   parallel_for(blocks, [&](std::size_t b) {
     const std::vector<Eigen::Index>& rows = members[b];
     Eigen::MatrixXd X(static_cast<Eigen::Index>(rows.size()), X_.cols());
@@ -138,6 +146,7 @@ void EffortDesign::form_blocks() {
 
 EffortValues EffortDesign::fit(const std::vector<std::size_t>& active,
                                const BlockCounts& counts) const {
+  // place of the active columns in X, with bounds and priors
   std::vector<Eigen::Index> index;
   std::vector<double> low, high, precision;
   for (const std::size_t t : active) {
@@ -150,6 +159,7 @@ EffortValues EffortDesign::fit(const std::vector<std::size_t>& active,
     }
   }
   const auto n = static_cast<Eigen::Index>(index.size());
+  // G = sum over b of counts[b] G_b + diag(precision),  c = sum over b of counts[b] c_b
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd c = Eigen::VectorXd::Zero(n);
   for (std::size_t b = 0; b < block_.size(); ++b) {
@@ -163,6 +173,7 @@ EffortValues EffortDesign::fit(const std::vector<std::size_t>& active,
   }
   G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
   for (Eigen::Index i = 0; i < n; ++i) G(i, i) += precision[static_cast<std::size_t>(i)];
+  // x = argmin x'Gx / 2 - c'x,  low <= x <= high
   const Eigen::VectorXd x = bounded_least_squares(G, c, Eigen::Map<Eigen::VectorXd>(low.data(), n),
                                                   Eigen::Map<Eigen::VectorXd>(high.data(), n));
   EffortValues out = EffortValues::Zero(X_.cols());
@@ -173,6 +184,7 @@ EffortValues EffortDesign::fit(const std::vector<std::size_t>& active,
 std::vector<double> EffortDesign::losses(const EffortValues& x,
                                          const std::vector<std::size_t>& joints) const {
   std::vector<double> out(block_.size(), 0.0);
+  // losses[b] = sum over the rows of b of weights r^2,  r = target - X x
   const Eigen::VectorXd r = residual(x);
   for (std::size_t i = 0; i < rows_->rows.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -190,10 +202,12 @@ Eigen::VectorXd robust_weights(const EffortRows& rows, const Eigen::VectorXd& re
   std::vector<std::vector<double>> of(joints);
   for (std::size_t i = 0; i < rows.rows.size(); ++i)
     of[rows.rows[i].joint].push_back(std::abs(residual[static_cast<Eigen::Index>(i)]));
+  // sigma = 1.4826 median |residual| of the joint: the deviation, were they normal
   std::vector<double> sigma(joints, 1.0);
   for (std::size_t j = 0; j < joints; ++j) {
     if (!of[j].empty()) sigma[j] = std::max(1.4826 * median(of[j]), 1e-12);
   }
+  // weight = min(1, outlier / e) / sigma^2,  e = |residual| / sigma
   Eigen::VectorXd out(residual.size());
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     const double s = sigma[rows.rows[i].joint];
