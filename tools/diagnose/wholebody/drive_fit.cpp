@@ -1,4 +1,7 @@
-// Schur complement of the nuisances once, then a few unknowns at a time.
+// Figures are those of the terms, C x, and of the nuisances, B off (B their columns, P their
+// precision). The nuisances are eliminated once (Schur complement); a fit then has a few unknowns:
+//
+//   min over x, off of  figures'G figures - 2 c'figures + off'P off,  figures = C x + B off
 #include "tools/diagnose/wholebody/drive_fit.h"
 
 #include <Eigen/Dense>
@@ -11,6 +14,8 @@
 namespace sanso::diagnose {
 namespace {
 
+/// By channel: robust deviation of what is left, 1.4826 median |left|; `least` at least, and 1
+/// where a channel has no rows.
 std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left, double least) {
   std::vector<std::vector<double>> by(rows.channels);
   for (std::size_t i = 0; i < rows.channel.size(); ++i)
@@ -29,6 +34,8 @@ double Normal::loss(const Eigen::VectorXd& figures) const {
 
 Eliminated::Eliminated(const Normal& normal, const DriveNuisances& nuisances)
     : G_(normal.G), c_(normal.c), nuisances_(&nuisances) {
+  // back = (B'G B + P)^-1 B',  off = back (c - G C x) is the minimum over off;
+  // schur = G - G B back G,  reduced = c - G B back c
   const Eigen::MatrixXd GN = G_ * nuisances.columns;
   Eigen::MatrixXd A = nuisances.columns.transpose() * GN;
   A.diagonal() += nuisances.precision;
@@ -56,11 +63,13 @@ Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) con
       low[at] = t->low[static_cast<std::size_t>(i)],
       high[at] = t->high[static_cast<std::size_t>(i)];
   }
+  // x = argmin x'S x / 2 - r'x within its bounds,  S = C' schur C,  r = C' reduced
   const Eigen::MatrixXd S = C.transpose() * schur_ * C;
   const Eigen::VectorXd r = C.transpose() * reduced_;
   Fit out;
   out.x = C.cols() > 0 ? bounded_least_squares(S, r, low, high) : Eigen::VectorXd(0);
   out.gain = 2.0 * r.dot(out.x) - out.x.dot(S * out.x);
+  // what the nuisances make of the rest, and how far off they would have to be
   const Eigen::VectorXd terms = C * out.x;
   const Eigen::VectorXd off = back_ * (c_ - G_ * terms);
   const Eigen::VectorXd squares = off.cwiseAbs2().cwiseProduct(nuisances_->precision);
@@ -74,6 +83,7 @@ Eigen::VectorXd Eliminated::deviations(const std::vector<const DriveTerm*>& acti
   const Eigen::MatrixXd C = columns_of(active, G_.rows());
   if (C.cols() == 0) return Eigen::VectorXd(0);
   const Eigen::MatrixXd S = C.transpose() * schur_ * C;
+  // V = S^-1, as if no bound held
   const Eigen::MatrixXd V = S.ldlt().solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
   return V.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
@@ -113,6 +123,7 @@ DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, doubl
            rows.piece[last] == rows.piece[first])
       ++last;
     const auto a = static_cast<Eigen::Index>(first), n = static_cast<Eigen::Index>(last - first);
+    // rows times sqrt(min(1, outlier / size)) / s,  size = |left| / s,  s the channel's scatter
     Eigen::MatrixXd X = rows.X.middleRows(a, n);
     Eigen::VectorXd y = rows.y.segment(a, n);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -121,6 +132,7 @@ DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, doubl
       const double weight = std::sqrt(size > outlier ? outlier / size : 1.0) / s;
       X.row(i) *= weight, y[i] *= weight;
     }
+    // G = X'X,  c = X'y,  yy = y'y
     Normal here(P);
     here.G.selfadjointView<Eigen::Lower>().rankUpdate(X.transpose());
     here.G = Eigen::MatrixXd(here.G.selfadjointView<Eigen::Lower>());

@@ -1,5 +1,6 @@
-// Forces of the ground are unknown: a basis of what they cannot make is left of the equations of
-// motion. Friction of joints that stand still, and accelerations, are uncertain: a covariance.
+// The two balances of a window as rows y = X figures + noise of deviation one. Forces of the ground
+// are unknown: a basis of what they cannot make is left of the equations of motion. Friction of
+// joints that stand still, and accelerations, are uncertain: a covariance.
 #include "tools/diagnose/wholebody/drive_rows.h"
 
 #include <fmt/format.h>
@@ -100,7 +101,12 @@ class Builder {
     out_.window.push_back(out_.windows.size() - 1);
   }
 
-  /// The current's torque against that of the position loop.
+  /// The current's torque against that of the position loop, joint by joint, over `deviation`:
+  ///
+  ///   torque - stiffness error + damping dq =
+  ///       (gain - torque figure) stiffness error - lag stiffness command_rate - back_emf dq
+  ///
+  /// torque = torque_constant current; error is that of the goal that acts, `error_of`.
   void add_loops(const WindowMeans& w) {
     const DriveColumns& c = out_.columns;
     for (Eigen::Index j = 0; j < n_; ++j) {
@@ -117,6 +123,7 @@ class Builder {
     }
   }
 
+  /// Columns: a unit force along each axis, then a unit moment, at each link that may carry.
   Matrix jacobians() const {
     Matrix J(6 + n_, 6 * static_cast<Eigen::Index>(carrying_.size()));
     for (std::size_t s = 0; s < carrying_.size(); ++s) {
@@ -129,7 +136,10 @@ class Builder {
     return J;
   }
 
-  /// Spreads of readings, of friction of what stands still, of accelerations.
+  /// Spreads of readings, of friction of what stands still, of accelerations (every joint's by
+  /// itself):
+  ///
+  ///   V = diag(noise) + sum over j of off off',  off = needed(ddq_j + its spread) - needed
   Matrix covariance(const WindowMeans& w, const Vector& needed) {
     const StanceSettings& s = asking_.stance;
     Vector noise = Vector::Constant(6 + n_, s.torque_noise * s.torque_noise);
@@ -186,7 +196,12 @@ class Builder {
                         : l.stiffness * error_of(w, j) - l.damping * w.motion.dq[j];
   }
 
-  /// Motion needed less torques given, and what each figure makes of it.
+  /// Motion needed less torques given, and what each figure makes of it. Rows of a joint:
+  ///
+  ///   y = needed of the tree + armature ddq + (coulomb + load |needed|) sign - given
+  ///
+  /// `needed` is what the ground leaves of the tree's. Nothing is given at the base. Columns of the
+  /// result: the figures, y, what is unknown.
   Matrix equations(const WindowMeans& w, const Vector& needed) {
     const DriveColumns& c = out_.columns;
     Matrix E = Matrix::Zero(6 + n_, width());
@@ -227,6 +242,8 @@ class Builder {
 
   /// Of readings that are off: zeros of joints, the accelerometer. The ground's forces hold in the
   /// sole's axes.
+  ///
+  ///   zero of j: d (needed - J f) / d q_j, f turning with the soles;  acc_bias: d needed / d acc
   void add_readings(const WindowMeans& w, const Vector& ground, const Matrix& J, Matrix& E) {
     const DriveColumns& c = out_.columns;
     FloatingMotion moved = w.motion;
@@ -262,6 +279,9 @@ class Builder {
     return out;
   }
 
+  /// The equations of motion, whitened, less all that forces at the soles can make:
+  ///
+  ///   V = L L',  L^-1 J = Q R of rank r,  rows = Q' L^-1 E from row r on
   void add_motion(const WindowMeans& w) {
     tree_.set(w.motion);
     carrying_ = soles_;
@@ -283,6 +303,10 @@ class Builder {
   }
 
   /// What the feet carry against the vertical force that the motion needs: no torque is in it.
+  ///
+  ///   up'needed - weight = up'(columns of links and accelerometer) - force_scale up'needed
+  ///
+  /// `needed` is the tree's force on the base.
   void add_weight(const WindowMeans& w, const Matrix& E, const Matrix& V) {
     const DriveColumns& c = out_.columns;
     const double needed = w.up.dot(tree_.needed().head<3>());
@@ -316,6 +340,10 @@ std::string drive_unknown(const WholeBody& body) {
   return {};
 }
 
+/// Of a dc_servo, per_duty the torque of a full duty at rest; of position_pd kp and kd:
+///
+///   stiffness = p_gain per_duty
+///   damping = d_gain per_duty + torque_constant back_emf / resistance + viscous
 DriveLaw law_of(const JointSettings& s) {
   DriveLaw out;
   const double per_duty = s.torque_constant * s.voltage / s.resistance;

@@ -1,4 +1,5 @@
-// Joints and turning are smoothed; what the accelerometer feels is moved to the base's origin.
+// Joints and turning are smoothed, row by row; what the accelerometer feels is moved to the base's
+// origin. Goals are not smoothed: they are held for a row and jump.
 #include "tools/diagnose/wholebody/drive_track.h"
 
 #include <Eigen/Geometry>
@@ -16,12 +17,15 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
+/// Rate of x from the row before to each row; 0 at the first.
 std::vector<double> differences(const std::vector<double>& t, const std::vector<double>& x) {
   std::vector<double> out(x.size(), 0.0);
   for (std::size_t k = 1; k < x.size(); ++k) out[k] = (x[k] - x[k - 1]) / (t[k] - t[k - 1]);
   return out;
 }
 
+/// error = before - q,  `before` the goal that acts and q as recorded; the q that is kept is less
+/// the encoder's zero.
 JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::Index j) {
   JointTrack out;
   const Vector row = r.q.row(j);
@@ -46,8 +50,8 @@ JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::
   return out;
 }
 
-/// NaN where a foot comes down or off: a sensor that is read a hundred times a second says nothing
-/// of an impact.
+/// Sum of fz over force_scale, N. NaN where a foot comes down or off (its force jumps by a share of
+/// the weight in a row): a sensor that is read a hundred times a second says nothing of an impact.
 double weight_at(const Asking& asking, const WholeRecording& r, std::size_t k) {
   const double jump =
       asking.stance.jump * asking.body.mass() * eigen(asking.body.model.gravity).norm();
@@ -83,6 +87,7 @@ Track track_of(const Asking& asking, const WholeRecording& r) {
     const V3 dw(turning[0].dq[k], turning[1].dq[k], turning[2].dq[k]);
     const V3 at = eigen(imu.p_joint_imu);
     out.w.push_back(w), out.dw.push_back(dw);
+    // a rigid body:  acc = R imu_turn (imu_acc - acc_bias) - dw x at - w x (w x at)
     out.acc.push_back(R * asking.known.imu_turn * (r.imu_acc[k] - asking.known.acc_bias) -
                       dw.cross(at) - w.cross(w.cross(at)));
     if (r.attitude) out.up.push_back(r.R[k].transpose() * V3::UnitZ());
@@ -119,6 +124,7 @@ WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, s
                     &out.command_rate, &out.current})
     *v = Vector::Zero(n);
   out.in_air = feet_in_air(asking, track, a, b);
+  // means over [a, b) of every track;  sign = mean of dq / creeping within [-1, 1]
   const double share = 1.0 / static_cast<double>(b - a);
   for (std::size_t k = a; k < b; ++k) {
     for (Eigen::Index j = 0; j < n; ++j) {

@@ -1,6 +1,10 @@
 // Least squares of what leans: a vector of the world's, and one of each part that turns with the
-// robot. Where all headings are alike the two are one; a weak prior then says that each is known as
-// little as it is, instead of sharing the lean among them.
+// robot. Of every reading, turn the rotation by its heading:
+//
+//   lean = world + turn body[part] + noise,  numbers x = (world, body[0], body[1], ...)
+//
+// Where all headings are alike the two are one; a weak prior then says that each is known as little
+// as it is, instead of sharing the lean among them.
 #include "tools/diagnose/wholebody/lean.h"
 
 #include <Eigen/Dense>
@@ -74,7 +78,10 @@ class LeanProblem {
 
   enum class Using { all, world, body };
 
-  /// Least squares with the weak prior; `take` says how often a piece counts.
+  /// Least squares with the weak prior; `take` says how often a piece counts. Numbers that are not
+  /// in use are zero.
+  ///
+  ///   (N + lambda I) x = c,  lambda = prior
   Vector solved(Using which, const std::function<double(const Piece&)>& take) const {
     Sums sums(numbers_);
     for (const Piece& p : pieces_) {
@@ -94,7 +101,11 @@ class LeanProblem {
     return N.ldlt().solve(c);
   }
 
-  /// What wandering between recordings and the prior leave unknown, beside chance.
+  /// What wandering between recordings and the prior leave unknown, beside chance. Covariance of
+  /// the numbers when every recording has a lean of its own of deviation `wander`, and the numbers
+  /// themselves are of size `most`, S the summed design of a recording:
+  ///
+  ///   A^-1 (lambda^2 most^2 I + wander^2 sum over recordings of S'S) A^-1,  A = N + lambda I
   Matrix unknown(Using which) const {
     Sums sums(numbers_);
     std::map<std::size_t, Matrix> by_recording;
@@ -142,7 +153,8 @@ Matrix first_two(long numbers) {
   return M;
 }
 
-/// Covariance of the numbers when groups are resampled.
+/// Covariance of the numbers when n groups are resampled: n / (n - 1) mean of off off', off what
+/// a draw's numbers differ by from those of all.
 Matrix scatter(const LeanProblem& problem, LeanProblem::Using which, const Chance& chance) {
   std::map<std::size_t, Sums> by_group;
   for (const Piece& p : problem.pieces())
@@ -165,7 +177,8 @@ Matrix scatter(const LeanProblem& problem, LeanProblem::Using which, const Chanc
   return out * (drawn_groups / std::max(1.0, drawn_groups - 1.0) / chance.whole.draws);
 }
 
-/// Size of a vector with its deviation, and what it adds on the pieces held out to `without`.
+/// Size of a vector with its deviation, and what it adds on the pieces held out to `without`:
+/// gain = 1 - error(with) / error(without), both fitted to the others (without: no lean at all).
 Measured sized(const V2& value, const Matrix& covariance, const LeanProblem& problem,
                LeanProblem::Using with, std::optional<LeanProblem::Using> without,
                const Chance& chance) {
@@ -194,7 +207,8 @@ Measured sized(const V2& value, const Matrix& covariance, const LeanProblem& pro
 }
 
 /// What recordings have beside what they share, and what the fitted pieces of each say of its
-/// others.
+/// others. With left = sum over a piece of (lean - design x) and mean that of a recording's fitted
+/// pieces, a held-out piece of `rows` loses 2 mean'left - rows |mean|^2 of its squared error.
 Measured between(const LeanProblem& problem, const Vector& x, double wander, const Chance& chance) {
   struct Own {
     V2 all = V2::Zero(), fitted = V2::Zero();
@@ -236,6 +250,7 @@ std::optional<LeanFit> LeanFit::of(const Leans& leans, double wander, const Chan
   std::vector<Piece> pieces;
   std::vector<std::size_t> groups;
   for (const Leans::Cell& c : leans.cells_) {
+    // N = sum of D'D,  c = sum of D'lean,  D = (I, turn at the part's place) of a reading
     Piece p{c.recording, c.group, c.piece % 3 == 2, Sums(numbers), Matrix::Zero(2, numbers)};
     const long at = 2 + 2 * static_cast<long>(c.part);
     p.design.leftCols<2>() = c.rows * Eigen::Matrix2d::Identity();
@@ -256,6 +271,7 @@ std::optional<LeanFit> LeanFit::of(const Leans& leans, double wander, const Chan
   const Vector x = problem.solved(Using::all, every), one = problem.solved(Using::world, every);
   const Matrix C = scatter(problem, Using::all, chance) + problem.unknown(Using::all);
   const Matrix C_one = scatter(problem, Using::world, chance) + problem.unknown(Using::world);
+  // in_world = W x,  in_body = B x, with the covariances W C W' and B C B'
   const Matrix W = first_two(numbers), B = means(numbers);
   LeanFit out;
   out.in_world = W * x, out.in_body = B * x, out.alike = W * one;
