@@ -65,6 +65,7 @@ struct Placement {
   std::vector<Candidate> candidates;
   std::vector<std::pair<std::string, std::string>> untestable;
 };
+/// An effect that no place can have is untestable; the reason is the last place's.
 Placement place_library(const Comparison& comparison, const std::vector<std::string>& only);
 
 /// What the library says a nominal model may be wrong by (Effect::tolerances): joint by joint in

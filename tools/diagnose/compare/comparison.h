@@ -16,6 +16,7 @@
 namespace sanso::diagnose {
 
 enum class Signal { q, dq, tau, i, pwm };
+/// As columns of a recording begin: "q", "dq", "tau", "i", "pwm".
 const char* to_string(Signal signal);
 
 /// One compared channel: a signal of one joint, and what is known of its readings.

@@ -18,6 +18,7 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& tas
 
 /// Asks running searches to end at the next task. Safe inside a signal handler.
 void request_stop();
+/// Whether request_stop was called.
 bool stop_requested();
 
 }  // namespace sanso::diagnose

@@ -239,6 +239,7 @@ struct JointScale {
 
 /// Parameter with null, bounds and typical step as they are for this joint.
 EffectParameter scaled(const EffectParameter& parameter, const JointScale& scale);
+/// Probes of the effect in this joint's sizes; each has a value a parameter, natural units.
 std::vector<std::vector<double>> scaled_probes(const Effect& effect, const JointScale& scale);
 
 }  // namespace sanso::diagnose

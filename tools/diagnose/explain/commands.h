@@ -47,6 +47,7 @@ void put(std::vector<LostCommand>& lost, const Shot& shot, std::size_t joint, co
 std::vector<LostCommand> between(const std::vector<LostCommand>& lost, std::size_t source,
                                  std::size_t joint, std::size_t from, std::size_t until);
 
+/// Whether sorted losses contain this command.
 bool holds(const std::vector<LostCommand>& lost, const LostCommand& command);
 
 }  // namespace sanso::diagnose

@@ -36,6 +36,7 @@ struct RepeatedEvents {
   std::optional<std::size_t> joint;  // none: there are no two events at any joint
   double energy = 0.0;
 };
+/// `events`: strongest first.
 RepeatedEvents repeated(const std::vector<Event>& events);
 
 /// Where a recording's events begin, s on its own clock: of the strongest shots, none twice, at

@@ -69,11 +69,12 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
 /// does not beat beyond chance or by something that matters, the one with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
-/// Of effect `i` of a fit: its interval excludes the null; a parameter was stopped at a bound.
+/// Of effect `i` of a fit: its interval excludes the null.
 bool leaves_null(const DecisionSettings& settings, const Library& library, const FitResult& fit,
                  std::size_t i);
+/// Of effect `i` of a fit: a parameter was stopped at a bound that is not its null.
 bool at_bound(const Library& library, const FitResult& fit, std::size_t i);
-/// The same of its last effect.
+/// The same two of an alternative's last effect.
 bool leaves_null(const DecisionSettings& settings, const Library& library, const Alternative& a);
 bool at_bound(const Library& library, const Alternative& a);
 

@@ -21,6 +21,7 @@ namespace sanso::diagnose {
 struct Piece {
   std::size_t shot, channel;
 };
+/// Shot by shot, channel by channel: the order of stacked entries.
 std::vector<Piece> pieces_of(const Comparison& comparison);
 
 /// Second differences within every shot and channel, (x[k] - (x[k-1] + x[k+1]) / 2); 0 at a piece's

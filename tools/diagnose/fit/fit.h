@@ -144,6 +144,7 @@ struct HeldoutGain {
   /// The gain in standard errors, less a unit of log-likelihood: the more certain measure's.
   double certainty() const;
 };
+/// `before`, `after`: energies by shot of the comparison, without and with what is judged.
 HeldoutGain compare(const Comparison& comparison, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after);
 /// The same for shots of one recording, or where parts were left out that hold recordings as a

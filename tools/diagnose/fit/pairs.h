@@ -25,6 +25,7 @@ struct CandidatePair {
 struct TogetherPromise {
   double energy = 0.0, a = 0.0, b = 0.0;
 };
+/// `a_signed`, `b_signed`: whether the amount may be negative. `alike`: largest |rho| allowed.
 TogetherPromise promise_together(double za, double zb, double rho, bool a_signed, bool b_signed,
                                  double alike);
 

@@ -17,6 +17,7 @@ struct Pose {
   Mat3 R = kIdentity3;
   Vec3 p{0, 0, 0};
 };
+/// Pose of b's axes where b is in a's axes and a in those of the result.
 Pose operator*(const Pose& a, const Pose& b);
 
 /// A shape of the model's own URDF, where its link has been merged into the one that moves.
@@ -31,6 +32,7 @@ struct Parts {
   std::string root;  // link of the base
   std::vector<Shape> shapes;
 };
+/// Throws files::InputError for a base that floats, and for a URDF that cannot be read.
 Parts parts_of(const ModelFolder& model);
 
 /// What the model has and `format` has not.
@@ -38,6 +40,8 @@ std::vector<std::string> lost_in(Format format, const SimParams& params);
 /// The same as lines of an XML comment, with what the file is.
 std::string head_comment(const std::string& what, const std::vector<std::string>& lost);
 
+/// As XML attributes have them, 17 digits: a number; three with spaces between; a rotation as unit
+/// quaternion; roll, pitch, yaw of a rotation, rad (R = Rz Ry Rx).
 std::string number(double value);
 std::string numbers(const Vec3& v);
 std::string quaternion(const Mat3& R);  // w x y z
@@ -49,6 +53,7 @@ struct LinearServo {
   double kp = 0.0, kd = 0.0, damping = 0.0;
   double limit = kNone;
 };
+/// At the joint, its effects applied; without a goal of its own kp and kd are zero.
 LinearServo linear_servo(const SimParams& params, std::size_t joint);
 
 }  // namespace sanso::diagnose

@@ -9,18 +9,27 @@ namespace sanso::diagnose::gate {
 inline constexpr double kDegree = 57.29577951308232;
 
 using Joints = std::vector<GateJoint>;
+/// Too few rows, or seconds, to ask anything.
 std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings);
+/// t is no number, goes back, stands still, or has a gap; the first of each.
 std::vector<Defect> check_time(const GateRecording& r, const GateSettings& settings);
+/// No joint of the model has a position; a channel is infinite somewhere.
 std::vector<Defect> check_required(const GateRecording& r, const Joints& joints,
                                    const GateSettings& settings);
+/// An angle that jumps by one turn; a 16-bit register that was logged as unsigned.
 std::vector<Defect> check_wraps(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);
+/// Positions with flat tops at the ends of what they reach, entered and left at speed.
 std::vector<Defect> check_clipping(const GateRecording& r, const Joints& joints,
                                    const GateSettings& settings);
+/// A position that hangs while command or velocity say that the joint moves.
 std::vector<Defect> check_stuck(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);
+/// Channels that are too large or too small for SI: by the model's limits, and by each other.
 std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);
+/// A goal that is a copy of the position; a position that moves against its goal; joints of which
+/// one follows the other's goal, or has the other's velocity.
 std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
                                    const GateSettings& settings);
 /// A command that the log cuts off: the position goes on beyond its flat tops.
@@ -34,6 +43,7 @@ std::vector<Defect> check_clocks(const GateRecording& r, const Joints& joints,
 /// A velocity whose delay is another in one recording.
 std::vector<Defect> check_clocks_between(const std::vector<GateRecording>& recordings,
                                          const Joints& joints, const GateSettings& settings);
+/// Recordings whose positions are equal row by row, whatever their names and clocks.
 std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings);
 
 /// Median sampling interval [s].

@@ -60,6 +60,7 @@ ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std:
 /// it down. `reader` is the command that says so.
 void require_fixed_base(const ModelFolder& model, const std::string& reader);
 
+/// Text of model.toml that read_model_folder reads back.
 std::string model_toml(const ModelFolder& model);
 /// Writes robot.urdf and model.toml into `folder` (created when missing), each by rename, so never
 /// half.

@@ -7,8 +7,11 @@
 
 namespace sanso::diagnose {
 
-std::string robot_text(const ModelFolder& model);    // up to the last joint
-std::string ground_text(const ModelFolder& model);   // [ground]
-std::string effects_text(const ModelFolder& model);  // [[effect]]
+/// From the beginning up to the last joint.
+std::string robot_text(const ModelFolder& model);
+/// [ground].
+std::string ground_text(const ModelFolder& model);
+/// All [[effect]]s.
+std::string effects_text(const ModelFolder& model);
 
 }  // namespace sanso::diagnose

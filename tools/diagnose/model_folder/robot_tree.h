@@ -64,6 +64,7 @@ struct RobotTree {
 /// Reads URDF text. Throws files::InputError naming link or joint; `file` is used in messages.
 RobotTree tree_from_urdf(const std::string& urdf, const std::string& file);
 
+/// Matrices row by row: sum, R v, A B.
 Vec3 operator+(const Vec3& a, const Vec3& b);
 Vec3 rotated(const Mat3& R, const Vec3& v);
 Mat3 product(const Mat3& A, const Mat3& B);

@@ -64,6 +64,7 @@ WholeBody read_whole_body(const std::string& folder, const WholeSettings& settin
 WholeBody parse_whole_body(std::string_view toml, std::string_view urdf, const std::string& name,
                            const WholeSettings& settings = {});
 
+/// Text of model.toml that read_whole_body reads back.
 std::string whole_body_toml(const WholeBody& body);
 /// Writes robot.urdf and model.toml into `folder`, each by rename.
 void write_whole_body(const WholeBody& body, const std::string& folder);

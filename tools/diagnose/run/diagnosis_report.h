@@ -7,6 +7,7 @@
 
 namespace sanso::diagnose {
 
+/// The whole text of report.html.
 std::string diagnosis_report(const Diagnosis& diagnosis);
 
 }  // namespace sanso::diagnose

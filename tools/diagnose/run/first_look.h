@@ -28,6 +28,8 @@ struct FirstLook {
   double nuisance_precision = 0.0;  // prior of the nuisances in these units
 };
 
+/// What a screening saw, entry by entry in the order of its probes; `tolerances` says how precisely
+/// the nuisances are known.
 FirstLook first_look(const Library& library, const Screening& first,
                      const ToleranceSettings& tolerances);
 

@@ -43,6 +43,7 @@ ModelFolder effort_patched(const ModelFolder& model, const EffortOutcome& outcom
 
 /// A table for people: effort of every joint on held-out data, by model.
 std::string effort_table(const EffortOutcome& outcome);
+/// The whole text of report.html.
 std::string effort_report(const EffortDiagnosis& diagnosis);
 
 /// The command. Exit code 0 no mismatch, 1 mismatch found, 2 refused.

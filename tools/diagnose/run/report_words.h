@@ -8,10 +8,10 @@
 
 namespace sanso::diagnose {
 
-/// The parts with commas between; `empty` where there is none.
 /// Lines of at most `width` characters, broken at spaces; ends with a line's end.
 std::string wrapped(const std::string& text, std::size_t width);
 
+/// The parts with commas between; `empty` where there is none.
 std::string joined(const std::vector<std::string>& parts, const char* empty);
 
 /// The library's name of an effect in words, with the id that model.toml and verdict.json use.

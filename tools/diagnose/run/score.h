@@ -47,6 +47,7 @@ std::vector<RecordingScore> score_files(const std::string& model_folder,
                                         const std::vector<std::string>& files,
                                         const Settings& settings = {});
 
+/// {"recordings": [{"file", "horizons": {"0.1": {"rmse", "channels"}, ...}}]}, units of the scores.
 std::string score_json(const std::vector<RecordingScore>& scores);
 /// A table for people: one row a recording, RMSE of the positions in mrad (mm) by horizon.
 std::string score_table(const std::vector<RecordingScore>& scores);

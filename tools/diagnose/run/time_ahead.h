@@ -13,9 +13,10 @@ struct Passes {
   double look = 0.0;  // the first screening, and finding nothing in it
   double name = 0.0;  // one more name: screening, fits of the rivals, everything anew around it
 };
+/// Nothing is simulated: counted from joints, nuisances, probes and the settings of the search.
 Passes passes_of(const Comparison& comparison, const Library& library);
 
-/// "about 3 s to look, 5 s for every name (6 at most)", from one pass that is timed.
+/// "about 3 s to look, about 5 s for every name, 6 names at most", from one pass that is timed.
 std::string time_ahead(const Problem& problem, const Library& library);
 
 }  // namespace sanso::diagnose

@@ -6,6 +6,7 @@
 
 namespace sanso::diagnose {
 
+/// Model, recordings, settings and seed.
 inline WholeOptions whole_options(const DiagnoseOptions& options) {
   WholeOptions whole;
   whole.model = options.model, whole.recordings = options.recordings;

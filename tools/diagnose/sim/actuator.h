@@ -26,6 +26,7 @@ double encoder_reading(const JointParams& joint, double position);
 double position_for_reading(const JointParams& joint, double reading);
 /// d reading / d position.
 double encoder_slope(const JointParams& joint, double position);
+/// sine sin(order x) + cosine cos(order x), and its derivative by x; x in rad, unit of the ripple.
 double ripple_at(const Ripple& ripple, double x);
 double ripple_slope(const Ripple& ripple, double x);
 

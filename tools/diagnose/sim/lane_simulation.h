@@ -15,6 +15,7 @@ struct LaneUnit {
   void (*run)(const SimFigures&, const WindowFigures*, std::size_t);
   bool (*runs_here)();
 };
+/// All that were built; `runs_here` asks the machine. Never empty.
 std::span<const LaneUnit> lane_units();
 
 /// `unit`: null, the widest of this machine.

@@ -41,6 +41,7 @@ SimFigures sim_figures(const SimParams& params, const Drive& drive, const Comman
 std::size_t row_at(const SimFigures& figures, double t);
 /// How many late payloads are on at t, and the bodies with them.
 std::size_t payloads_on(const SimFigures& figures, double t);
+/// `bodies`: room for all joints' links.
 void bodies_at(const SimFigures& figures, double t, BodyFigures* bodies);
 /// The forces at t, by joint, N.
 void forces_at(const SimFigures& figures, double t, double (*forces)[3]);

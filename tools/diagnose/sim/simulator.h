@@ -78,6 +78,7 @@ struct ReplayTorques {
   std::vector<double> passive;   // N m, springs, cogging, stops, drag
   std::vector<double> current, duty;
 };
+/// `motion`: as measured, by joint and row of `drive`.
 ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
                              const MeasuredMotion& motion, const SimOptions& options = {});
 

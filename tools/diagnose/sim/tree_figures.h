@@ -33,7 +33,9 @@ struct TreeFigures {
   bool lone_hinge = false;  // one revolute joint alone
 };
 
+/// `gravity`: acceleration of free fall in base axes, m/s^2.
 TreeFigures tree_figures(const RobotTree& tree, const Vec3& gravity);
+/// In the link's axes, as it is given.
 BodyFigures body_figures(const BodyInertia& body);
 
 }  // namespace sanso::diagnose

@@ -11,12 +11,15 @@ std::vector<double> finite_values(std::span<const double> x);
 
 /// Quantile p in [0, 1] with linear interpolation; NaN when there is no finite value.
 double quantile(std::span<const double> x, double p);
+/// Of the finite values; NaN when there are none.
 double median(std::span<const double> x);
 
 /// Standard deviation by the median absolute deviation (times 1.4826, exact for normal data).
 double robust_sigma(std::span<const double> x);
 
+/// Of the finite values; 0 when there are none.
 double mean(std::span<const double> x);
+/// Of the finite values, over n - 1; 0 when there are fewer than two.
 double standard_deviation(std::span<const double> x);
 
 /// Root mean square of the finite values; 0 when there are none.

@@ -21,6 +21,7 @@ struct Autoregression {
   std::vector<double> coefficients;  // a_1 .. a_p
   double innovation_sigma = 0.0;     // standard deviation of e
 };
+/// Of x less its mean; where x is too short, or nothing is left of it, the last ones are zero.
 Autoregression fit_autoregression(std::span<const double> x, std::size_t order);
 
 }  // namespace sanso::diagnose

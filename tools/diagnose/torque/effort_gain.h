@@ -21,6 +21,7 @@ struct EffortGain {
 /// a, b: losses by block without and with it; blocks with counts 0 are left out.
 EffortGain gain_of(const std::vector<double>& a, const std::vector<double>& b,
                    const BlockCounts& counts, const Settings& settings, unsigned long seed);
+/// Both predict every fold of the fitted blocks from the other folds. `joints` empty: of all rows.
 EffortGain crossed_gain(const EffortDesign& design, const std::vector<std::size_t>& without,
                         const std::vector<std::size_t>& with, const BlockCounts& fitted,
                         const std::vector<std::size_t>& joints, const Settings& settings,

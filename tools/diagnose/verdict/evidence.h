@@ -27,6 +27,7 @@ struct SearchRecord {
   std::vector<std::string> refuted;
   std::string nearest_effect;  // strongest of the first screening; empty: nothing was screened
 };
+/// In words of the library.
 SearchRecord record_of(const Library& library, const Selection& selection);
 
 /// What a run that was ended early tells of its end.

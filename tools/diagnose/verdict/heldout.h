@@ -38,6 +38,7 @@ struct Split {
   std::vector<std::string> heldout_names;
   bool last_part = false;  // of the only recording: no whole one judges
 };
+/// Needs at least one source.
 Split make_split(const std::vector<Source>& sources);
 
 /// The problem's shots inside a part; at least one shot or the problem unchanged.

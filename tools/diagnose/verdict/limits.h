@@ -24,6 +24,7 @@ struct Detectable {
 /// would have shown: linear in the size of the probe.
 std::vector<Untestable> too_quiet(const Library& library, const Screening& screening,
                                   const DecisionSettings& decisions);
+/// Of each candidate's first probe; sizes beyond the parameter's own range are left out.
 std::vector<Detectable> smallest_sizes(const Library& library, const Screening& screening);
 
 }  // namespace sanso::diagnose

@@ -34,6 +34,7 @@ struct SparseFormula {
   double explained = 0.0;
   std::vector<std::string> terms;
 };
+/// One joint's samples. Too few (`remains.least_samples`): no term, nothing explained.
 SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint,
                              const RemainsSettings& settings);
 

@@ -21,6 +21,7 @@ struct Unrecorded {
   std::vector<std::string> joints;
   double mass_share = 0.0;
 };
+/// A link is behind a joint that lies anywhere between it and the base.
 Unrecorded unrecorded_joints(const recording::Recording& r, const WholeBody& body);
 
 }  // namespace sanso::diagnose

@@ -14,6 +14,7 @@ struct TouchPoint {
   V3 at = V3::Zero();
   double radius = 0.0;
 };
+/// The points of all collision shapes, each with its shape's radius, m.
 std::vector<TouchPoint> touch_points(const WholeBody& body);
 
 /// Unit vector against gravity, world axes; zero gravity: z.
@@ -26,6 +27,8 @@ struct Clearance {
   double ground = 0.0;  // height that was used
   bool stated = false;  // by the model, else taken from the lowest rows
 };
+/// Needs poses and at least one shape. `pose_scale`: recorded base positions over true ones; the
+/// heights are true lengths, m.
 Clearance clearance(const WholeRecording& r, const WholeBody& body, double pose_scale,
                     const WholeSettings& settings);
 

@@ -25,6 +25,8 @@ struct DriveChoice {
   std::vector<std::string> log;
 };
 
+/// The terms that rows need, forward and backward, with the weights that what is left suggests.
+/// Needs at least one row (`why_not` empty).
 DriveChoice choose_drive_terms(const Asking& asking, const DriveRows& rows);
 
 struct DriveBalance {

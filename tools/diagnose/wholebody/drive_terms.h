@@ -38,6 +38,9 @@ struct DriveNuisances {
   Eigen::VectorXd precision;
   std::vector<std::string> names;  // as a person reads them
 };
+/// By joint zero, gain, damping, dry friction, friction per load, rotor (torque constant where a
+/// current is recorded); the delay of all goals; masses and centres of links; what of the
+/// damping is electrical; what sensors read. Those that may not be off at all are left out.
 DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows);
 
 }  // namespace sanso::diagnose

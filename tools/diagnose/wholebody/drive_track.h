@@ -10,29 +10,37 @@
 
 namespace sanso::diagnose {
 
-/// The first of a step's rows still shows what the command before it did.
+/// A joint by row. The first of a step's rows still shows what the command before it did.
 struct JointTrack {
+  // rad (less the encoder's zero), rad/s, rad/s^2; goal that acts less position as recorded, rad;
+  // the goal's rate, rad/s; A (empty: not recorded)
   std::vector<double> q, dq, ddq, error, command_rate, current;
 };
+/// A recording by row.
 struct Track {
   std::vector<JointTrack> joints;
+  // FloatingMotion's: specific force at the base's origin, m/s^2; rad/s; rad/s^2; base axes
   std::vector<V3> acc, w, dw;
   std::vector<V3> up;          // the vertical in base axes; empty: no attitude
   std::vector<double> weight;  // sum of all feet's forces, N; empty: none was recorded
   std::vector<FootForce> feet;
 };
 
+/// The recording must have every joint's goal and position, and the accelerometer. A weight is NaN
+/// where a foot comes down or off.
 Track track_of(const Asking& asking, const WholeRecording& recording);
 
+/// Means of a window, units of the tracks; vectors by joint.
 struct WindowMeans {
   FloatingMotion motion;
+  // sign: of the velocity, within [-1, 1], the direction of dry friction; the others as in the track
   Eigen::VectorXd sign, error, command_rate, current;
-  V3 up = V3::Zero();
-  double weight = 0.0;
+  V3 up = V3::Zero();       // zero: no attitude
+  double weight = 0.0;      // N
   std::vector<int> in_air;  // joints of feet that carry nothing all the time
 };
 
-/// Means over rows [a, b).
+/// Means over rows [a, b) of the track.
 WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b);
 
 }  // namespace sanso::diagnose

@@ -37,6 +37,7 @@ ImuMount fit_mount(const std::vector<ImuWindow>& windows, const WholeSettings& s
 struct ImuNoise {
   double acc = 1.0, gyro = 1.0;
 };
+/// Robust (median of the sizes); no less than 1e-6 m/s^2, 1e-7 rad/s; 1 where there are no windows.
 ImuNoise noise_of(const std::vector<ImuWindow>& windows, const ImuMount& mount);
 
 /// What a mount leaves of a window, in squared deviations; beyond `outlier` deviations it grows

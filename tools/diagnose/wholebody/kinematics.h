@@ -11,6 +11,7 @@ namespace sanso::diagnose {
 using V3 = Eigen::Vector3d;
 using M3 = Eigen::Matrix3d;
 
+/// The same numbers as an Eigen vector, and as an Eigen matrix (Mat3 is stored row by row).
 inline V3 eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline M3 eigen(const Mat3& m) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(m.data());

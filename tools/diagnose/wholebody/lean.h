@@ -25,6 +25,7 @@ struct Level {
 
 /// Rotation about the level's x and y that leans the upright by `lean`, rad.
 inline V2 rotation_of(const V2& lean) { return {-lean[1], lean[0]}; }
+/// How a rotation about the level's x and y, rad, leans the upright: the inverse of rotation_of.
 inline V2 lean_of(const V2& rotation) { return {rotation[1], -rotation[0]}; }
 
 /// Readings of one kind, summed by piece of a recording.
