@@ -21,6 +21,8 @@
 namespace sanso::learn {
 
 inline constexpr double kSigmaStart = 0.7, kSigmaFloor = 0.1;  // paper
+/// Noise amplitude for an n-step loss on held-out trials: kSigmaFloor at 0, towards kSigmaStart as
+/// it grows, and that where it is not finite.
 double sigma_of_loss(double n_step_loss);
 
 struct ModelLearningSettings {

@@ -18,6 +18,7 @@ using LogCholesky = Eigen::Matrix<double, 10, 1>;
 
 /// Throws std::invalid_argument when the body's pseudo-inertia is not positive definite.
 LogCholesky log_cholesky_of(const model::BodyInertia& body);
+/// The inverse of log_cholesky_of; every value is a body that can be.
 model::BodyInertia body_of(const LogCholesky& parameters);
 
 }  // namespace sanso::learn

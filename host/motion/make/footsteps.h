@@ -16,6 +16,7 @@ struct Scale {
   double length = 1.0;  // m robot per m human (without kx)
   double time = 1.0;    // s robot per s human
 };
+/// Lengths by the legs; times by the root of the hips' heights, times the recipe's kt.
 Scale scale_for(const HumanMotion& human, const Recipe& recipe);
 
 struct Swing {

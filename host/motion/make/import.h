@@ -23,6 +23,7 @@ struct FitError {
   double joint_rad = 0.0, position_m = 0.0;  // largest
 };
 
+/// Over the samples that both have.
 FitError fit_error(const policy::PrimitiveSet& set, const Trajectory& wanted);
 
 struct ImportedMotion {
