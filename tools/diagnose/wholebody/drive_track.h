@@ -33,7 +33,7 @@ Track track_of(const Asking& asking, const WholeRecording& recording);
 /// Means of a window, units of the tracks; vectors by joint.
 struct WindowMeans {
   FloatingMotion motion;
-  // sign: of the velocity, within [-1, 1], the direction of dry friction; the others as in the track
+  // sign: of the velocity, within [-1, 1], the direction of dry friction; others as in the track
   Eigen::VectorXd sign, error, command_rate, current;
   V3 up = V3::Zero();       // zero: no attitude
   double weight = 0.0;      // N
