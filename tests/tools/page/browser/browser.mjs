@@ -2,17 +2,27 @@
 import { spawn } from "node:child_process";
 import { chromium } from "playwright-core";
 
+// Ends what hangs, not what is slow: a crowded machine draws one picture in half a minute.
+const kPatience_ms = 300000;
+
 export async function openBrowser() {
   return chromium.launch({
+    timeout: kPatience_ms,
     executablePath: "/usr/bin/chromium",
     args: ["--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
            "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
   });
 }
 
+export async function patientPage(browser, options) {
+  const page = await browser.newPage(options);
+  page.setDefaultTimeout(kPatience_ms);
+  return page;
+}
+
 /** A page whose errors go to `complaints`. The driver's own notes on slow drawing do not count. */
 export async function openPage(browser, address, size, complaints) {
-  const page = await browser.newPage({ viewport: size });
+  const page = await patientPage(browser, { viewport: size });
   page.on("console", (m) => {
     const ours = !/GL Driver Message|GPU stall|WebGL-/.test(m.text());
     if (["error", "warning"].includes(m.type()) && ours) complaints.push(m.text());

@@ -15,7 +15,7 @@ const open = async (browser, name, size, complaints) => {
   const file = resolve(folder, name);
   assert.ok(statSync(file).size < kMost_bytes, "the report is too large to send");
   const page = await openPage(browser, `file://${file}`, size, complaints);
-  await page.waitForFunction(() => window.sansoMechanism, undefined, { timeout: 60000 });
+  await page.waitForFunction(() => window.sansoMechanism);
   await page.evaluate(() => sansoMechanism.play(false));
   return page;
 };
@@ -65,7 +65,7 @@ try {
   await page.screenshot({ path: join(shots, "diagnosis_apart.png") });
   await page.getByLabel("recording", { exact: true }).selectOption("1");
   await page.evaluate(() => { sansoMechanism.seek(0); sansoMechanism.play(true); });
-  await page.waitForFunction(() => sansoMechanism.time > 0.3, undefined, { timeout: 60000 });
+  await page.waitForFunction(() => sansoMechanism.time > 0.3);
   await page.close();
 
   const floating = await open(browser, "floating.html", kPhone, complaints);

@@ -5,7 +5,7 @@ import { strict as assert } from "node:assert";
 import { spawnSync } from "node:child_process";
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
-import { openBrowser } from "./browser.mjs";
+import { openBrowser, patientPage } from "./browser.mjs";
 
 const [sanso, session, shots] = process.argv.slice(2);
 const kWidth = 240, kHeight = 160, kFps = 3, kFrom = 1, kTo = 3, kHold_s = 1;
@@ -30,7 +30,7 @@ for (const [name, more, words] of [["film.avi", [], /\.webm, \.gif or \.png/], [
 
 const browser = await openBrowser();
 try {
-  const page = await browser.newPage();
+  const page = await patientPage(browser);
   await page.goto(`file://${resolve("check_film.mjs")}`);  // decoders want to know where they are
   /** What a browser sees of a picture: its size and how much of it is not its background. */
   const seen = (type, bytes) => page.evaluate(async ([type, text]) => {

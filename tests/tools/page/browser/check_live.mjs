@@ -5,14 +5,13 @@
 import { strict as assert } from "node:assert";
 import { createServer } from "node:http";
 import { join } from "node:path";
-import { fits, openBrowser, openPage, serve } from "./browser.mjs";
+import { fits, openBrowser, openPage, patientPage, serve } from "./browser.mjs";
 
 const [sanso, session, shots] = process.argv.slice(2);
 const kDesk = { width: 1180, height: 760 }, kPhone = { width: 390, height: 844 };
-const kPatience = { timeout: 300000 };
 const kRunning = 5, kFault = 7, kEmergencyStop = 42, kForbidden = 403;
 
-const until = (page, condition, argument) => page.waitForFunction(condition, argument, kPatience);
+const until = (page, condition, argument) => page.waitForFunction(condition, argument);
 
 /** What moves: the angle of a knee as it is drawn, over some frames of a trial. */
 async function kneesOfATrial(page) {
@@ -51,7 +50,7 @@ async function foreignPage(browser, address) {
     answer.end(`<iframe src="${address}"></iframe>`);
   });
   await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-  const page = await browser.newPage();
+  const page = await patientPage(browser);
   await page.goto(`http://127.0.0.1:${server.address().port}/foreign`);
   const asked = await page.evaluate(async (address) => {
     const ask = (path, options) => fetch(address.replace("/?", path + "?"), options)
@@ -71,7 +70,7 @@ async function foreignPage(browser, address) {
 }
 
 async function withoutTheToken(browser, address) {
-  const page = await browser.newPage();
+  const page = await patientPage(browser);
   for (const wrong of ["", "?token=", "?token=" + "0".repeat(32)]) {
     const answer = await page.goto(new URL("/", address).href + wrong);
     assert.equal(answer.status(), kForbidden);

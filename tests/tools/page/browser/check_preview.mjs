@@ -16,7 +16,7 @@ const browser = await openBrowser();
 try {
   const complaints = [];
   const page = await openPage(browser, `file://${resolve(folder, "bow.html")}`, { width: 1180, height: 900 }, complaints);
-  await page.waitForFunction(() => window.sansoReplay, undefined, { timeout: 60000 });
+  await page.waitForFunction(() => window.sansoReplay);
   const heights = await page.evaluate(() => {
     sansoReplay.play(false);
     const z = [];

@@ -18,7 +18,7 @@ const browser = await openBrowser();
 try {
   const complaints = [];
   const page = await openPage(browser, `file://${report}`, kDesk, complaints);
-  await page.waitForFunction(() => window.sansoReplay, undefined, { timeout: 60000 });
+  await page.waitForFunction(() => window.sansoReplay);
   const trials = await page.evaluate(() => sansoReplay.scene.trials.map((t) => ({ n: t.n, count: t.count })));
   assert.deepEqual(trials.map((t) => t.n), [1, 2]);
   await page.evaluate(() => sansoReplay.play(false));
@@ -45,11 +45,11 @@ try {
   await page.evaluate(() => sansoReplay.choose(1, 1));
   assert.equal(await page.locator(".replay-view:visible").count(), 2);
   await page.evaluate(() => sansoReplay.play(true));
-  await page.waitForFunction(() => sansoReplay.time > 0.5, undefined, { timeout: 60000 });
+  await page.waitForFunction(() => sansoReplay.time > 0.5);
   await page.close();
 
   const phone = await openPage(browser, `file://${report}`, kPhone, complaints);
-  await phone.waitForFunction(() => window.sansoReplay, undefined, { timeout: 60000 });
+  await phone.waitForFunction(() => window.sansoReplay);
   const box = await phone.locator("#replay").boundingBox();
   assert.ok(box.x + box.width <= kPhone.width, "the replay is wider than the phone");
   await phone.close();

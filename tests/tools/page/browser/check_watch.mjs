@@ -11,9 +11,9 @@ import { setTimeout as sleep } from "node:timers/promises";
 import { openBrowser, openPage, serve } from "./browser.mjs";
 
 const [sanso, firmware, emulator, stored, folder, shots] = process.argv.slice(2);
-const kDesk = { width: 1180, height: 760 }, kPatience = { timeout: 300000 };
+const kDesk = { width: 1180, height: 760 };
 const kRightKnee = 10, kFault = 7;  // place in the frame; state
-const until = (page, condition, argument) => page.waitForFunction(condition, argument, kPatience);
+const until = (page, condition, argument) => page.waitForFunction(condition, argument);
 
 /** The robot as sanso exports it, its trunk a pyramid of STL. */
 function robotWithAMesh() {
