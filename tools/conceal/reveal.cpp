@@ -17,6 +17,14 @@ namespace {
 
 using nlohmann::json;
 
+std::vector<std::uint8_t> bytes_of(const std::string& path) {
+  try {
+    return files::read_file(path);
+  } catch (const files::InputError& error) {
+    throw plant::WorldError(error.what());
+  }
+}
+
 std::vector<std::string> strings(const json& object, const char* key) {
   return object.contains(key) ? object.at(key).get<std::vector<std::string>>()
                               : std::vector<std::string>{};
@@ -137,13 +145,13 @@ bool right_answer(const Score& score) {
 }  // namespace
 
 Score reveal(const std::string& directory, const std::string& verdict_file) {
-  const std::vector<std::uint8_t> bytes = files::read_file(directory + "/answer.sealed");
+  const std::vector<std::uint8_t> bytes = bytes_of(directory + "/answer.sealed");
   const json answer = json::parse(open_seal(bytes));
   json verdict;
   Score score;
   score.hash = seal_hash(bytes);
   try {
-    verdict = json::parse(files::read_text(verdict_file));
+    verdict = json::parse(bytes_of(verdict_file));
     score.status = verdict.at("status").get<std::string>();
     score.detected = verdict.at("mismatch").get<bool>();
     const json findings = verdict.value("findings", json::array());
