@@ -196,6 +196,7 @@ std::vector<std::string> notes_on_terms(const EffortOutcome& outcome) {
 
 std::vector<std::string> notes_on_scores(const std::vector<EffortScore>& scores) {
   std::vector<std::string> out;
+  out.reserve(2 * scores.size());
   for (const EffortScore& s : scores) {
     out.push_back(
         fmt::format("held-out effort {}: nominal {:.4g}, a constant {:.4g}, none {:.4g}, patched "
@@ -213,6 +214,7 @@ std::vector<std::string> notes_on_scores(const std::vector<EffortScore>& scores)
 
 std::vector<std::string> notes_on_gains(const std::vector<EffortGainFound>& gains) {
   std::vector<std::string> out;
+  out.reserve(gains.size());
   for (const EffortGainFound& g : gains) {
     out.push_back(
         g.determined
