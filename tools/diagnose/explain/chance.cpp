@@ -70,7 +70,7 @@ void accept_random(SearchState& state, const ScatterScore& score) {
 std::string refused_by(const SearchState& state, const LossScore& found) {
   const CandidateParameter& parameter = state.candidate(found.candidate).parameters.front();
   if (found.unseen) return "refused: no jump of the command would show most of them";
-  if (!found.blind) return "refused: chance does not choose what shows little";
+  if (!found.blind) return "refused: chance does not choose what shows little, or a recording";
   if (found.misfit > state.decisions().standard_errors) return "refused: losses are whole";
   if (found.left > state.decisions().adequate) return "refused: more than noise is left";
   if (found.energy <= state.practical()) return "refused: changes less than what matters";

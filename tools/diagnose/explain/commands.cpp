@@ -37,6 +37,15 @@ double Commands::jump(std::size_t source, std::size_t joint, std::size_t row) co
   return u[row] - u[row - 1];
 }
 
+double Commands::missed(std::size_t source, std::size_t joint, std::size_t row,
+                        std::size_t run) const {
+  const std::vector<double>& u = of(source, joint);
+  double sum = 0.0;
+  for (std::size_t k = row; k < std::min(u.size(), row + run) && std::isfinite(u[k]); ++k)
+    sum += u[k] - u[row - 1];
+  return sum;
+}
+
 double Commands::count(const std::vector<std::size_t>& joints) const {
   double sum = 0.0;
   for (const std::size_t joint : joints) {

@@ -58,21 +58,27 @@ Hunt::Hunt(const Surroundings& around, const Model& model, const std::vector<std
       state_{{}, prediction_error(problem_, library_, model_)},
       first_(state_.r) {}
 
+/// What of a joint's error in a shot, starts taken out, is energy, and what noise alone makes of it.
+ShotEnergy Hunt::energy_in(const VectorXd& projected, const Shot& shot, std::size_t joint) const {
+  ShotEnergy out;
+  for (std::size_t c = 0; c < problem_->channels.size(); ++c) {
+    const Observed& channel = problem_->channels[c];
+    if (channel.joint != joint) continue;
+    out.all += rows_of(projected, shot, c).squaredNorm();
+    out.noise += static_cast<double>(shot.rows) * std::pow(channel.noise / channel.floor, 2.0);
+  }
+  return out;
+}
+
 /// Shots in which the joint's error is more than noise, worst first.
 std::vector<std::size_t> Hunt::outstanding(std::size_t joint) const {
   const VectorXd projected = starts_.project(state_.r);
   std::vector<std::pair<double, std::size_t>> excess;
   for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
-    const Shot& shot = problem_->shots[s];
-    double energy = 0.0, freedom = 0.0;
-    for (std::size_t c = 0; c < problem_->channels.size(); ++c) {
-      const Observed& channel = problem_->channels[c];
-      if (channel.joint != joint) continue;
-      energy += rows_of(projected, shot, c).squaredNorm();
-      freedom += static_cast<double>(shot.rows) * std::pow(channel.noise / channel.floor, 2.0);
-    }
-    if (chi_square_tail(energy, std::max(freedom, 3.0)) < problem_->settings.decisions.family_wise)
-      excess.emplace_back(energy, s);
+    const ShotEnergy energy = energy_in(projected, problem_->shots[s], joint);
+    if (chi_square_tail(energy.all, std::max(energy.noise, 3.0)) <
+        problem_->settings.decisions.family_wise)
+      excess.emplace_back(energy.all, s);
   }
   std::stable_sort(excess.begin(), excess.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -80,6 +86,16 @@ std::vector<std::size_t> Hunt::outstanding(std::size_t joint) const {
   out.reserve(excess.size());
   for (const auto& e : excess) out.push_back(e.second);
   return out;
+}
+
+double Hunt::beyond_noise(std::size_t joint, const std::vector<std::size_t>& shots) const {
+  const VectorXd projected = starts_.project(state_.r);
+  double sum = 0.0;
+  for (const std::size_t s : shots) {
+    const ShotEnergy energy = energy_in(projected, problem_->shots[s], joint);
+    sum += std::max(0.0, energy.all - energy.noise);
+  }
+  return sum;
 }
 
 std::vector<LostCommand> Hunt::lost_in(const std::vector<LostCommand>& lost, const Shot& shot,
@@ -207,7 +223,9 @@ bool Hunt::lost_some(std::size_t joint) {
   worst.resize(
       std::min(worst.size(), static_cast<std::size_t>(problem_->settings.chance.worst_shots)));
   const Repaired before = state_;
-  if (2 * take(joint, worst) >= worst.size()) return true;
+  const double stood = beyond_noise(joint, worst);
+  take(joint, worst);
+  if (2.0 * beyond_noise(joint, worst) <= stood) return true;
   state_ = before;
   return false;
 }

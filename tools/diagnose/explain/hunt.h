@@ -34,13 +34,19 @@ struct Repaired {
   Eigen::VectorXd r;              // noise levels
 };
 
+/// Squares of one joint's errors in a shot, noise levels: all of them, and those of noise alone.
+struct ShotEnergy {
+  double all = 0.0, noise = 0.0;
+};
+
 class Hunt {
  public:
   /// `joints`: where commands may have been lost. `model`: all else that is known.
   Hunt(const Surroundings& around, const Model& model, const std::vector<std::size_t>& joints);
 
-  /// Whether losses explain most of the joint's shots that are farthest from noise; if not, none of
-  /// them is kept.
+  /// Whether losses take most of what stands beyond noise out of the joint's shots that are farthest
+  /// from it; if not, none of them is kept. Rare bursts are a few shots, however many others there
+  /// are that a tolerated model misses by a little.
   bool lost_some(std::size_t joint);
   /// Takes losses out of every shot of the joint whose error is more than noise.
   void take_all(std::size_t joint);
@@ -64,7 +70,9 @@ class Hunt {
   const std::vector<double>& responses() const { return responses_; }
 
  private:
+  ShotEnergy energy_in(const Eigen::VectorXd& projected, const Shot& shot, std::size_t joint) const;
   std::vector<std::size_t> outstanding(std::size_t joint) const;
+  double beyond_noise(std::size_t joint, const std::vector<std::size_t>& shots) const;
   std::vector<LostCommand> lost_in(const std::vector<LostCommand>& lost, const Shot& shot,
                                    std::size_t joint) const;
   std::vector<Change> all_changes(const Shot& shot, std::size_t joint) const;

@@ -7,10 +7,12 @@
 //             through e(0) and e(1), so that theta = (1 - (e(0) - e(1)) / made) / 2. Noise alone
 //             would make its deviation 1 / sqrt(made), a thousandth where a loss shows well; what
 //             such a loss changes is known only as well as the model (`loss_wrong`)
-//   blind     whether commands whose loss shows little are lost as often: chance does not choose
+//   blind     whether commands whose loss shows little are lost as often, and every recording's as
+//             often as any other's: chance does not choose
 #include "tools/diagnose/explain/losses.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "tools/diagnose/explain/hunt.h"
 #include "tools/diagnose/stats/robust.h"
@@ -68,18 +70,45 @@ std::optional<std::size_t> smallest_at(const Library& library,
   return best;
 }
 
+/// A run of losses: rows [first, first + length) of one joint's commands.
+struct Run {
+  LostCommand first;
+  std::size_t length = 1;
+};
+
+std::vector<Run> runs_of(const std::vector<LostCommand>& lost) {
+  std::vector<Run> out;
+  for (const LostCommand& l : lost) {
+    const bool goes_on = !out.empty() && l.source == out.back().first.source &&
+                         l.joint == out.back().first.joint &&
+                         l.row == out.back().first.row + out.back().length;
+    if (goes_on) {
+      ++out.back().length;
+    } else {
+      out.push_back({l});
+    }
+  }
+  return out;
+}
+
 /// Losses come in runs: how many count as one independent event (mean square of the runs' lengths
 /// over their mean).
-double run_effect(const std::vector<LostCommand>& lost) {
-  double sum = 0.0, squares = 0.0, run = 0.0;
-  for (std::size_t i = 0; i < lost.size(); ++i) {
-    const bool goes_on = i > 0 && lost[i].source == lost[i - 1].source &&
-                         lost[i].joint == lost[i - 1].joint && lost[i].row == lost[i - 1].row + 1;
-    run = goes_on ? run + 1.0 : 1.0;
-    sum += 1.0;
-    squares += 2.0 * run - 1.0;  // run^2 - (run - 1)^2
+double run_effect(const std::vector<Run>& runs) {
+  double sum = 0.0, squares = 0.0;
+  for (const Run& run : runs) {
+    const double length = static_cast<double>(run.length);
+    sum += length;
+    squares += length * length;
   }
   return sum > 0.0 ? squares / sum : 1.0;
+}
+
+/// Length of a typical run: of half of the runs no longer.
+std::size_t typical_run(const std::vector<Run>& runs) {
+  std::vector<double> lengths;
+  lengths.reserve(runs.size());
+  for (const Run& run : runs) lengths.push_back(static_cast<double>(run.length));
+  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(median(lengths))));
 }
 
 /// A command is lost or it is not; what merely looks like holds wants a little more here and half
@@ -110,26 +139,77 @@ double position_energy(const Comparison& comparison, const VectorXd& projected) 
   return sum;
 }
 
-/// Commands of a candidate's joints, and those lost, by whether the loss of one would show: what it
-/// would change, from the median response of those tried, is more than its price.
-void count(const Hunt& hunt, const std::vector<std::size_t>& joints, Showing& showing,
-           Showing& hidden) {
+/// Whether a run of losses would show: what it would change, from the median response of those
+/// tried, is more than its price. One lost command of a slow motion changes nothing; ten in a row
+/// do.
+bool shows(const Hunt& hunt, double response, const Run& run) {
   const Commands& commands = hunt.commands();
+  const auto& [source, joint, row] = run.first;
+  if (!commands.changes(source, joint, row)) return false;
+  const double missed = commands.missed(source, joint, row, run.length);
+  const double price =
+      hunt.price().first + static_cast<double>(run.length - 1) * hunt.price().further;
+  return response * missed * missed > price;
+}
+
+/// Commands of a candidate's joints, and those lost, by whether a run of typical length that begins
+/// there would show.
+void count(const Hunt& hunt, const std::vector<std::size_t>& joints, const std::vector<Run>& runs,
+           Showing& showing, Showing& hidden) {
   const double response = median(hunt.responses());
-  const auto place = [&](std::size_t source, std::size_t joint, std::size_t row) -> Showing& {
-    const double jump = commands.jump(source, joint, row);
-    const bool shows =
-        commands.changes(source, joint, row) && response * jump * jump > hunt.price().first;
-    return shows ? showing : hidden;
+  const std::size_t typical = typical_run(runs);
+  const auto place = [&](const LostCommand& at) -> Showing& {
+    return shows(hunt, response, {at, typical}) ? showing : hidden;
   };
   for (const Shot& shot : hunt.problem()->shots) {
     for (const std::size_t joint : joints) {
-      for (std::size_t row = commands.first_row(shot, joint); row < shot.window.last; ++row) {
-        if (commands.changes(shot.source, joint, row)) ++place(shot.source, joint, row).commands;
-      }
+      for (std::size_t row = hunt.commands().first_row(shot, joint); row < shot.window.last; ++row)
+        if (hunt.commands().changes(shot.source, joint, row))
+          ++place({shot.source, joint, row}).commands;
     }
   }
-  for (const LostCommand& l : hunt.repaired().lost) ++place(l.source, l.joint, l.row).lost;
+  for (const Run& run : runs) place(run.first).lost += static_cast<int>(run.length);
+}
+
+/// Probability that chance spreads the shots with losses over the recordings as unevenly as they
+/// are, by how many commands of each would show: of the recording with more than its share, times
+/// the recordings. A burst that was found in pieces is one shot all the same.
+double chance_of_spread(const Hunt& hunt, const std::vector<std::size_t>& joints,
+                        const std::vector<Run>& runs) {
+  const double response = median(hunt.responses());
+  const std::size_t typical = typical_run(runs);
+  std::vector<double> places(hunt.problem()->sources.size(), 0.0), found = places;
+  for (const Shot& shot : hunt.problem()->shots) {
+    for (const std::size_t joint : joints) {
+      for (std::size_t row = hunt.commands().first_row(shot, joint); row < shot.window.last; ++row)
+        places[shot.source] += shows(hunt, response, {{shot.source, joint, row}, typical}) ? 1 : 0;
+    }
+  }
+  for (const Shot& shot : hunt.problem()->shots) {
+    const bool hit = std::any_of(runs.begin(), runs.end(), [&](const Run& run) {
+      return run.first.source == shot.source && shot.window.first <= run.first.row &&
+             run.first.row < shot.window.last && shows(hunt, response, run);
+    });
+    found[shot.source] += hit ? 1.0 : 0.0;
+  }
+  const double all = std::accumulate(found.begin(), found.end(), 0.0);
+  const double everywhere = std::accumulate(places.begin(), places.end(), 0.0);
+  double least = 1.0;
+  for (std::size_t s = 0; s < places.size() && everywhere > 0.0; ++s)
+    least = std::min(least, binomial_tail(found[s], all, places[s] / everywhere));
+  return std::min(1.0, least * static_cast<double>(places.size()));
+}
+
+/// Share of the losses found that are in runs that would show.
+double share_seen(const Hunt& hunt, const std::vector<Run>& runs) {
+  const double response = median(hunt.responses());
+  double seen = 0.0, all = 0.0;
+  for (const Run& run : runs) {
+    const double length = static_cast<double>(run.length);
+    all += length;
+    if (shows(hunt, response, run)) seen += length;
+  }
+  return all > 0.0 ? seen / all : 0.0;
 }
 
 LossScore score_of(const Hunt& hunt, std::size_t candidate,
@@ -140,15 +220,18 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   out.candidate = candidate;
   out.lost = hunt.repaired().lost;
   Showing showing, hidden;
-  count(hunt, library[candidate].joints, showing, hidden);
+  const std::vector<Run> runs = runs_of(out.lost);
+  count(hunt, library[candidate].joints, runs, showing, hidden);
   out.seen = showing.lost;
   out.visible = showing.commands;
-  out.unseen = out.seen < problem->settings.chance.loss_seen * static_cast<double>(out.lost.size());
-  const Interval interval = showing.interval(run_effect(out.lost));
+  out.unseen = share_seen(hunt, runs) < problem->settings.chance.loss_seen;
+  const Interval interval = showing.interval(run_effect(runs));
   out.size = static_cast<double>(out.seen) / std::max(1, out.visible);
   out.low = interval.low;
   out.high = interval.high;
-  out.blind = hidden.interval(1.0).low <= showing.interval(1.0).high;
+  out.blind = hidden.interval(1.0).low <= showing.interval(1.0).high &&
+              chance_of_spread(hunt, library[candidate].joints, runs) >
+                  problem->settings.decisions.family_wise;
   out.misfit = misfit(hunt, losing);
   out.p_family =
       std::min(1.0, problem->settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));

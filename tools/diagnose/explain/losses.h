@@ -20,9 +20,9 @@ struct LossScore {
   int seen = 0, visible = 0;
   // seen / visible, with its 95 % interval (Wilson, a run of losses is one)
   double size = 0.0, low = 0.0, high = 0.0;
-  // no larger share is lost among the commands whose loss shows little
+  // no larger share is lost among the commands whose loss shows little, or in one recording
   bool blind = false;
-  // most of what was found no jump of its command would show: what merely looks like holds
+  // most of what was found no run of losses there would show: what merely looks like holds
   bool unseen = false;
   // standard errors between a typical loss and a whole one, the model's own included: losses.cpp
   double misfit = INFINITY;

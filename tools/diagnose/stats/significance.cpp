@@ -28,6 +28,17 @@ double chi_square_tail(double x, double k) {
   return normal_tail((std::cbrt(x / k) - (1.0 - spread)) / std::sqrt(spread));
 }
 
+double binomial_tail(double k, double n, double share) {
+  if (k <= 0.0) return 1.0;
+  if (share <= 0.0 || share >= 1.0) return share >= 1.0 ? 1.0 : 0.0;
+  double sum = 0.0;
+  for (double i = k; i <= n; i += 1.0) {
+    sum += std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0) +
+                    i * std::log(share) + (n - i) * std::log1p(-share));
+  }
+  return std::min(1.0, sum);
+}
+
 namespace {
 
 std::vector<std::size_t> order_of(std::span<const double> x, bool descending) {

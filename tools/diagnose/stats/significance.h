@@ -17,6 +17,8 @@ double normal_score(double p);
 /// P(X > x) of chi-square with k degrees of freedom (Wilson and Hilferty 1931; relative error below
 /// 2 % for k >= 3).
 double chi_square_tail(double x, double k);
+/// P(X >= k) of n draws with probability `share` each; 0 <= k <= n.
+double binomial_tail(double k, double n, double share);
 
 /// Benjamini-Hochberg: adjusted p-values (q-values), same order as `p`.
 std::vector<double> false_discovery_rate(std::span<const double> p);

@@ -31,6 +31,16 @@ TEST_F(CommandsOfAWorld, AreThoseOfTheRecordings) {
   }
 }
 
+TEST_F(CommandsOfAWorld, AHeldRunMissesTheSumOfWhatItDidNotFollow) {
+  const Commands commands(c_.problem.comparison, params_);
+  const std::vector<double>& u = commands.of(0, 0);
+  EXPECT_EQ(commands.missed(0, 0, 70, 1), commands.jump(0, 0, 70));
+  const double three = u[70] + u[71] + u[72] - 3.0 * u[69];
+  EXPECT_NEAR(commands.missed(0, 0, 70, 3), three, 1e-15);
+  EXPECT_EQ(commands.missed(0, 0, u.size() - 1, 9), commands.jump(0, 0, u.size() - 1))
+      << "beyond the end there is nothing to miss";
+}
+
 TEST_F(CommandsOfAWorld, StillUnderWayAtTheStartOfAShotCountForIt) {
   const Shot& shot = c_.problem->shots[4];
   EXPECT_EQ(Commands(c_.problem.comparison, params_).first_row(shot, 0), shot.window.first);

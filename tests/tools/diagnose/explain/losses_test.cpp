@@ -81,6 +81,25 @@ TEST(Losses, AreWholeInARobotWithinItsTolerances) {
   EXPECT_LT(said->misfit, 2.0);
 }
 
+// Two bursts in thirty seconds, in a robot whose every reversal is a little off: most of the shots
+// that are farthest from noise hold no loss, most of what stands beyond noise does.
+TEST(Losses, RareBurstsStandOutFromManySmallErrors) {
+  std::vector<std::size_t> lost;
+  for (const std::size_t from : {205U, 710U})
+    for (std::size_t k = 0; k < 8; ++k) lost.push_back(from + k);
+  const std::optional<LossScore> said =
+      found({{"coulomb_friction", {"a"}, {{"coulomb", 0.002}}, 0}}, lost, kNoise);
+  ASSERT_TRUE(said);
+  std::size_t right = 0;
+  for (const LostCommand& l : said->lost)
+    right += std::count(lost.begin(), lost.end(), l.row) > 0 ? 1 : 0;
+  EXPECT_GE(right, 36U);  // of 48
+  EXPECT_FALSE(said->unseen);
+  EXPECT_LT(said->misfit, 2.0);
+  EXPECT_LT(said->low, 0.016);
+  EXPECT_GT(said->high, 0.016);
+}
+
 TEST(Losses, NoneInACleanWorld) { EXPECT_FALSE(found({}, {})); }
 
 TEST(Losses, AnotherErrorIsNotMadeOfWholeLosses) {

@@ -48,6 +48,16 @@ TEST(ChiSquareTail, IsTheExactValueWithinTwoPercentWhereItDecides) {
   }
 }
 
+TEST(BinomialTail, IsTheSumOfItsTerms) {
+  EXPECT_EQ(binomial_tail(0, 5, 0.3), 1.0);
+  EXPECT_NEAR(binomial_tail(3, 3, 0.5), 0.125, 1e-12);
+  EXPECT_NEAR(binomial_tail(1, 4, 0.01), 1.0 - std::pow(0.99, 4), 1e-12);
+  // from k or more upwards it is one less what lies below, seen from the other side
+  EXPECT_NEAR(binomial_tail(7, 20, 0.4), 1.0 - binomial_tail(14, 20, 0.6), 1e-12);
+  EXPECT_EQ(binomial_tail(2, 3, 0.0), 0.0);
+  EXPECT_EQ(binomial_tail(2, 3, 1.0), 1.0);
+}
+
 TEST(ChiSquareTail, FallsFromOneAndGrowsWithTheDegrees) {
   EXPECT_EQ(chi_square_tail(0.0, 5), 1.0);
   EXPECT_EQ(chi_square_tail(-1.0, 5), 1.0);
