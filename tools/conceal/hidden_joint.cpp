@@ -71,9 +71,8 @@ void run_servo(const JointTruth& j, double goal, bool on, double link_angle, dou
   m.goal_rate += 0.2 * (goal_rate - m.goal_rate);
   m.last_goal = aim;
   m.integral = on ? m.integral + error * period_s : 0;
-  double duty = j.p_gain * (error * (1 - j.gain_softening * error * error) + j.i_rate * m.integral +
-                            j.feed_forward_s * m.goal_rate);
-  duty -= j.d_gain * m.motor_rate;
+  double duty = j.p_gain * error * (1 - j.gain_softening * error * error) + j.i_gain * m.integral +
+                j.feed_forward * m.goal_rate - j.d_gain * m.motor_rate;
   if (j.dead_zone > 0) duty = std::copysign(std::max(0.0, std::abs(duty) - j.dead_zone), duty);
   m.filtered += (duty - m.filtered) *
                 (j.output_filter_s > 0 ? 1 - std::exp(-period_s / j.output_filter_s) : 1);

@@ -32,7 +32,9 @@ struct JointTruth {
   Formulas formulas;
   // servo and motor; figures of the XM430-W350 at 12 V
   // duty/rad; duty s/rad; 1/s; s, relative to P
-  double p_gain = 3.223, d_gain = 0, i_rate = 0, feed_forward_s = 0;
+  double p_gain = 3.223, d_gain = 0;
+  // registers of their own: nothing that changes the P gain changes them
+  double i_gain = 0, feed_forward = 0;  // duty per rad s, per rad/s of the goal
   double duty_limit = 1, voltage = 12, resistance = 5.22, torque_constant = 1.78, back_emf = 2.49;
   double current_limit = 1e9, output_filter_s = 0, dead_zone = 0, profile_speed = 1e9,
          profile_acceleration = 1e9;

@@ -24,7 +24,7 @@ std::vector<Hideable> servo_gain_effects() {
                {"viscous_friction"}),
       on_joint("servo_i_gain", 1.0, 15,
                [](JointTruth& j, double s, Random&) {
-                 j.i_rate = s;
+                 j.i_gain = s * JointTruth{}.p_gain;
                  return Parameters{{"integral", s}};
                }),
       on_joint("torque_constant", 0.2, 0.4,

@@ -75,4 +75,10 @@ struct JointSettings {
   bool operator==(const JointSettings&) const = default;
 };
 
+/// P gain of the joint's position loop: of duty per rad, or of torque; 0: it has none.
+inline double loop_gain(const JointSettings& s) {
+  if (s.actuator == Actuator::dc_servo) return s.p_gain;
+  return s.actuator == Actuator::position_pd ? s.kp : 0.0;
+}
+
 }  // namespace sanso::recording

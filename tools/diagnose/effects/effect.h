@@ -181,6 +181,10 @@ struct Effect {
   std::vector<SettingChange> settings{};
   std::vector<Identified> identified{};
   std::vector<Tolerance> tolerances{};
+  /// Up to here (first parameter, from its null) it is how laws of one name differ and no finding,
+  /// at the joints where `varies` holds.
+  double ToleranceSettings::*law = nullptr;
+  std::function<bool(const JointSettings&)> varies{};
   EffortColumns effort{};                 // where the motion is given and the effort asked
   WholeFigure whole = WholeFigure::none;  // of a base that floats
   std::optional<DriveQuestion> drive{};   // of a robot that stands

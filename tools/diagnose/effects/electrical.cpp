@@ -50,10 +50,13 @@ Effect servo_d_gain() {
       .id = "servo_d_gain",
       .code = "E2",
       .name = "D gain or output filter of the servo",
-      .form = "-damping dq by the servo; first order `filter` on its output",
+      .form =
+          "-damping dq by the servo (on_error: damping (d goal/dt - dq)); first order `filter` on "
+          "its output",
       .parameters = {{"damping", "N m s/rad", 0, 0, 2, 0.1, Unit::viscous},
-                     {"filter", "s", 0, 0, 0.03, 0.005}},
-      .probes = {{0.1, 0}, {0, 0.005}},
+                     {"filter", "s", 0, 0, 0.03, 0.005},
+                     {"on_error", "-", 0, 0, 1, 1, Unit::none, true}},
+      .probes = {{0.1, 0, 0}, {0, 0.005, 0}, {0.1, 0, 1}},
       .sign = 1,
       .needs = kPositionLoop,
       .cluster = "BC",
@@ -62,7 +65,7 @@ Effect servo_d_gain() {
       .regimes = {"near command step", "high speed"},
       .signature = "shows in steps",
       .experiments = {kTorqueOff, kLogDuty, kSteps},
-      .apply = adds(&JointParams::d_torque, &JointParams::output_filter),
+      .apply = adds(&JointParams::d_torque, &JointParams::output_filter, &JointParams::d_on_error),
   });
 }
 
@@ -71,9 +74,9 @@ Effect servo_i_gain() {
       .id = "servo_i_gain",
       .code = "E3",
       .name = "I gain or feed-forward of the servo",
-      .form = "P gain times (integral int(error) + feed_forward d goal/dt); while the output is "
-              "limited the integral "
-              "goes on up to windup",
+      .form =
+          "P gain of model.toml times (integral int(error) + feed_forward d goal/dt); while the "
+          "output is limited the integral goes on up to windup",
       // what an integral does at full output is the firmware's choice: stop, stop where it
       // alone asks for full output, or wind up
       .parameters = {{"integral", "1/s", 0, 0, 20, 1},

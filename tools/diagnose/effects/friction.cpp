@@ -215,6 +215,29 @@ Effect presliding_friction() {
   });
 }
 
+Effect creeping_friction() {
+  return friction({
+      .id = "creeping_friction",
+      .code = "F13",
+      .name = "dry friction that creeps",
+      .form = "dry friction times min(|dq / speed|, 1): under load the joint does not stand still",
+      .parameters = {{"speed", "rad/s", 0, 0, 0.5, 0.03, Unit::speed}},
+      .smooth = false,
+      .probes = {{0.03}, {0.1}},
+      .sign = 1,
+      .cluster = "D",
+      .confounders = {"presliding_friction", "viscous_friction", "coulomb_friction"},
+      .regimes = {"standstill", "low speed", "breakaway"},
+      .signature = "creeps where it should stick",
+      .experiments = {kHolds, kSlowRamps},
+      // where a nominal model has dry friction its law at rest is anybody's: bristles, lubrication,
+      // the regularised sign of a physics engine
+      .law = &ToleranceSettings::creep,
+      .varies = [](const JointSettings& s) { return s.coulomb > 0.0; },
+      .apply = adds(&JointParams::creep_speed),
+  });
+}
+
 Effect maxwell_slip_friction() {
   return friction({
       .id = "maxwell_slip_friction",
@@ -316,7 +339,8 @@ std::vector<Effect> friction_effects() {
   return {viscous_friction(),    coulomb_friction(),          stribeck_friction(),
           load_friction(),       directional_load_friction(), quadratic_load_friction(),
           asymmetric_friction(), presliding_friction(),       maxwell_slip_friction(),
-          position_friction(),   thermal_friction(),          dwell_stiction()};
+          position_friction(),   thermal_friction(),          dwell_stiction(),
+          creeping_friction()};
 }
 
 }  // namespace sanso::diagnose

@@ -49,6 +49,9 @@ struct ModelFolder {
   std::vector<EffectEntry> effects;
   RobotTree tree;
   std::vector<AttachedBody> payloads;  // of the recording, see with_overrides
+  // P gain (p_gain or kp) by joint as model.toml states it, whatever the recording has; see
+  // with_overrides. Empty: as in `joints`
+  std::vector<double> stated_gain;
 };
 
 /// Throws files::InputError: file, line, key, what was expected.

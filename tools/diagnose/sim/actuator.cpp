@@ -9,13 +9,13 @@
 namespace sanso::diagnose {
 namespace {
 
-/// Integral gain over proportional gain, 1/s; 0: none.
+/// Integral gain over proportional gain, both as they act, 1/s; 0: none.
 double integral_rate(const JointParams& joint) {
   const JointSettings& s = joint.nominal;
-  const bool servo = s.actuator == Actuator::dc_servo;
-  if (!servo && s.actuator != Actuator::position_pd) return 0.0;
-  const double own = servo && s.p_gain > 0.0 ? s.i_gain / (s.p_gain * joint.p_scale) : 0.0;
-  return own + joint.integral_rate;
+  const double p = recording::loop_gain(s) * joint.p_scale;
+  if (!(p > 0.0)) return 0.0;
+  const double own = s.actuator == Actuator::dc_servo ? s.i_gain : 0.0;
+  return (own + portable::stated_gain(joint) * joint.integral_rate) / p;
 }
 
 }  // namespace

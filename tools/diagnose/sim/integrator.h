@@ -118,11 +118,12 @@ class Integrator {
       const JointPartOf<T>& p = part_[k];
       if (p.two_mass) {  // the motor still chooses its own velocity
         const T y = p.y0 + p.coupling * dq_end[k];
-        friction_[k] = clamped(-y / p.mobility, p.f_min, p.f_max);
+        friction_[k] = clamped(-y / (p.mobility + p.slack), p.f_min, p.f_max);
       } else {  // what friction gives against the motion that was seen
         const T y = 0.5 * (state.dq[k] + dq_end[k]);
         const T inertia = M_[k * kMaxJoints + k] + p.added;
-        friction_[k] = clamped(-y * inertia, p.f_min, p.f_max);
+        const T pushed = p.creeps ? -y / (1.0 / inertia + p.slack) : -y * inertia;
+        friction_[k] = clamped(pushed, p.f_min, p.f_max);
       }
     }
     finish(h, dq_end, serves, count, gears, state, out);
@@ -283,7 +284,10 @@ class Integrator {
     const JointPartOf<T>& p = part_[j];
     const T response = p.mobility + p.coupling * p.coupling * inverse_[j * kMaxJoints + j];
     const T y = p.y0 + p.mobility * friction_[j] + p.coupling * dq_end_[j];
-    T wanted = clamped(friction_[j] - y / response, p.f_min, p.f_max);
+    T wanted = friction_[j] - y / response;
+    // with slack s friction ends where y' + s f = 0
+    if (p.creeps) wanted = wanted * (response / (response + p.slack));
+    wanted = clamped(wanted, p.f_min, p.f_max);
     if (!all) wanted = choose(moving, wanted, friction_[j]);
     const T change = wanted - friction_[j];
     friction_[j] = wanted;

@@ -83,8 +83,10 @@ struct JointPartOf {
   T impulse = 0.0;  // N m s
   T y0 = 0.0, mobility = 0.0, coupling = 1.0;
   T f_min = 0.0, f_max = 0.0;  // N m s, impulses friction can give
+  T slack = 0.0;               // 1/(kg m^2): inside them friction lets y' = -slack f through
   bool two_mass = false;
-  bool rubs = false;  // f_min and f_max may differ from 0
+  bool rubs = false;    // f_min and f_max may differ from 0
+  bool creeps = false;  // slack may differ from 0
   // N m: springs, cogging, stops, drag (for reports)
   T passive_torque = 0.0;
   T bristle_gain = 0.0, bristle_denominator = 1.0;  // to advance the bristle

@@ -90,14 +90,18 @@ inline T shaped(const JointParams& joint, T raw, double full, double limit, T h,
 
 /// Controller common to dc_servo (gains in duty) and position_pd (gains in torque).
 struct Gains {
-  double p, d, i;  // output per rad, per rad/s, per rad s
+  double p, d, i, goal;  // output per rad, per rad/s, per rad s, per rad/s of the goal
 };
+/// P gain that the ratios of a joint refer to.
+inline double stated_gain(const JointParams& joint) {
+  return joint.stated_gain > 0.0 ? joint.stated_gain : recording::loop_gain(joint.nominal);
+}
+
 template <class T>
 inline T controller(const JointParams& joint, const Gains& gains, const ServoInputOf<T>& in,
                     const CommandOf<T>& goal, double limit, InnerStateOf<T>& inner) {
   const T error = goal.value - in.position;
-  const T without_integral =
-      gains.p * error - gains.d * in.velocity + gains.p * joint.feed_forward * goal.rate;
+  const T without_integral = gains.p * error - gains.d * in.velocity + gains.goal * goal.rate;
   if (gains.i <= 0.0) return without_integral;
   const T integral = inner.integral + in.h * error;
   // at the limit the integral may only move back, or go on as far as the firmware lets it wind up
@@ -136,7 +140,9 @@ inline ServoOutputOf<T> dc_servo(const JointParams& joint, const ServoInputOf<T>
   const double added_d =
       joint.d_torque != 0.0 && nominal_stall > 0.0 ? joint.d_torque / nominal_stall : 0.0;
   const double p = s.p_gain * joint.p_scale;
-  const Gains gains{p, s.d_gain + added_d, s.i_gain + p * joint.integral_rate};
+  const double stated = stated_gain(joint);
+  const Gains gains{p, s.d_gain + added_d, s.i_gain + stated * joint.integral_rate,
+                    stated * joint.feed_forward + added_d * joint.d_on_error};
   T slope = 1.0;
   const T raw = controller(joint, gains, in, profiled(joint, in, inner), limit, inner);
   out.duty = shaped(joint, raw, 1.0, limit, in.h, inner, slope);
@@ -175,10 +181,12 @@ inline ServoOutputOf<T> torque_source(const JointParams& joint, const ServoInput
   const double full = limit_or_none(s.torque_limit);
   const double limit = full * joint.output_limit;
   T slope = 1.0, raw = in.command.value;
-  Gains gains{0, 0, 0};
+  Gains gains{0, 0, 0, 0};
   if (position) {
     const double p = s.kp * joint.p_scale;
-    gains = {p, s.kd + joint.d_torque, p * joint.integral_rate};
+    const double stated = stated_gain(joint);
+    gains = {p, s.kd + joint.d_torque, stated * joint.integral_rate,
+             stated * joint.feed_forward + joint.d_torque * joint.d_on_error};
     raw = controller(joint, gains, in, profiled(joint, in, inner), limit, inner);
   }
   T gain = joint.torque_scale * warm_share(joint, in.warming);

@@ -12,7 +12,10 @@ SimParams make_params(const ModelFolder& model, const SimulationSettings& settin
   params.gravity = model.gravity;
   params.period_s = model.period_s;
   params.joints.resize(model.joints.size());
-  for (std::size_t j = 0; j < model.joints.size(); ++j) params.joints[j].nominal = model.joints[j];
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    params.joints[j].nominal = model.joints[j];
+    if (j < model.stated_gain.size()) params.joints[j].stated_gain = model.stated_gain[j];
+  }
   // a link's own mass stays apart from what was put on it, so that an effect on the link leaves the
   // weight alone
   for (const AttachedBody& p : model.payloads)

@@ -226,6 +226,10 @@ inline GearForces<T> gear_forces(const JointParams& joint, const ServoOutputOf<T
   // against forward motion, and backward
   part.f_min = choose(dry, -h * max_of(T(0.0), budget + difference), T(0.0));
   part.f_max = choose(dry, h * max_of(T(0.0), budget - difference), T(0.0));
+  if (joint.creep_speed > 0.0) {
+    part.creeps = true;
+    part.slack = choose(less(T(0.0), budget), joint.creep_speed / (h * budget), T(0.0));
+  }
   return out;
 }
 

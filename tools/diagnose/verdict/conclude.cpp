@@ -74,10 +74,20 @@ Verdict stopped(const Evidence& evidence) {
   return out;
 }
 
+/// What a tolerance explains is told in a note and is no finding.
+Evidence without_tolerated(Evidence evidence) {
+  for (const Finding& f : evidence.findings) {
+    if (f.tolerated) evidence.notes.push_back("within tolerance: " + sentence(f));
+  }
+  std::erase_if(evidence.findings, [](const Finding& f) { return f.tolerated; });
+  return evidence;
+}
+
 }  // namespace
 
-Verdict conclude(const Evidence& evidence) {
-  if (!evidence.defects.empty()) return refusal(evidence.defects);
+Verdict conclude(const Evidence& all) {
+  if (!all.defects.empty()) return refusal(all.defects);
+  const Evidence evidence = without_tolerated(all);
   if (evidence.unfinished) return stopped(evidence);
   Verdict out;
   out.unexplained = unexplained(evidence);

@@ -10,6 +10,6 @@ namespace sanso::diagnose {
 /// UNFINISHED where the run was ended;
 /// PRESENT_UNNAMED where something stays without a name; ABSENT without a finding; ONE_OF where
 /// these data cannot tell some names apart; else CONFIRMED.
-Verdict conclude(const Evidence& evidence);
+Verdict conclude(const Evidence& all);
 
 }  // namespace sanso::diagnose

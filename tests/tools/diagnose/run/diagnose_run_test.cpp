@@ -28,8 +28,9 @@ constexpr const char* kServo =
 /// A pendulum that follows sums of sines for 10 s at 100 Hz, with `effects` that its model does not
 /// know; `duty`:
 /// recorded.
-recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty = false) {
-  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
+recording::Recording record(const std::vector<EffectEntry>& effects, int index, bool duty = false,
+                            const std::string& servo = kServo) {
+  const ModelFolder world = test::hiding(test::pendulum(servo), effects);
   const Drive drive = test::make_test_drive(world, 10.0, 0.01, [&](int, double t) {
     return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t) +
            (t > 5.0 ? 0.3 : 0.0);
@@ -83,6 +84,24 @@ TEST_F(DiagnoseRun, CommandsALittleEarlyOrLateAreNoMismatch) {
     EXPECT_EQ(run_diagnose(options_), 0) << late << " s";
     EXPECT_EQ(verdict().at("status"), "ABSENT") << late << " s: " << verdict().at("answer");
   }
+}
+
+/// Laws of dry friction are alike above a creeping speed. Below it they differ, which is no finding
+/// where the model has such friction, and one where it has less than that.
+TEST_F(DiagnoseRun, DryFrictionThatCreepsALittleIsNoMismatch) {
+  const std::string servo =
+      "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.15\nposition_quantum = "
+      "0.0015339808";
+  write_model_folder(test::pendulum(servo), (folder_ / "model").string());
+  for (int i = 0; i < 3; ++i)
+    add(record({{"creeping_friction", {"a"}, {{"speed", 0.2}}, 0}}, i, false, servo));
+  options_.settings.tolerances.creep = 0.3;
+  EXPECT_EQ(run_diagnose(options_), 0);
+  EXPECT_EQ(verdict().at("status"), "ABSENT") << verdict().at("answer");
+  options_.settings.tolerances.creep = 0.1;
+  EXPECT_EQ(run_diagnose(options_), 1);
+  EXPECT_EQ(verdict().at("findings").at(0).at("effect"), "creeping_friction")
+      << verdict().at("answer");
 }
 
 TEST_F(DiagnoseRun, NamesACommandDelayAndItsSize_AndThePatchedModelIsAModelFolder) {

@@ -71,6 +71,59 @@ TEST(Simulator, CoulombFrictionStopsAndHolds) {
   EXPECT_NEAR(held[0].q.back(), 0.0, 1e-15);
 }
 
+TEST(Simulator, DryFrictionThatCreepsLetsALoadedJointSink) {
+  // below the creep speed w friction is K v / w: a pull of half of K sinks at w / 2; above it the
+  // deceleration is that of dry friction
+  ModelFolder model = test::pendulum("actuator = \"passive\"\ncoulomb = 0.1\n");
+  const Drive drive = make_test_drive(model, 1.0, 0.01, kNoCommand);
+  SimParams params = make_params(model);
+  params.joints[0].creep_speed = 0.02;
+  params.gravity = {0.5, 0, 0};  // m g l = 0.025 of 0.1 at most, pulling where the joint hangs to
+  const auto sinks = simulate(params, drive, std::vector{whole(drive, {0.0}, {0.0})});
+  const double pull = 0.5 * 0.5 * 0.1;
+  EXPECT_NEAR(std::abs(sinks[0].dq.back()), 0.02 * pull / 0.1, 2e-5);
+  params.gravity = {0, 0, 0};
+  const auto free = simulate(params, drive, std::vector{whole(drive, {0.0}, {2.0})});
+  const double deceleration = 0.1 / (0.005 + 1e-6);
+  for (std::size_t r = 0; 2.0 - deceleration * drive.t[r] > 0.04; ++r)
+    EXPECT_NEAR(free[0].dq[r], 2.0 - deceleration * drive.t[r], 1e-9) << drive.t[r];
+  EXPECT_NEAR(free[0].dq.back(), 0.0, 1e-9);
+}
+
+TEST(Simulator, AnotherPGainOfARecordingLeavesTheIntegralGainAlone) {
+  // registers of their own: duty = P error + I int(error), I = integral_rate times model.toml's P
+  const auto duty = [](double p_gain) {
+    ModelFolder model = test::pendulum("actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\n");
+    recording::Recording changed;
+    changed.overrides = {{"joint_default", "p_gain", {p_gain}, "", 0}};
+    JointParams joint = make_params(with_overrides(model, changed)).joints[0];
+    joint.integral_rate = 0.5, joint.feed_forward = 0.1;
+    InnerState inner;
+    ServoInput input{};
+    input.command.value = 0.01, input.command.rate = 0.3, input.supply = 1.0, input.h = 1e-3;
+    double last = 0.0;
+    for (int k = 0; k < 1000; ++k) last = servo_step(joint, input, inner).duty;
+    return last;
+  };
+  EXPECT_NEAR(duty(4.0), 4.0 * 0.01 + 4.0 * 0.5 * 0.01 + 4.0 * 0.1 * 0.3, 1e-9);
+  EXPECT_NEAR(duty(4.0) - duty(2.0), 2.0 * 0.01, 1e-12);
+}
+
+TEST(Simulator, DampingOfTheErrorLetsAJointFollowFreely) {
+  JointParams joint =
+      make_params(test::pendulum("actuator = \"dc_servo\"\np_gain = 4.0\n")).joints[0];
+  joint.d_torque = 0.4;
+  ServoInput follows{};
+  follows.command.rate = follows.velocity = 1.5, follows.supply = 1.0, follows.h = 1e-3;
+  InnerState inner;
+  const double brakes = servo_step(joint, follows, inner).duty;
+  joint.d_on_error = 1.0;
+  EXPECT_LT(brakes, -0.1);
+  EXPECT_NEAR(servo_step(joint, follows, inner).duty, 0.0, 1e-15);
+  follows.command.rate = 0.0;
+  EXPECT_EQ(servo_step(joint, follows, inner).duty, brakes) << "a goal at rest: no difference";
+}
+
 TEST(Simulator, AnIntegralHoldsTheWeightWhereARecordingBegins) {
   // held for seconds before, the integral carries gravity alone: followed up to any window, the
   // joint stays where it is

@@ -1,6 +1,8 @@
 // A table of evidence and the verdict that has to follow from it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tools/diagnose/verdict/conclude.h"
 
 namespace sanso::diagnose {
@@ -115,6 +117,23 @@ TEST(Conclude, AMismatchIsWhatIsThereAndNotRefused) {
       EXPECT_FALSE(v.answer.empty()) << row.what;
     }
   }
+}
+
+TEST(Conclude, WhatLawsOfOneNameDifferByIsANoteAndNoFinding) {
+  Evidence e = found(VerdictStatus::confirmed);
+  e.findings[0].tolerated = true;
+  const Verdict alone = conclude(e);
+  EXPECT_EQ(alone.status, VerdictStatus::absent);
+  EXPECT_FALSE(alone.mismatch);
+  EXPECT_TRUE(alone.findings.empty());
+  EXPECT_TRUE(std::any_of(alone.notes.begin(), alone.notes.end(), [](const std::string& note) {
+    return note.starts_with("within tolerance: ") && note.find("backlash") != std::string::npos;
+  }));
+  e.findings.push_back(finding(VerdictStatus::one_of, {"backlash", "presliding_friction"}));
+  EXPECT_EQ(conclude(e).status, VerdictStatus::one_of);
+  EXPECT_EQ(conclude(e).findings.size(), 1U);
+  EXPECT_EQ(conclude(with_predictable_torque(e)).status, VerdictStatus::present_unnamed)
+      << "it covers nothing that is left";
 }
 
 TEST(Conclude, IsAFunctionOfTheEvidence) {
