@@ -36,14 +36,11 @@ if(SANSO_SANITIZE)
   add_link_options(-fsanitize=${SANSO_SANITIZE})
 endif()
 
-if(SANSO_FUZZ)  # coverage of the code under test guides the fuzzer, not of the target's own file alone
-  add_compile_options(-fsanitize=fuzzer-no-link)
-endif()
 # Half of the time of a sanitized build went into checks of what tests of host and tools do themselves. The code under
 # test keeps them all; tests of what reads bytes (firmware, shared, fuzz, loop) too.
 set(SANSO_UNCHECKED)
 if(SANSO_SANITIZE MATCHES undefined AND CMAKE_CXX_COMPILER_ID STREQUAL Clang)
-  set(SANSO_UNCHECKED -fno-sanitize=undefined,fuzzer-no-link)
+  set(SANSO_UNCHECKED -fno-sanitize=undefined)
 endif()
 
 find_package(Eigen3 QUIET NO_MODULE)
@@ -123,6 +120,9 @@ endfunction()
 
 # sanso_fuzz(name source LINK ...): a libFuzzer target, built only under -DSANSO_FUZZ=ON (preset asan-ubsan). Where it has a
 # folder in tests/fuzz/corpus, what it finds there is replayed by fuzz_corpus_test, in every build: ${name}_replay.
+# Coverage of the code under test guides a fuzzer: libraries that it links have it (SansoFuzzed.cmake), no others,
+# because it makes them slower in every test.
+set(SANSO_COVERAGE -fsanitize=fuzzer-no-link)
 add_custom_target(fuzzers)
 function(sanso_fuzz name source)
   cmake_parse_arguments(A "" "" "LINK" ${ARGN})
@@ -133,6 +133,7 @@ function(sanso_fuzz name source)
     target_link_options(${name} PRIVATE -fsanitize=fuzzer)
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PRIVATE ${A_LINK})
+    set_property(GLOBAL APPEND PROPERTY SANSO_FUZZED ${A_LINK})
   endif()
   if(IS_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name})
     add_library(${name}_replay OBJECT ${source})
