@@ -43,6 +43,14 @@ if(SANSO_SANITIZE MATCHES undefined AND CMAKE_CXX_COMPILER_ID STREQUAL Clang)
   set(SANSO_UNCHECKED -fno-sanitize=undefined)
 endif()
 
+# Tests and fuzz targets are linked in a third of the time where lld is there (two programs: 4.4 s of processor time, 1.3 s
+# with it); what is delivered is linked as its packages will be.
+find_program(SANSO_LLD ld.lld)
+set(SANSO_TEST_LINKER)
+if(SANSO_LLD)
+  set(SANSO_TEST_LINKER -fuse-ld=lld)
+endif()
+
 find_package(Eigen3 QUIET NO_MODULE)
 if(NOT TARGET Eigen3::Eigen)  # cross builds: headers only, architecture-free
   add_library(Eigen3::Eigen INTERFACE IMPORTED)
@@ -93,6 +101,7 @@ function(sanso_test name)
   add_executable(${name} ${A_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gtest GTest::gmock GTest::gtest_main)
+  target_link_options(${name} PRIVATE ${SANSO_TEST_LINKER})
   if(NOT A_TIMEOUT)
     set(A_TIMEOUT 1500)  # ends what hangs, not what is slow: a crowded machine may take twenty times as long as a quiet one
   endif()
@@ -130,7 +139,7 @@ function(sanso_fuzz name source)
     add_executable(${name} ${source})
     add_dependencies(fuzzers ${name})
     target_compile_options(${name} PRIVATE -fsanitize=fuzzer)
-    target_link_options(${name} PRIVATE -fsanitize=fuzzer)
+    target_link_options(${name} PRIVATE -fsanitize=fuzzer ${SANSO_TEST_LINKER})
     target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PRIVATE ${A_LINK})
     set_property(GLOBAL APPEND PROPERTY SANSO_FUZZED ${A_LINK})
