@@ -14,6 +14,7 @@ using Mat3 = Eigen::Matrix3d;
 /// Quaternion components in the order w, x, y, z: the memory order of states, files and wire.
 using Quat = Eigen::Vector4d;
 
+/// Quaternions w x y z, unit: no rotation, the inverse, a after b.
 inline Quat quat_identity() { return {1.0, 0.0, 0.0, 0.0}; }
 inline Quat quat_conjugate(const Quat& q) { return {q[0], -q[1], -q[2], -q[3]}; }
 
@@ -40,6 +41,7 @@ inline Mat3 rotation_matrix(const Quat& q) {
   return R;
 }
 
+/// skew(v) w = v x w.
 inline Mat3 skew(const Vec3& v) {
   Mat3 S;
   S << 0, -v[2], v[1], v[2], 0, -v[0], -v[1], v[0], 0;

@@ -17,6 +17,7 @@ using math::Mat3;
 using math::Vec3;
 
 enum Foot : int { kRightFoot = 0, kLeftFoot = 1 };
+/// Index of the last body of a leg (of its sole): row of body tables.
 constexpr int foot_body(int foot) { return foot == kRightFoot ? 6 : 12; }
 /// Parent of body i (0 is the base).
 constexpr int parent_body(int i) { return i == 1 || i == 7 ? 0 : i - 1; }

@@ -23,6 +23,7 @@ using Tangent = Eigen::Matrix<double, kNdx, 1>;
 using Input = Eigen::Matrix<double, kNu, 1>;
 using Gain = Eigen::Matrix<double, kNu, kNdx>;  // rad of target per unit of tangent
 
+/// Parts of a state: quat_world_base; p_world_base [m]; joint angles [rad] and rates [rad/s].
 inline math::Quat base_quat(const State& x) { return x.segment<4>(kXQuat); }
 inline math::Vec3 base_position(const State& x) { return x.segment<3>(kXPos); }
 inline auto joints(const State& x) { return x.segment<kNumJoints>(kXJoint); }

@@ -66,6 +66,8 @@ struct StepModel {
   FootShape foot;
 };
 
+/// The constants of these parameters, with first moments, inertias about the links' origins and
+/// subtree masses worked out. Takes any theta; a mass that is not positive makes no sense.
 StepModel make_step_model(const ModelParameters& theta);
 
 }  // namespace sanso::model

@@ -72,6 +72,7 @@ struct BasisWindow {
   std::array<double, 2 * kHalfWidth + 1> activation{};  // psi_i / sum psi, times the fade
   int count = 0;                                        // 0 once a discrete motion is over
 };
+/// The window at t [s] of the motion; empty after the end of a discrete one.
 BasisWindow active_basis(const PrimitiveSet& set, double t_s);
 
 /// Plays a set tick by tick. Scalars advance by the exact solution for a forcing that is linear

@@ -54,8 +54,11 @@ struct SessionState {
   std::vector<TrialSummary> history;
 };
 
+/// What an episode says in figures, but for losses of the model, true cost and broken clauses;
+/// `middle`: as it was in the trial.
 TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle);
 
+/// Whole or not at all: a kill leaves the state before. Throws when it cannot be written.
 void save_state(const std::filesystem::path& path, const SessionState& state);
 /// Throws std::runtime_error when the file is missing or damaged. Large: filled in place.
 void load_state(const std::filesystem::path& path, SessionState& state);

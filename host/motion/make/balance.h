@@ -23,6 +23,7 @@ struct ZmpSample {
   double x = 0.0, y = 0.0;  // m
   double load = 1.0;        // vertical ground force over weight
 };
+/// One sample a row of the trajectory, world axes.
 std::vector<ZmpSample> zmp_of(const Trajectory& trajectory);
 
 }  // namespace sanso::motion

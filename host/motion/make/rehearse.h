@@ -37,6 +37,8 @@ struct Rehearsal {
   double steps = 1.0;
 };
 
+/// Runs the reference once, every 10 ms one plan; deterministic. A robot that falls ends it: then
+/// `upright` is false and `told` ends there.
 Rehearsal rehearse(const FlightReference& reference, const model::StepModel& model,
                    const RehearsalSettings& settings = {});
 

@@ -54,6 +54,7 @@ struct ReferenceCheck {
   double feet_gap_m = 0.0;
   double lowest_swing_peak_m = 0.0;  // highest point of the lowest swing
 };
+/// Of a motion on its own, before anything follows it.
 ReferenceCheck check_reference(const Retargeted& motion);
 
 inline constexpr double kMaxReferenceSpeed = 4.5;  // rad/s: XM430 no-load speed at 11.1 V

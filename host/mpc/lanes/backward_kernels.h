@@ -57,6 +57,7 @@ inline void upper_rows(const StageDerivatives& d, StageScratch& s, int r) {
                                         kNdx, &s.Qxx[r][8 * FirstPack], kNdxPadded);
 }
 
+/// Qxx (upper part) and [Qux | Quu] of the dynamics, from T; costs and noise come later.
 inline void quadratic_terms(const StageDerivatives& d, StageScratch& s) {
   upper_rows<0>(d, s, 0), upper_rows<0>(d, s, 4);
   upper_rows<1>(d, s, 8), upper_rows<1>(d, s, 12);
@@ -127,6 +128,7 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
     for (int j = 0; j < 3; ++j) s.Qxx[kTheta + i][kTheta + j] += cost.lxx_theta[i][j];
 }
 
+/// What the noise of a stage costs, as a quadratic in the change of its input.
 inline void price_of_noise(const StageScratch& s, NoisePrice& out) {
   out.still = s.noise_still;
   for (int i = 0; i < kNu; ++i) {
@@ -218,6 +220,7 @@ inline void hold_inputs_at_limits(const double* u, double limit, StageScratch& s
     s.held[i] = (u[i] >= limit && s.Qu[i] < 0) || (u[i] <= -limit && s.Qu[i] > 0);
 }
 
+/// The value after the last knot: its cost alone.
 inline void start_value(const StageCost& last, Value& value) {
   value = Value{};
   for (int i = 0; i < kNdx; ++i) {
@@ -228,6 +231,8 @@ inline void start_value(const StageCost& last, Value& value) {
     for (int j = 0; j < 3; ++j) value.Vxx[kTheta + i][kTheta + j] = last.lxx_theta[i][j];
 }
 
+/// From the last knot to the first. Not ok: some Quu + mu I was not positive definite, or the
+/// expected change is not finite; gains before that stage are not written.
 inline BackwardSummary run_backward_pass(const BackwardInput& in, const BackwardOutput& out,
                                          Value& value) {
   BackwardSummary summary;

@@ -13,10 +13,12 @@ inline constexpr int kLinearBlocks[2] = {model::kDPos, model::kDVel};
 constexpr int group_of(int c) {
   return c == 2 ? kConfigurationGroups : c < 18 ? (c - 2) / 8 : c / 8;
 }
+/// And in which lane.
 constexpr int lane_of(int c) { return c == 2 ? 0 : c < 18 ? (c - 2) % 8 : c % 8; }
 static_assert(18 == kTheta + 3 + kNu && group_of(17) == kConfigurationGroups - 1 &&
               group_of(18) == kConfigurationGroups);
 
+/// Lays the states and inputs, each perturbed by eps along its column, into the groups' lanes.
 inline void spread(const double* x, const double* u_total, double eps, StageEvaluations& out) {
   for (int g = 0; g < kEvaluationGroups; ++g) {
     for (int i = 0; i < kNx; ++i) store(out.x[g][i], Lanes(x[i]));
@@ -76,6 +78,7 @@ inline void difference(const StageFinish& f, StageDerivatives& out) {
   }
 }
 
+/// The network's input for one state and input; R turns base axes into world axes.
 inline void single_features(const double* x, const double* u, const double (&R)[3][3],
                             float (&out)[kFeaturesPadded]) {
   out[0] = static_cast<float>(x[2]);
@@ -103,6 +106,7 @@ inline void to_tangent(const float* y, const double (&R)[3][3], double* d) {
                      R[i][2] * static_cast<double>(y[block + 2]);
 }
 
+/// x <- x ⊕ d, d in the order of tangents.
 inline void state_plus(double* x, const double* d) {
   double quat[4];
   kernel::quat_plus(x + model::kXQuat, d + kTheta, quat);
@@ -196,6 +200,7 @@ inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives&
   }
 }
 
+/// [A | B] and F of a stage from its evaluations: differences, the network's part, the layers' slope.
 inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
   double next[kNx], without[kNx], R[3][3];
   for (int i = 0; i < kNx; ++i) next[i] = f.next[i], without[i] = f.without_upper[i];

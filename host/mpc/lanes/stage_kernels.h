@@ -32,6 +32,8 @@ inline void minus_shared(const LaneArray* x, const double* y, Quad* out) {
   state_minus(xs, ys, out);
 }
 
+/// u_upper of every lane: the nominal one, a step along k of the lane's own length, feedback K on
+/// its state, within the limit [rad]. Adds the price of noise to `noise_cost`.
 inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upper,
                         double* noise_cost) {
   Quad u[kNu], change[kNu];
@@ -59,6 +61,8 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
   store(noise_cost, load_quad(noise_cost) + 0.5 * price);
 }
 
+/// u of every lane: the upper layer's, what is fixed at this knot, the middle layer's feedback and the
+/// reflexes.
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,
                          const LaneArray* u_upper, LaneArray* u) {
   Quad sum[kNu];
@@ -102,6 +106,7 @@ inline void lane_features(const Quad* x, const LaneArray* u,
   for (auto& row : out) row[46] = row[47] = 0.0f;
 }
 
+/// Adds the network's correction, times `share`, to the next state of every lane.
 inline void add_residual(const ResidualWeights& weights, double share, const LaneArray* x,
                          const LaneArray* u, LaneArray* x_next) {
   alignas(64) float features[kRollOutLanes][kFeaturesPadded], output[kRollOutLanes][kOutputsPadded];
@@ -127,6 +132,7 @@ inline void add_residual(const ResidualWeights& weights, double share, const Lan
   for (int i = 0; i < kNx; ++i) store(x_next[i], next[i]);
 }
 
+/// Adds the cost of a knot; without `u_upper` that of the state alone.
 inline void add_cost(const ProblemContext& p, int knot, const LaneArray* x,
                      const LaneArray* u_upper, double* cost) {
   Quad e[kNdx], sum = load_quad(cost);

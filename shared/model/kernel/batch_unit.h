@@ -60,17 +60,20 @@ inline void step_lanes(const StepModel& model, const Ground& ground, const State
   }
 }
 
+/// Eight states at once; `keep`: what neighbours of the first `kept` lanes begin from.
 void step_group(const StepModel& model, const Ground& ground, const StateLanes& x,
                 const InputLanes& u, const BatchStep& step, StateLanes& x_next,
                 ContactLanes* contact, NominalStep* keep, int kept) {
   step_lanes(model, ground, x, u, step, x_next, contact, keep, kept);
 }
 
+/// The same for four.
 void step_four(const StepModel& model, const Ground& ground, const StateQuad& x, const InputQuad& u,
                const BatchStep& step, StateQuad& x_next, ContactQuad* contact) {
   step_lanes(model, ground, x, u, step, x_next, contact, nullptr, 0);
 }
 
+/// States near a solved one that differ in height, velocities and inputs (kernel/neighbour.h).
 void neighbour_group(const StepModel& model, const NominalStep& nominal, const StateLanes& x,
                      const InputLanes& u, double h, StateLanes& x_next) {
   for (int first = 0; first < kLanes; first += SANSO_LANES) {
@@ -80,6 +83,7 @@ void neighbour_group(const StepModel& model, const NominalStep& nominal, const S
   }
 }
 
+/// States near a solved one that differ in anything.
 void held_group(const StepModel& model, const Ground& ground, const NominalStep& nominal,
                 const StateLanes& x, const InputLanes& u, double h, StateLanes& x_next) {
   for (int first = 0; first < kLanes; first += SANSO_LANES) {

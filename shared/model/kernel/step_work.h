@@ -33,6 +33,7 @@ struct StepWork {
   T dv_base[6], d_rate[kNumFeet][6];  // velocity changes of the step: base (base axes), joints
 };
 
+/// Sign of y on a leg: right -1, left +1.
 constexpr double side_of(int leg) { return leg == 0 ? -1.0 : 1.0; }
 
 template <class T>
