@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "shared/files/atomic_file.h"
+#include "shared/files/input_error.h"
 
 namespace sanso::app {
 namespace {
@@ -25,7 +26,13 @@ std::string who_answers(const std::optional<wire::Identity>& identity) {
 }  // namespace
 
 wire::Key read_key(const std::filesystem::path& file) {
-  const Result<wire::Key> key = wire::key_from_hex(files::read_text(file));
+  std::string text;
+  try {
+    text = files::read_text(file);
+  } catch (const files::InputError& error) {
+    throw std::runtime_error(fmt::format("--key {}", error.what()));
+  }
+  const Result<wire::Key> key = wire::key_from_hex(text);
   if (!key.ok())
     throw std::runtime_error(
         "--key " + file.string() +
