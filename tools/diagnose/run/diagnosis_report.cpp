@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 #include "tools/diagnose/run/report_sections.h"
 #include "tools/diagnose/run/report_words.h"
 
@@ -40,7 +42,8 @@ const char* meaning(VerdictStatus status) {
 void tell_summary(report::HtmlPage& page, const Diagnosis& d) {
   const Verdict& v = d.verdict;
   page.paragraph(meaning(v.status));
-  for (const Horizon horizon : {Horizon::ahead(0.5), Horizon::ahead(2.0)}) {
+  for (const double seconds : std::span(kHorizons_s).subspan(1)) {
+    const Horizon horizon = Horizon::ahead(seconds);
     const auto at = v.heldout.find(horizon);
     if (at == v.heldout.end() || !at->second.all) continue;
     const FitScore& s = *at->second.all;

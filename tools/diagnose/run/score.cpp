@@ -8,12 +8,14 @@
 #include "shared/files/input_error.h"
 #include "tools/diagnose/compare/measured_motion.h"
 #include "tools/diagnose/effects/from_model.h"
+#include "tools/diagnose/verdict/heldout.h"
 #include "tools/recording/mcap_recording.h"
 
 namespace sanso::diagnose {
 namespace {
 
-constexpr std::array<double, 4> kSeconds{0.1, 0.5, 2.0, std::numeric_limits<double>::infinity()};
+constexpr std::array<double, 4> kSeconds{kHorizons_s[0], kHorizons_s[1], kHorizons_s[2],
+                                         std::numeric_limits<double>::infinity()};
 
 /// Sum of squared differences and their number, by channel.
 struct Sum {

@@ -91,7 +91,8 @@ HorizonScores scores_of(const Problem& problem, const Errors& errors) {
 /// Horizons, and their exact s.
 std::map<Horizon, double> horizons(double users) {
   std::map<Horizon, double> out;
-  for (const double seconds : {0.1, 0.5, 2.0, users}) out[Horizon::ahead(seconds)] = seconds;
+  for (const double seconds : kHorizons_s) out[Horizon::ahead(seconds)] = seconds;
+  out[Horizon::ahead(users)] = users;
   return out;
 }
 

@@ -2,6 +2,7 @@
 // the other at every horizon.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <map>
 #include <optional>
@@ -64,6 +65,9 @@ class Horizon {
   double seconds_ = 0.0;
 };
 
+/// At which models are asked, beside the user's own horizon.
+inline constexpr std::array kHorizons_s{0.1, 0.5, 2.0};
+
 /// RMSE at one horizon. Of positions: restarted from the measured state, in rad (m).
 struct HorizonScores {
   std::optional<FitScore> all;  // the channels together; nothing: they have no common unit
@@ -76,7 +80,7 @@ using HeldoutScores = std::map<Horizon, HorizonScores>;
 struct Explained {
   Model patched, named;
 };
-/// At 0.1, 0.5 and 2 s, and at the user's own horizon (settings.remains.horizon).
+/// At `kHorizons_s`, and at the user's own horizon (settings.remains.horizon).
 HeldoutScores heldout_scores(const std::vector<Source>& sources,
                              const std::vector<NoiseLevel>& noise, const Library& library,
                              const Explained& models, const Part& heldout,
