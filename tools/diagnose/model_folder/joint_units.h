@@ -20,4 +20,12 @@ inline std::string at_joint(std::string text, bool slides) {
   return text;
 }
 
+/// The unit of a figure where torque (force) is told in `unit`: "N m s/rad" in "A" -> "A s/rad".
+inline std::string with_effort_in(std::string text, const std::string& unit) {
+  for (const std::string_view newtons : {"N m", "N"})
+    if (const std::size_t at = text.find(newtons); at != std::string::npos)
+      return text.replace(at, newtons.size(), unit);
+  return text;
+}
+
 }  // namespace sanso::diagnose

@@ -67,10 +67,7 @@ void EffortDesign::hold(std::size_t term, const std::string& unit) {
   held.low.assign(held.low.size(), 0.0), held.high.assign(held.high.size(), 0.0);
   for (EffortTerm& other : terms_) {
     if (other.joints.size() != 1 || other.joints != held.joints) continue;
-    for (std::string& u : other.units) {
-      if (const std::size_t at = u.find('N'); at != std::string::npos && u != "-")
-        u.replace(at, u.compare(at, 3, "N m") == 0 ? 3 : 1, unit);
-    }
+    for (std::string& told : other.units) told = with_effort_in(std::move(told), unit);
   }
 }
 

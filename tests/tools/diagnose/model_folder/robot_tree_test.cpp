@@ -213,6 +213,14 @@ TEST(JointUnits, OfASlidingJointAreLengthsAndForces) {
   }
 }
 
+TEST(JointUnits, AnEffortIsToldInTheUnitInWhichItWasRecorded) {
+  EXPECT_EQ(with_effort_in("N m", "A"), "A");
+  EXPECT_EQ(with_effort_in("N m s/rad", "A"), "A s/rad");
+  EXPECT_EQ(with_effort_in("N s/m", "%"), "% s/m");
+  EXPECT_EQ(with_effort_in("rad/(N m)", "A"), "rad/(A)");
+  EXPECT_EQ(with_effort_in("-", "A"), "-");
+}
+
 TEST(CylinderRims, LieOnTheCylinderEvenlyAndAsManyAsAsked) {
   for (const int points : {3, 6, 12, 25}) {
     const std::vector<Vec3> rims = cylinder_rims(0.2, 0.6, points);
