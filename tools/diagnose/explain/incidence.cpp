@@ -13,8 +13,6 @@
 namespace sanso::diagnose {
 namespace {
 
-constexpr double kNormal95 = 1.96;  // half-width of 95 %, standard errors
-
 struct Sums {
   ErrorPart residual;
   std::vector<double> dr, dd;  // by shot: promised . measured, promised . promised

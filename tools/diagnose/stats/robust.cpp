@@ -30,7 +30,7 @@ double robust_sigma(std::span<const double> x) {
   if (v.empty()) return 0.0;
   const double centre = median(v);
   for (double& value : v) value = std::abs(value - centre);
-  return 1.4826 * median(v);
+  return kSigmaOfMedian * median(v);
 }
 
 double mean(std::span<const double> x) {

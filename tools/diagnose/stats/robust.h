@@ -14,6 +14,8 @@ double quantile(std::span<const double> x, double p);
 /// Of the finite values; NaN when there are none.
 double median(std::span<const double> x);
 
+inline constexpr double kSigmaOfMedian = 1.4826;  // sigma of a normal over the median of |x|
+
 /// Standard deviation by the median absolute deviation (times 1.4826, exact for normal data).
 double robust_sigma(std::span<const double> x);
 

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <functional>
+#include <numeric>
 #include <span>
 #include <vector>
 
 #include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
+
+inline constexpr double kNormal95 = 1.96;  // half-width of 95 % of a normal, standard errors
 
 /// P(Z > z) of the standard normal.
 double normal_tail(double z);
@@ -28,6 +31,8 @@ std::vector<double> false_discovery_rate(std::span<const double> p);
 /// 1 / (draws + 1).
 std::vector<double> step_down_max_t(std::span<const double> statistic, int draws,
                                     const std::function<void(int, std::span<double>)>& null_draw);
+
+inline double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
 
 /// Interval [low, high] of a statistic.
 struct Interval {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/diagnose/stats/significance.h"
+
 namespace sanso::diagnose {
 namespace {
 
@@ -42,8 +44,9 @@ std::string disagreement(const std::string& what, const std::string& unit,
   std::string text = "recordings disagree about " + what + ":";
   for (std::size_t i = 0; i < values.size(); ++i) {
     const GroupValue& v = values[i];
-    text += fmt::format("{} {:.3g} [{:.3g}, {:.3g}] {} in {}", i == 0 ? "" : ";", v.value,
-                        v.value - 1.96 * v.sigma, v.value + 1.96 * v.sigma, unit, v.group);
+    text +=
+        fmt::format("{} {:.3g} [{:.3g}, {:.3g}] {} in {}", i == 0 ? "" : ";", v.value,
+                    v.value - kNormal95 * v.sigma, v.value + kNormal95 * v.sigma, unit, v.group);
   }
   return text;
 }

@@ -202,7 +202,7 @@ Eigen::VectorXd robust_weights(const EffortRows& rows, const Eigen::VectorXd& re
   // sigma = 1.4826 median |residual| of the joint: the deviation, were they normal
   std::vector<double> sigma(joints, 1.0);
   for (std::size_t j = 0; j < joints; ++j) {
-    if (!of[j].empty()) sigma[j] = std::max(1.4826 * median(of[j]), 1e-12);
+    if (!of[j].empty()) sigma[j] = std::max(kSigmaOfMedian * median(of[j]), 1e-12);
   }
   // weight = min(1, outlier / e) / sigma^2,  e = |residual| / sigma
   Eigen::VectorXd out(residual.size());

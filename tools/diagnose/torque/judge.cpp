@@ -10,6 +10,7 @@
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/torque/disagreement.h"
 #include "tools/diagnose/torque/drive_gain.h"
 
@@ -50,7 +51,7 @@ class Judge {
     const double deviation = standard_deviation(drawn);
     JudgedValue out;
     out.value = final_[column];
-    out.low = out.value - 1.96 * deviation, out.high = out.value + 1.96 * deviation;
+    out.low = out.value - kNormal95 * deviation, out.high = out.value + kNormal95 * deviation;
     return out;
   }
 

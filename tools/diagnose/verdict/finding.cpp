@@ -6,6 +6,7 @@
 #include <map>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -21,8 +22,8 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
     if (c.random && i == 0)
       v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
     if (!p.structural) {
-      v.low = std::max(p.low, theta[i] - 1.96 * entry.sigma[i]);
-      v.high = std::min(p.high, theta[i] + 1.96 * entry.sigma[i]);
+      v.low = std::max(p.low, theta[i] - kNormal95 * entry.sigma[i]);
+      v.high = std::min(p.high, theta[i] + kNormal95 * entry.sigma[i]);
       v.at_bound = entry.at_bound[i] != 0 && !at_null(p, theta[i]);
     }
     out[p.name] = v;

@@ -48,8 +48,6 @@ struct Way {
   }
 };
 
-double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
-
 class Chooser {
  public:
   Chooser(const Asking& asking, const DriveRows& rows)
@@ -294,7 +292,7 @@ class Chooser {
       } else if (t.mass > 0.0) {
         value /= t.mass, off /= t.mass;
       }
-      j.parameters.push_back({value, value - 1.96 * off, value + 1.96 * off + t.steps,
+      j.parameters.push_back({value, value - kNormal95 * off, value + kNormal95 * off + t.steps,
                               t.units[static_cast<std::size_t>(i)], false});
     }
   }

@@ -22,7 +22,8 @@ std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& lef
     by[rows.channel[i]].push_back(std::abs(left[static_cast<Eigen::Index>(i)]));
   std::vector<double> out;
   out.reserve(by.size());
-  for (const auto& x : by) out.push_back(std::max(least, x.empty() ? 1.0 : 1.4826 * median(x)));
+  for (const auto& x : by)
+    out.push_back(std::max(least, x.empty() ? 1.0 : kSigmaOfMedian * median(x)));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/wholebody/questions.h"
 
 namespace sanso::diagnose {
@@ -75,7 +76,7 @@ Measured joined(const Measured& a, const Measured& b) {
   // what the two differ by is known no better than their difference
   out.sigma = std::max(std::sqrt(1.0 / (wa + wb)), 0.5 * std::abs(a.value - b.value));
   out.value = (wa * a.value + wb * b.value) / (wa + wb);
-  out.low = out.value - 1.96 * out.sigma, out.high = out.value + 1.96 * out.sigma;
+  out.low = out.value - kNormal95 * out.sigma, out.high = out.value + kNormal95 * out.sigma;
   return out;
 }
 

@@ -164,7 +164,7 @@ Finding vector_finding(WholeFigure figure, const std::vector<std::string>& where
   f.where = where, f.regime = "everywhere";
   for (std::size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<Eigen::Index>(i);
-    const double x = value[axis], off = 1.96 * deviations_of(covariance)[axis];
+    const double x = value[axis], off = kNormal95 * deviations_of(covariance)[axis];
     f.parameters[names[i]] = {x, x - off, x + off, unit, false};
   }
   f.heldout_gain = score.nominal > 0.0

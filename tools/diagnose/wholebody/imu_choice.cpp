@@ -1,8 +1,6 @@
 // Losses of one choice less those of another, group by group: what is above chance is proved.
 #include "tools/diagnose/wholebody/imu_choice.h"
 
-#include <numeric>
-
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -31,8 +29,6 @@ std::vector<double> left_out(const std::vector<ImuWindow>& windows, const WholeS
   }
   return out;
 }
-
-double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
 
 /// Whether `rich` predicts better than `simple` beyond chance.
 bool proved(const std::vector<double>& simple, const std::vector<double>& rich,

@@ -40,7 +40,7 @@ V3 gyro_left(const ImuWindow& w, const ImuMount& m) {
 /// Standard deviation of values around zero that a few outliers do not decide.
 double spread_around_zero(std::vector<double> x, double least) {
   for (double& v : x) v = std::abs(v);
-  return x.empty() ? 1.0 : std::max(1.4826 * median(x), least);
+  return x.empty() ? 1.0 : std::max(kSigmaOfMedian * median(x), least);
 }
 
 using Matrix9 = Eigen::Matrix<double, 9, 9>;

@@ -184,7 +184,7 @@ Measured sized(const V2& value, const Matrix& covariance, const LeanProblem& pro
                const Chance& chance) {
   Measured m;
   m.value = value.norm(), m.sigma = std::sqrt(covariance.trace());
-  m.low = std::max(0.0, m.value - 1.96 * m.sigma), m.high = m.value + 1.96 * m.sigma;
+  m.low = std::max(0.0, m.value - kNormal95 * m.sigma), m.high = m.value + kNormal95 * m.sigma;
   const auto fitted = [](const Piece& p) { return p.held_out ? 0.0 : 1.0; };
   const Vector x = problem.solved(with, fitted);
   const Vector other =
@@ -235,7 +235,7 @@ Measured between(const LeanProblem& problem, const Vector& x, double wander, con
   m.groups = own.size();
   m.value = std::sqrt(squares / static_cast<double>(own.size()));
   m.sigma = wander;
-  m.low = std::max(0.0, m.value - 1.96 * wander), m.high = m.value + 1.96 * wander;
+  m.low = std::max(0.0, m.value - kNormal95 * wander), m.high = m.value + kNormal95 * wander;
   if (before > 0.0 && !removed.empty())
     m.gain_low = moving_block_lower_bound(removed, chance.decisions.gain_level,
                                           chance.decisions.gain_draws, Random(chance.seed, 43)) /

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "tools/diagnose/stats/robust.h"
+#include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/wholebody/lean.h"
 #include "tools/diagnose/wholebody/questions.h"
 
@@ -117,7 +118,7 @@ Said judge_lean(const Asking& asking, const Asked& asked, const Measured& m, con
   const Said said = answers.judge(asked, m, asking.chance());
   if (said != Said::missing) return said;
   // of a vector's deviation each of two axes has its part
-  const double each = 1.96 * m.sigma / std::sqrt(2.0);
+  const double each = kNormal95 * m.sigma / std::sqrt(2.0);
   answers.findings.back().parameters = {
       {"x", {rotation[0], rotation[0] - each, rotation[0] + each, "rad", false}},
       {"y", {rotation[1], rotation[1] - each, rotation[1] + each, "rad", false}}};
@@ -149,8 +150,8 @@ Answered judge_floor(const Asking& asking, const LeanFit& soles) {
     lean -= imu->in_world;
     floor.sigma = std::hypot(floor.sigma, imu->world.sigma);
     floor.value = lean.norm();
-    floor.low = std::max(0.0, floor.value - 1.96 * floor.sigma);
-    floor.high = floor.value + 1.96 * floor.sigma;
+    floor.low = std::max(0.0, floor.value - kNormal95 * floor.sigma);
+    floor.high = floor.value + kNormal95 * floor.sigma;
   }
   std::vector<std::string> others;
   if (!vouched) others.push_back(name_of(WholeFigure::pose_tilt));
