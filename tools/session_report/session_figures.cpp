@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "host/learn/session/summary.h"
+#include "shared/base/time.h"
 #include "shared/model/joints.h"
 #include "tools/report/svg_chart.h"
 
@@ -20,7 +21,7 @@ using learn::TrialSummary;
 using wire::Observation;
 
 constexpr double kCostLimit = 350.0;  // J_th (paper)
-constexpr double kUpperPeriod_ms = 60.0;
+constexpr double kUpperPeriod_ms = kTicksPerUpper * kTickPeriod / kMillisecond;
 constexpr ChartSize kWide{1080, 300}, kHalf{540, 260};  // px: across the page, two abreast
 constexpr double kRadToDeg = 57.295779513082323;
 
@@ -222,21 +223,22 @@ std::string foot_forces(const Episode& episode) {
 }
 
 std::string update_times(const SessionState& state) {
-  return svg(LineChart{.title = "Policy update",
-                       .x_label = "trial",
-                       .y_label = "time [ms]",
-                       .series = {over_trials(state, "median",
-                                              [](const TrialSummary& t) {
-                                                return learn::percentile(t.update_ms, 0.5);
-                                              }),
-                                  over_trials(state, "longest",
-                                              [](const TrialSummary& t) {
-                                                return learn::percentile(t.update_ms, 1.0);
-                                              })},
-                       .levels = {{kUpperPeriod_ms, "period 60 ms"}},
-                       .y_min = 0.0,
-                       .y_max = 1.1 * kUpperPeriod_ms},
-             kHalf);
+  return svg(
+      LineChart{.title = "Policy update",
+                .x_label = "trial",
+                .y_label = "time [ms]",
+                .series = {over_trials(state, "median",
+                                       [](const TrialSummary& t) {
+                                         return learn::percentile(t.update_ms, 0.5);
+                                       }),
+                           over_trials(state, "longest",
+                                       [](const TrialSummary& t) {
+                                         return learn::percentile(t.update_ms, 1.0);
+                                       })},
+                .levels = {{kUpperPeriod_ms, fmt::format("period {:.0f} ms", kUpperPeriod_ms)}},
+                .y_min = 0.0,
+                .y_max = 1.1 * kUpperPeriod_ms},
+      kHalf);
 }
 
 }  // namespace sanso::report
