@@ -64,7 +64,6 @@ void read_config(const TomlTable& root, ProgramConfig& config) {
 
 /// Settings that are each inside their range and make no sense together; nullptr: none.
 const char* conflict_of(const DeviceConfig& device, const Settings& s) {
-  constexpr double kTick_s = to_seconds(kTickPeriod);
   const math::Quat quat_base_sensor(s.imu.quat_base_sensor_w, s.imu.quat_base_sensor_x,
                                     s.imu.quat_base_sensor_y, s.imu.quat_base_sensor_z);
   if (s.guard.low_voltage_V < s.guard.min_voltage_V)

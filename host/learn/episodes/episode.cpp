@@ -2,14 +2,17 @@
 // them.
 #include "host/learn/episodes/episode.h"
 
+#include <fmt/format.h>
+
+#include "host/learn/episodes/stored_knot.h"
 #include "shared/files/framed.h"
 #include "shared/files/hash.h"
 
 namespace sanso::learn {
 namespace {
 
-constexpr char kMagic[] = "SANSOEPI";
-constexpr std::uint32_t kVersion = 3;
+constexpr char kEpisodeMagic[] = "SANSOEPI";
+constexpr std::uint32_t kEpisodeVersion = 3;
 
 /// One list of the fields for both directions: `io` is called with every field in the stored order.
 void visit_fields(auto& o, auto&& io) {
@@ -34,8 +37,6 @@ void visit_plan(auto& p, auto&& io) {
   io(p.policy.sequence), io(p.policy.trial_id), io(p.policy.first_tick),
       io(p.policy.ticks_per_knot);
 }
-
-void visit_knot(auto& k, auto&& io) { io(k.u), io(k.x), io(k.K); }
 
 template <class Visit>
 void put_all(files::FramedWriter& out, const auto& items, Visit visit) {
@@ -111,6 +112,10 @@ std::uint64_t digest(const Episode& episode) {
   return files::fnv1a(out.bytes());
 }
 
+std::filesystem::path trial_file(const std::filesystem::path& session, std::uint32_t trial) {
+  return session / fmt::format("trial_{:04d}.episode", trial);
+}
+
 void save_episode(const std::filesystem::path& path, const Episode& episode) {
   files::FramedWriter out;
   const auto put = [&](const auto& v) { out.put(v); };
@@ -132,11 +137,11 @@ void save_episode(const std::filesystem::path& path, const Episode& episode) {
     visit_timing(o, put);
   });
   out.put(static_cast<std::uint8_t>(episode.quiet_at_start));
-  files::save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kEpisodeMagic, kEpisodeVersion, out.bytes());
 }
 
 Episode load_episode(const std::filesystem::path& path) {
-  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kEpisodeMagic, kEpisodeVersion);
   const auto get = [&](auto& v) { in.get(v); };
   Episode episode;
   visit_header(episode, get);

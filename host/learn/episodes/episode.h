@@ -24,6 +24,7 @@ enum class TrialEnd : std::uint8_t {
   ended_early = 6,
   fell_before = 7,  // while standing up or holding the first pose; there are no ticks
 };
+/// As reports and summary.json say it: "completed", "fell before the trial", ...
 const char* to_string(TrialEnd end);
 
 /// One answer of the upper layer, as it was sent.
@@ -75,6 +76,10 @@ const policy::UpperPolicy* executed_policy(const Episode& episode,
 /// equal digests.
 std::uint64_t digest(const Episode& episode);
 
+/// Where a session keeps a trial, counted from 0.
+std::filesystem::path trial_file(const std::filesystem::path& session, std::uint32_t trial);
+/// Throws files::InputError or std::runtime_error with the file's name: cannot be written; is not
+/// there, is damaged, is of another version.
 void save_episode(const std::filesystem::path& path, const Episode& episode);
 Episode load_episode(const std::filesystem::path& path);
 

@@ -7,8 +7,8 @@
 namespace sanso::learn {
 namespace {
 
-constexpr char kMagic[] = "SANSOCEM";
-constexpr std::uint32_t kVersion = 1;
+constexpr char kIdentificationMagic[] = "SANSOCEM";
+constexpr std::uint32_t kIdentificationVersion = 1;
 
 void get_sized(files::FramedReader& in, Eigen::VectorXd& v, std::uint32_t size) {
   if (in.left() / sizeof(double) < size) in.fail();
@@ -28,11 +28,11 @@ void save_search(const std::filesystem::path& path, const CrossEntropyState& sta
   out.put(state.mean);
   out.put(state.deviation);
   out.put(state.best);
-  files::save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kIdentificationMagic, kIdentificationVersion, out.bytes());
 }
 
 CrossEntropyState load_search(const std::filesystem::path& path, std::uint64_t fingerprint) {
-  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kIdentificationMagic, kIdentificationVersion);
   if (in.read<std::uint64_t>() != fingerprint)
     throw std::runtime_error(
         path.string() +

@@ -14,10 +14,9 @@
 namespace sanso::learn {
 namespace {
 
-constexpr char kMagic[] = "SANSOMDL";
-constexpr std::uint32_t kVersion = 1;
+constexpr char kLearnerMagic[] = "SANSOMDL";
+constexpr std::uint32_t kLearnerVersion = 1;
 constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
-constexpr double kStep_s = 0.06;
 
 void visit_network(auto& n, auto&& io) {
   io(n.feature_mean), io(n.feature_scale), io(n.W1), io(n.W2), io(n.W3), io(n.b1), io(n.b2),
@@ -223,11 +222,11 @@ void ModelLearner::save(const std::filesystem::path& path) const {
   out.put(static_cast<std::int32_t>(rounds_));
   out.put(static_cast<std::uint8_t>(residual_.has_value()));
   if (residual_) visit_network(*residual_, [&out](const auto& m) { out.put(m); });
-  files::save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kLearnerMagic, kLearnerVersion, out.bytes());
 }
 
 void ModelLearner::load(const std::filesystem::path& path) {
-  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kLearnerMagic, kLearnerVersion);
   if (in.read<std::uint32_t>() != static_cast<std::uint32_t>(map_.size())) {
     throw std::runtime_error(path.string() +
                              ": holds another set of model parameters; delete it and learn again");

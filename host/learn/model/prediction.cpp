@@ -17,8 +17,6 @@ using model::InputLanes;
 using model::kLanes;
 using model::StateLanes;
 
-constexpr double kStep_s = 0.06;
-
 model::State state_in_lane(const StateLanes& lanes, int lane) {
   model::State x;
   for (int i = 0; i < model::kNx; ++i) x[i] = lanes.v[i][lane];

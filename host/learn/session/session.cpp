@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <stdexcept>
 
 #include "host/learn/seeds.h"
 #include "host/learn/session/summary.h"
+#include "host/learn/wall_clock.h"
 #include "shared/files/atomic_file.h"
 #include "shared/policy/layer_sum.h"
 #include "shared/policy/policy_bytes.h"
@@ -19,17 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double wall_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 fs::path state_file(const fs::path& out) { return out / "state.bin"; }
 /// One file a round: a kill between model and state leaves the state's own model untouched.
 fs::path model_file(const fs::path& out, std::uint32_t round) {
   return out / fmt::format("model_{:03d}.bin", round);
-}
-fs::path episode_file(const fs::path& out, std::uint32_t trial) {
-  return out / fmt::format("trial_{:04d}.episode", trial);
 }
 
 /// What must agree between the run that began a session and the one that continues it.
@@ -257,7 +250,7 @@ TrialSummary Session::run_one() {
   summary.wall_s = wall_s() - begin;
   state_->history.push_back(summary);
   state_->next_trial = trial + 1;
-  save_episode(episode_file(settings_.out, trial), episode);
+  save_episode(trial_file(settings_.out, trial), episode);
   if (time_to_learn_model()) learn_model();
   store();
   return summary;
@@ -321,7 +314,7 @@ void Session::learn_model() {
   const auto newest = static_cast<std::uint32_t>(settings_.model.newest_episodes);
   for (std::uint32_t t = state_->next_trial > newest ? state_->next_trial - newest : 0;
        t < state_->next_trial; ++t) {
-    episodes.push_back(taught_by(load_episode(episode_file(settings_.out, t))));
+    episodes.push_back(taught_by(load_episode(trial_file(settings_.out, t))));
   }
   learner_.learn(episodes);
   // not enough data: nothing was learned

@@ -5,14 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/learn/episodes/stored_knot.h"
 #include "shared/files/framed.h"
 #include "shared/files/hash.h"
 
 namespace sanso::learn {
 namespace {
 
-constexpr char kMagic[] = "SANSOSES";
-constexpr std::uint32_t kVersion = 6;
+constexpr char kSessionMagic[] = "SANSOSES";
+constexpr std::uint32_t kSessionVersion = 6;
 
 void visit_summary(auto& s, auto&& io) {
   io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss),
@@ -22,8 +23,6 @@ void visit_summary(auto& s, auto&& io) {
       io(s.bus_corrupt);
   io(s.quiet_at_start), io(s.cost_true), io(s.digest), io(s.wall_s);
 }
-
-void visit_knot(auto& k, auto&& io) { io(k.u), io(k.x), io(k.K); }
 
 std::vector<std::uint8_t> primitive_bytes(const policy::PrimitiveSet& set) {
   std::vector<std::uint8_t> bytes(policy::kMaxPrimitiveBytes);
@@ -101,11 +100,11 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
     out.put(static_cast<std::uint32_t>(s.broken_clauses.size()));
     for (const std::string& clause : s.broken_clauses) out.put(clause);
   }
-  files::save_framed(path, kMagic, kVersion, out.bytes());
+  files::save_framed(path, kSessionMagic, kSessionVersion, out.bytes());
 }
 
 void load_state(const std::filesystem::path& path, SessionState& state) {
-  files::FramedReader in = files::load_framed(path, kMagic, kVersion);
+  files::FramedReader in = files::load_framed(path, kSessionMagic, kSessionVersion);
   in.get(state.identity);
   in.get(state.next_trial);
   in.get(state.sigma);
