@@ -11,7 +11,7 @@ namespace sanso::diagnose {
 namespace {
 
 /// Limits that are shared by all recordings of a joint, so that a regime means the same in each.
-struct JointScale {
+struct RegimeLimits {
   double rest_speed = 0.0;        // below: standing
   double slow = 0.0, fast = 0.0;  // terciles of the moving speed
   double low_load = 0.0, high_load = 0.0;
@@ -39,7 +39,7 @@ class JointRegimes {
   }
   const std::vector<Row>& rows() const { return rows_; }
 
-  void fill(const JointScale& scale, std::vector<std::vector<char>>& mask,
+  void fill(const RegimeLimits& scale, std::vector<std::vector<char>>& mask,
             const std::vector<std::string>& names) const {
     mask.assign(names.size(), std::vector<char>(rows_.size(), 0));
     const auto set = [&](const char* name, std::size_t row, bool value) {
@@ -80,7 +80,7 @@ class JointRegimes {
 
  private:
   template <class Set>
-  void mark_reversals(const JointScale& scale, const Set& set) const {
+  void mark_reversals(const RegimeLimits& scale, const Set& set) const {
     for (std::size_t k = 1; k < rows_.size(); ++k) {
       if (rows_[k].dq * rows_[k - 1].dq > 0.0 || std::abs(rows_[k].dq - rows_[k - 1].dq) < 1e-9)
         continue;
@@ -100,7 +100,7 @@ class JointRegimes {
     }
   }
   template <class Set>
-  void mark_standstill(const JointScale& scale, const Set& set) const {
+  void mark_standstill(const RegimeLimits& scale, const Set& set) const {
     for (std::size_t k = 0; k < rows_.size();) {
       std::size_t end = k;
       while (end < rows_.size() && std::abs(rows_[end].dq) <= scale.rest_speed) ++end;
@@ -134,7 +134,7 @@ class JointRegimes {
   std::vector<Row> rows_;
 };
 
-JointScale scale_of(const std::vector<JointRegimes>& recordings, const RegimeSettings& settings) {
+RegimeLimits scale_of(const std::vector<JointRegimes>& recordings, const RegimeSettings& settings) {
   std::vector<double> speed, load, volt, temp;
   for (const JointRegimes& joint : recordings) {
     for (const Row& r : joint.rows()) {
@@ -142,7 +142,7 @@ JointScale scale_of(const std::vector<JointRegimes>& recordings, const RegimeSet
       volt.push_back(r.volt), temp.push_back(r.temp);
     }
   }
-  JointScale s;
+  RegimeLimits s;
   s.rest_speed = settings.standing * quantile(speed, 0.99);
   std::vector<double> moving;
   for (double v : speed) {
@@ -178,7 +178,7 @@ Regimes find_regimes(const Comparison& comparison) {
     for (std::size_t s = 0; s < sources; ++s)
       recordings.emplace_back(comparison.sources[s], joint, torques[s],
                               comparison.settings.regimes);
-    const JointScale scale = scale_of(recordings, comparison.settings.regimes);
+    const RegimeLimits scale = scale_of(recordings, comparison.settings.regimes);
     for (std::size_t s = 0; s < sources; ++s)
       recordings[s].fill(scale, out.mask[s][joint], out.names);
   });

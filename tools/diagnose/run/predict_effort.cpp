@@ -16,7 +16,7 @@
 namespace sanso::diagnose {
 namespace {
 
-EffortDiagnosis refused(std::vector<Defect> defects) {
+EffortDiagnosis refused_effort(std::vector<Defect> defects) {
   Evidence evidence;
   evidence.defects = std::move(defects);
   EffortDiagnosis out;
@@ -130,7 +130,7 @@ EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& 
     ask("are the recordings sound?");
     const LoadedRecordings loaded =
         load_recordings(options.recordings, gate_joints(model), options.settings.gate);
-    if (loaded.gate.refused()) return refused(loaded.gate.defects);
+    if (loaded.gate.refused()) return refused_effort(loaded.gate.defects);
     now.notes = loaded.gate.notes, now.data_hash = loaded.hashes;
     ask("how did the joints move, and what effort did the model need for it?");
     const EffortRows rows =
@@ -151,7 +151,7 @@ EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& 
     out.patched = effort_patched(model, out.outcome, out.verdict.notes);
     return out;
   } catch (const files::InputError& error) {
-    return refused({defect_of(error)});
+    return refused_effort({defect_of(error)});
   }
 }
 

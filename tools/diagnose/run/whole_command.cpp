@@ -18,7 +18,7 @@ std::string parameters_text(const Finding& f) {
   return out;
 }
 
-std::string text_of(const Verdict& v) {
+std::string whole_text(const Verdict& v) {
   std::string out = wrapped(v.summary, 96) + "\n";
   out += "question   what do pose, IMU and feet say that the model does not?\n";
   out += fmt::format("answer     {}: {}\n", to_string(v.status), v.answer);
@@ -76,7 +76,7 @@ std::string page_of(const WholeDiagnosis& d) {
 
 Ending ending_of(WholeDiagnosis d) {
   Ending out;
-  out.text = text_of(d.verdict);
+  out.text = whole_text(d.verdict);
   out.report = page_of(d);
   out.verdict = std::move(d.verdict);
   out.patched_body = std::move(d.patched);

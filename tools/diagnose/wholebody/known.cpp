@@ -115,7 +115,7 @@ double scale_of(const Reader& read) {
   return scale;
 }
 
-V2 rotation_of(const Reader& read) { return {read.number("x", 0), read.number("y", 0)}; }
+V2 read_rotation(const Reader& read) { return {read.number("x", 0), read.number("y", 0)}; }
 
 /// What a model of a floating base can say, as a person reads it.
 std::string listed() {
@@ -156,10 +156,10 @@ void apply(WholeBody& body, const EffectEntry& entry, Known& known) {
       known.acc_bias = eigen(read.vector({"acc_x", "acc_y", "acc_z"}));
       return;
     case WholeFigure::pose_tilt:
-      known.pose_tilt = rotation_of(read);
+      known.pose_tilt = read_rotation(read);
       return;
     case WholeFigure::slope:
-      known.slope = rotation_of(read);
+      known.slope = read_rotation(read);
       return;
     default:
       read.fail("effect not simulated on a floating base", entry.id, listed());
