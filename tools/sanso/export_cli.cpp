@@ -23,7 +23,7 @@ struct ExportOptions {
 };
 
 fs::path episode_file(const fs::path& folder, int trial) {
-  return folder / fmt::format("trial_{:04d}.episode", trial - 1);
+  return learn::trial_file(folder, static_cast<std::uint32_t>(trial - 1));
 }
 
 int last_trial(const fs::path& folder) {

@@ -53,7 +53,7 @@ model::ModelParameters identified(const JogOptions& o) {
   std::vector<learn::FineWindow> windows;
   constexpr int kFirstTick = 60, kStride = 4;  // the robot stands at first
   for (const int trial : o.trials) {
-    const fs::path file = o.session / fmt::format("trial_{:04d}.episode", trial - 1);
+    const fs::path file = learn::trial_file(o.session, static_cast<std::uint32_t>(trial - 1));
     const auto some = learn::fine_windows_of(learn::load_episode(file), kFirstTick, kStride);
     windows.insert(windows.end(), some.begin(), some.end());
   }

@@ -62,7 +62,7 @@ void run(const PageCostOptions& asked, const fs::path& out, page::LivePage* page
   fs::remove_all(out);
   (void)app::learn(options, watched(page));
   for (int trial = 0; trial < asked.trials; ++trial) {
-    const fs::path stored = out / fmt::format("trial_{:04d}.episode", trial);
+    const fs::path stored = learn::trial_file(out, static_cast<std::uint32_t>(trial));
     if (fs::exists(stored)) add(learn::load_episode(stored), times);
   }
 }

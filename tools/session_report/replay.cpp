@@ -64,10 +64,6 @@ int best_of(const std::vector<learn::TrialSummary>& history) {
                           history.begin());
 }
 
-fs::path episode_file(const fs::path& folder, std::uint32_t trial) {
-  return folder / fmt::format("trial_{:04d}.episode", trial);
-}
-
 std::string scene_for(const fs::path& folder) {
   try {
     if (fs::exists(folder / "world.toml"))
@@ -85,8 +81,8 @@ std::string data_of(const fs::path& folder, const learn::SessionState& state,
   int second = -1;
   for (const int i : wanted) {
     const learn::TrialSummary& summary = state.history[static_cast<std::size_t>(i)];
-    if (!fs::exists(episode_file(folder, summary.trial))) continue;
-    const Episode episode = learn::load_episode(episode_file(folder, summary.trial));
+    if (!fs::exists(learn::trial_file(folder, summary.trial))) continue;
+    const Episode episode = learn::load_episode(learn::trial_file(folder, summary.trial));
     if (episode.ticks.empty()) continue;
     if (i == best && data.trials() > 0) second = data.trials();
     data.add(summary, episode);

@@ -69,13 +69,9 @@ std::string verdict(const SessionState& state) {
       failures, h.front().cost, h.back().cost, best->cost, best->trial + 1);
 }
 
-fs::path episode_file(const fs::path& folder, std::uint32_t trial) {
-  return folder / fmt::format("trial_{:04d}.episode", trial);
-}
-
 void add_trial(HtmlPage& page, const fs::path& folder, const TrialSummary& summary) {
-  if (!fs::exists(episode_file(folder, summary.trial))) return;
-  const learn::Episode episode = learn::load_episode(episode_file(folder, summary.trial));
+  if (!fs::exists(learn::trial_file(folder, summary.trial))) return;
+  const learn::Episode episode = learn::load_episode(learn::trial_file(folder, summary.trial));
   page.heading(fmt::format("Trial {}", summary.trial + 1));
   page.figure(layer_contributions(episode),
               "Share of each layer in the sum that is sent to the servos.");
