@@ -10,7 +10,6 @@
 namespace sanso::firmware {
 namespace {
 
-constexpr double kTick_s = to_seconds(kTickPeriod);
 constexpr double kBalanceRamp_s = 0.2;
 // a newly uploaded first pose is approached at this speed while holding
 constexpr double kPoseRate_rad_s = 0.5;

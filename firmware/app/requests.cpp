@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "firmware/app/controller.h"
+#include "firmware/bus/servos.h"
 #include "shared/servo_bus/opencr.h"
 
 namespace sanso::firmware {
@@ -11,8 +12,6 @@ namespace {
 constexpr int kGateTicks = 20;
 // readings in a row before they are trusted with a goal
 constexpr int kFreshTicks = 3;
-// a joint farther outside its range is not where the reading says, or not a joint of this robot
-constexpr double kFarOutside_rad = 0.6;
 // with the bus gone nothing can be lowered: the program ends with torque on
 constexpr Nanoseconds kEndPatience = 3 * kSecond;
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "firmware/bus/servos.h"
 #include "shared/servo_bus/opencr.h"
 #include "shared/servo_bus/units.h"
 
@@ -21,8 +22,6 @@ constexpr int kSilences = 200;
 // torque on in some legs and off in others: so it is, or one reading was wrong
 constexpr int kLooks = 3;
 constexpr int kAsLongAsAPacket = servo_bus::kMinPacketBytes;
-// a goal farther outside the joint's range was misread
-constexpr double kFarOutside_rad = 0.6;
 
 struct Wanted {
   const servo_bus::Register& reg;

@@ -28,6 +28,9 @@ inline constexpr std::array<HeldServo, 8> kHeldServos{{
     {"head_tilt", 20, 0.0},
 }};
 
+/// A joint farther outside its range [rad] was misread, or is no joint of this robot.
+inline constexpr double kFarOutside_rad = 0.6;
+
 /// Arms and head turn this far either way [rad].
 inline constexpr double kHeldRange_rad = 0.9 * model::kPi;
 

@@ -13,8 +13,6 @@ using math::Mat3;
 using math::Vec3;
 using Vec4 = AxisFilter::Vec4;
 
-constexpr double kDt = 0.01;
-constexpr double kGravity = 9.81;
 constexpr double kStartSigma = 0.02;  // m and m/s: a robot at rest
 // a larger innovation is a jump of the tracker, not of the robot
 constexpr double kPoseJump_m = 0.15;
@@ -61,14 +59,14 @@ const model::State& Estimator::update(Nanoseconds now, const ServoReadings& serv
 }
 
 void Estimator::read_joints(const ServoReadings& servos) {
-  const double keep = settings_.joint_rate_filter_s / (settings_.joint_rate_filter_s + kDt);
+  const double keep = settings_.joint_rate_filter_s / (settings_.joint_rate_filter_s + kTick_s);
   for (int j = 0; j < model::kNumJoints; ++j) {
     const ServoReading& r = servos.servo[static_cast<std::size_t>(j)];
     if (r.age_ticks == 0) {
       q_[j] = r.position_rad;
       dq_[j] = keep * dq_[j] + (1.0 - keep) * r.velocity_rad_s;
     } else if (r.age_ticks <= kMaxExtrapolatedTicks) {
-      q_[j] = r.position_rad + r.age_ticks * kDt * r.velocity_rad_s;
+      q_[j] = r.position_rad + r.age_ticks * kTick_s * r.velocity_rad_s;
     } else {
       dq_[j] = 0.0;
     }
@@ -134,7 +132,7 @@ void Estimator::predict() {
   const double right = right_stands ? settings_.foot_slip_noise : settings_.foot_swing_noise;
   const double left = left_stands ? settings_.foot_slip_noise : settings_.foot_swing_noise;
   for (int a = 0; a < 3; ++a)
-    axis_[static_cast<std::size_t>(a)].predict(a_base_in_world_[a], kDt, settings_.accel_noise,
+    axis_[static_cast<std::size_t>(a)].predict(a_base_in_world_[a], kTick_s, settings_.accel_noise,
                                                right, left);
 }
 

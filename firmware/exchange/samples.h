@@ -6,6 +6,9 @@
 
 namespace sanso::firmware {
 
+inline constexpr double kGravity = 9.81;             // m/s^2, where the robot stands
+inline constexpr double kStandardGravity = 9.80665;  // m/s^2: the g in which sensors count
+
 struct ImuSample {
   Nanoseconds time = 0;        // arrival; 0: never
   std::uint32_t sequence = 0;  // counts complete samples

@@ -12,8 +12,6 @@
 namespace sanso::firmware {
 namespace {
 
-constexpr double kTick_s = to_seconds(kTickPeriod);
-
 // a joint found outside its range comes in this fast
 constexpr double kComeIn_rad_s = 0.5;
 

@@ -7,7 +7,6 @@ namespace sanso::firmware {
 namespace {
 
 constexpr double kRadPerDegree = 3.14159265358979323846 / 180.0;
-constexpr double kStandardGravity = 9.80665;
 
 /// The board lies turned by half a turn about z: the maker's own driver negates x and y.
 math::Vec3 base_from_board(const std::array<std::int16_t, 3>& raw, double scale) {

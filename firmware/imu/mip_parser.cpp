@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <bit>
 
+#include "firmware/exchange/samples.h"
+
 namespace sanso::firmware {
 namespace {
 
 constexpr std::uint8_t kSync1 = 0x75, kSync2 = 0x65;
 constexpr std::uint8_t kSensorSet = 0x80;
-constexpr std::uint8_t kScaledAccel = 0x04, kScaledGyro = 0x05, kQuaternion = 0x0A;
-constexpr double kStandardGravity = 9.80665;
+constexpr std::uint8_t kScaledAccel = 0x04, kScaledGyro = 0x05, kQuaternionField = 0x0A;
 
 /// Fletcher's sums over all bytes before them.
 std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
@@ -69,7 +70,7 @@ MipSample MipParser::decode() const {
       sample.accel = kStandardGravity * vector(data);
     else if (fields[1] == kScaledGyro && data.size() == 12)
       sample.gyro = vector(data);
-    else if (fields[1] == kQuaternion && data.size() == 16)
+    else if (fields[1] == kQuaternionField && data.size() == 16)
       sample.quat = math::Quat(number(data, 0), number(data, 1), number(data, 2), number(data, 3));
     fields = fields.subspan(fields[0]);
   }

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware/exchange/samples.h"
+
 namespace sanso::firmware {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kTiltGain = 0.5;    // 1/s: the accelerometer corrects tilt within two seconds
 constexpr double kForceRange = 0.2;  // beyond +-20 % of gravity it shows motion, not tilt
 constexpr double kMeanTime_s = 0.3, kBiasTime_s = 1.0, kRestTime_s = 0.5;
