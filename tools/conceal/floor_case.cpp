@@ -17,11 +17,6 @@ namespace {
 using nlohmann::json;
 using plant::operator*;
 
-Vec3 direction(Random& random) {
-  Vec3 v{random.normal(), random.normal(), random.normal()};
-  return (1.0 / std::max(plant::norm(v), 1e-9)) * v;
-}
-
 // chosen: larger, the robot falls or the answer is plain
 constexpr double kLargestRatio = 10.0;
 constexpr std::size_t kFewestRows = 200;  // of a motion in which it fell: two seconds

@@ -11,11 +11,6 @@ using nlohmann::json;
 using plant::operator*;
 using Places = std::vector<std::string>;
 
-Vec3 direction(Random& random) {
-  Vec3 v{random.normal(), random.normal(), random.normal()};
-  return (1.0 / std::max(plant::norm(v), 1e-9)) * v;
-}
-
 json three(const Vec3& v, const char* prefix) {
   const std::string p = prefix;
   return {{p + "x", v[0]}, {p + "y", v[1]}, {p + "z", v[2]}};

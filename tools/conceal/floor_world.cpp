@@ -20,12 +20,10 @@ using plant::Quat;
 
 namespace {
 
-constexpr double kStep_s = 0.0005, kRow_s = 0.01, kSettle_s = 3.0, kLength_s = 12.0;
+constexpr double kFloorStep_s = 0.0005, kRow_s = 0.01, kFloorSettle_s = 3.0, kLength_s = 12.0;
 // box under each ankle, m: about the maker's sole
 constexpr Vec3 kSoleHalf{0.063, 0.038, 0.004};
 constexpr double kAnkle_m = 0.0317;  // above the ground
-
-std::string text(const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v[0], v[1], v[2]); }
 
 std::string inertial(double mass, const Vec3& com, const double* i) {
   return fmt::format(R"(<inertial pos="{}" mass="{:.9g}" fullinertia="{:.9g} {:.9g} )"
@@ -67,7 +65,7 @@ friction="{:.9g} 0.01 0.001"/><body name="trunk" pos="0 0 0.5"><freejoint name="
 <body name="payload" pos="{}">
 <inertial pos="0 0 0" mass="{:.9g}" diaginertia="1e-9 1e-9 1e-9"/></body>
 )",
-      kStep_s, w.slope[0], w.slope[1], w.friction,
+      kFloorStep_s, w.slope[0], w.slope[1], w.friction,
       inertial(w.trunk.mass, w.trunk.com, w.trunk.inertia), text(w.payload_at),
       std::max(w.payload_kg, 1e-8));
   for (int i = 0; i < w.legs.size(); ++i) {
@@ -249,11 +247,11 @@ recording::Recording run_on_floor(const FloorTruth& truth, const FloorMotion& mo
   put_down(*model, *data);
   const int trunk = mj_name2id(model.get(), mjOBJ_BODY, "trunk");
   Logger log(truth, seed);
-  const auto every = std::lround(kRow_s / kStep_s);
-  const long settle = std::lround(kSettle_s / kStep_s);
-  const long steps = settle + std::lround(kLength_s / kStep_s);
+  const auto every = std::lround(kRow_s / kFloorStep_s);
+  const long settle = std::lround(kFloorSettle_s / kFloorStep_s);
+  const long steps = settle + std::lround(kLength_s / kFloorStep_s);
   for (long step = 0; step < steps && stands(*data); ++step) {
-    const double t = static_cast<double>(step - settle) * kStep_s;
+    const double t = static_cast<double>(step - settle) * kFloorStep_s;
     hand.command(t, *data);
     hand.pull(t, trunk, *data);
     if (step % every == 0 && step >= settle) {

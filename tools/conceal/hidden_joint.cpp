@@ -10,7 +10,6 @@
 namespace sanso::conceal {
 namespace {
 
-constexpr double kPwmSteps = 885;         // integer duty
 constexpr double kToothStiffness = 2500;  // N m/rad, where a gear has play but no given compliance
 constexpr double kToothDamping = 1.0;     // N m s/rad
 

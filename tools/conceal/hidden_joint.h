@@ -8,6 +8,8 @@
 
 namespace sanso::conceal {
 
+inline constexpr double kPwmSteps = 885;  // integer duty
+
 /// Dry friction from rest to sliding: bristles (LuGre), a smooth hysteresis (Dahl, exponent 2), or
 /// none at rest.
 enum class FrictionLaw { lugre, dahl, arctangent };

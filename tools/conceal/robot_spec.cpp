@@ -92,8 +92,6 @@ RobotSpec op3_stand() {
   return robot;
 }
 
-std::string text(const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v[0], v[1], v[2]); }
-
 void write_body(std::string& out, const RobotSpec& robot, const std::vector<double>& armature,
                 int index) {
   const LinkSpec& l = robot.links[static_cast<std::size_t>(index)];
@@ -114,6 +112,13 @@ void write_body(std::string& out, const RobotSpec& robot, const std::vector<doub
 }
 
 }  // namespace
+
+std::string text(const Vec3& v) { return fmt::format("{:.9g} {:.9g} {:.9g}", v[0], v[1], v[2]); }
+
+Vec3 direction(Random& random) {
+  const Vec3 v{random.normal(), random.normal(), random.normal()};
+  return (1.0 / std::max(plant::norm(v), 1e-9)) * v;
+}
 
 RobotSpec make_robot(const std::string& name) {
   if (name == "pendulum") return pendulum();

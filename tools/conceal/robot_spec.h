@@ -14,6 +14,12 @@ namespace sanso::conceal {
 using plant::Random;
 using plant::Vec3;
 
+/// A vector as an attribute of MuJoCo's files and of URDF.
+std::string text(const Vec3& v);
+
+/// A unit vector, any direction as likely as another.
+Vec3 direction(Random& random);
+
 /// A link and the revolute joint that carries it. Frames: the joint's, x forward, z up at zero
 /// angle.
 struct LinkSpec {
