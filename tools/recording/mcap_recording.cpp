@@ -20,7 +20,6 @@ namespace {
 using mcap::Imu;
 using mcap::JointState;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kStates = "/joint_states", kCommands = "/joint_commands", kImu = "/imu";
 /// Values of the columns `prefix`<joint> at a row, in the order of `joints`; NaN where there is
 /// none.

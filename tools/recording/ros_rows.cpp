@@ -15,8 +15,6 @@ namespace {
 using mcap::Imu;
 using mcap::JointState;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 bool is_command(const std::string& topic) {
   return topic.find("command") != std::string::npos || topic.find("goal") != std::string::npos ||
          topic.find("target") != std::string::npos;

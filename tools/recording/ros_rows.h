@@ -2,6 +2,7 @@
 // the joints' state arrives, from the last known value of every column.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -11,6 +12,9 @@
 #include "tools/recording/recording.h"
 
 namespace sanso::recording {
+
+/// What a row holds in a column of which nothing was said.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Topics of ours beyond states, commands and IMU: which columns their positions are. An empty
 /// prefix: the supply's voltage.

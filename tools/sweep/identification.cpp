@@ -4,19 +4,15 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "host/app/interrupt.h"
+#include "host/learn/wall_clock.h"
 
 namespace sanso::sweep {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double wall_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -30,13 +26,13 @@ learn::Identification identify_over(const Ranks& ranks, const app::IdentifyOptio
 int run_identification(const Ranks& ranks, const app::IdentifyOptions& given) {
   app::IdentifyOptions options = given;
   options.quiet = options.quiet || ranks.rank() != 0;
-  const double begin = wall_s();
+  const double begin = learn::wall_s();
   const app::IdentificationData data = app::load_identification_data(options);
   const learn::Identification found = identify_over(ranks, options, data);
   const bool complete = found.generations >= options.generations;
   if (ranks.rank() != 0) return complete ? 0 : 2;
   Json answer{{"ranks", ranks.size()},
-              {"wall_s", wall_s() - begin},
+              {"wall_s", learn::wall_s() - begin},
               {"bytes_per_generation", 8 * options.population}};
   answer.update(Json::parse(app::identification_json(options, data, found)));
   fmt::print("{}\n", answer.dump(2));

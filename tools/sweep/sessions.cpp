@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "host/app/interrupt.h"
+#include "host/learn/wall_clock.h"
 #include "shared/files/atomic_file.h"
 #include "shared/files/json.h"
 
@@ -15,10 +15,6 @@ namespace sanso::sweep {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-double wall_s() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The row of a finished session, from what it stored.
 Json row_of(const app::LearnOptions& job) {
@@ -99,7 +95,7 @@ int run_sessions(Ranks& ranks, const SessionsOptions& options,
                  const app::RobotFactory& make_robot) {
   const app::Interrupt interrupt;
   const std::vector<app::LearnOptions> jobs = sessions_of(options);
-  const double begin = wall_s();
+  const double begin = learn::wall_s();
   std::vector<Json> rows;
   for (const std::string& part : ranks.gather(run_mine(ranks, jobs, make_robot).dump()))
     for (const Json& row : Json::parse(part)) rows.push_back(row);
@@ -110,10 +106,10 @@ int run_sessions(Ranks& ranks, const SessionsOptions& options,
   const auto answered = std::count_if(rows.begin(), rows.end(),
                                       [](const Json& row) { return !row.contains("error"); });
   const std::filesystem::path file = options.out / "sweep.json";
-  const Json all{{"ranks", ranks.size()}, {"wall_s", wall_s() - begin}, {"sessions", rows}};
+  const Json all{{"ranks", ranks.size()}, {"wall_s", learn::wall_s() - begin}, {"sessions", rows}};
   files::write_atomically(file, all.dump(2) + '\n');
   fmt::print("{} of {} sessions on {} ranks in {:.1f} s: {}{}\n", answered, jobs.size(),
-             ranks.size(), wall_s() - begin, file.string(),
+             ranks.size(), learn::wall_s() - begin, file.string(),
              stopped ? "; stopped, the same command goes on" : "");
   return answered == static_cast<std::ptrdiff_t>(jobs.size()) ? 0 : 2;
 }
