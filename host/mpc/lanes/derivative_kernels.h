@@ -200,7 +200,7 @@ inline void add_layer_slope(const double (*slope)[kNdxPadded], StageDerivatives&
   }
 }
 
-/// [A | B] and F of a stage from its evaluations: differences, the network's part, the layers' slope.
+/// [A | B] and F of a stage from its evaluations: differences, network, the layers' slope.
 inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
   double next[kNx], without[kNx], R[3][3];
   for (int i = 0; i < kNx; ++i) next[i] = f.next[i], without[i] = f.without_upper[i];

@@ -61,8 +61,8 @@ inline void line_inputs(const LineStage& s, const LaneArray* x, LaneArray* u_upp
   store(noise_cost, load_quad(noise_cost) + 0.5 * price);
 }
 
-/// u of every lane: the upper layer's, what is fixed at this knot, the middle layer's feedback and the
-/// reflexes.
+/// u of every lane: the upper layer's, what is fixed at this knot, the middle layer's feedback and
+/// the reflexes.
 inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, const LaneArray* x,
                          const LaneArray* u_upper, LaneArray* u) {
   Quad sum[kNu];
