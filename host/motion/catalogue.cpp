@@ -17,9 +17,6 @@ const ClipSource kDeepMimic = {
     "xbpeng/DeepMimic, data/motions/humanoid3d_jog.txt", "MIT",
     "retargeted to the ROBOTIS OP3, shortened steps, fitted by movement primitives"};
 
-Clause at_least(const char* measure, double bound) { return {measure, bound, {}}; }
-Clause at_most(const char* measure, double bound) { return {measure, {}, bound}; }
-
 /// What every motion has to do: finish under the threshold, upright, not fallen.
 std::vector<Clause> upright(std::vector<Clause> more, bool deep = false) {
   std::vector<Clause> clauses = {

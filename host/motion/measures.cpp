@@ -11,7 +11,6 @@ namespace {
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kGroundClearance_m = 0.003;  // below it a sole counts as on the ground
 constexpr double kStepClearance_m = 0.005;    // a swing lower than this is no step
-constexpr double kUnloaded_N = 1.0;
 constexpr double kShortestSwing_s = 0.05;
 constexpr double kFlight_s = 0.02;
 

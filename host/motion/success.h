@@ -42,11 +42,16 @@ struct Window {
 /// `measure` has to be at least or at most a bound (either or both). A clause that is waived is
 /// evaluated and shown, but a motion may succeed without it; `waived` says why the robot cannot
 /// hold it.
+inline constexpr double kUnloaded_N = 1.0;  // a foot that carries less is in the air
+
 struct Clause {
   std::string measure;
   std::optional<double> at_least, at_most;
   std::string waived = {};
 };
+
+inline Clause at_least(const char* measure, double bound) { return {measure, bound, {}}; }
+inline Clause at_most(const char* measure, double bound) { return {measure, {}, bound}; }
 
 struct ClauseResult {
   Clause clause;

@@ -9,6 +9,7 @@
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/footsteps.h"
 #include "host/motion/make/leg_ik.h"
+#include "shared/base/time.h"
 #include "shared/files/toml.h"
 
 namespace sanso::motion {
@@ -48,8 +49,7 @@ namespace {
 
 using files::TomlTable;
 
-constexpr double kTick_s = 0.01, kLongest_s = 30.0;
-constexpr double kTransfer_s = 0.6;      // of the weight, before the first lift and after the last
+constexpr double kLongest_s = 30.0;
 constexpr double kLeastSupport_s = 0.1;  // both feet down between two swings
 
 struct KeyPose {
@@ -142,7 +142,7 @@ Composition read_composition(const TomlTable& root) {
   return c;
 }
 
-double smooth(double u) {
+double minimum_jerk(double u) {
   u = std::clamp(u, 0.0, 1.0);
   return u * u * u * (10 - 15 * u + 6 * u * u);
 }
@@ -153,7 +153,7 @@ KeyPose pose_at(const std::vector<KeyPose>& poses, double t) {
   while (k < poses.size() && poses[k].at_s < t) ++k;
   if (k >= poses.size()) return poses.back();
   const KeyPose &a = poses[k - 1], &b = poses[k];
-  const double u = smooth((t - a.at_s) / (b.at_s - a.at_s));
+  const double u = minimum_jerk((t - a.at_s) / (b.at_s - a.at_s));
   return {t, a.height_m + u * (b.height_m - a.height_m), a.weight + u * (b.weight - a.weight)};
 }
 

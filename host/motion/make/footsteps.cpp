@@ -12,8 +12,6 @@
 namespace sanso::motion {
 namespace {
 
-// weight shift before the first lift and after the last landing
-constexpr double kTransfer_s = 0.6;
 // ankles; the soles are then 17 mm apart
 constexpr double kLeastSpacing_m = LegGeometry::kHipSpacing;
 

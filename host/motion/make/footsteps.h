@@ -11,6 +11,9 @@
 
 namespace sanso::motion {
 
+/// Of the weight, before the first lift and after the last landing.
+inline constexpr double kTransfer_s = 0.6;
+
 /// Scale factors from human to robot.
 struct Scale {
   double length = 1.0;  // m robot per m human (without kx)

@@ -13,7 +13,7 @@ namespace {
 using files::TomlTable;
 
 constexpr double kPi = 3.14159265358979323846, kDeg = kPi / 180.0;
-constexpr double kInner_s = 0.001;
+constexpr double kLimitCycleStep_s = 0.001;
 
 int joint_of(const TomlTable& table, const std::string& name) {
   std::string known;
@@ -105,7 +105,7 @@ Oscillators::Oscillators(const RecordRecipe& recipe, std::vector<double> phase_r
 }
 
 void Oscillators::step(double dt_s) {
-  const int inner = std::max(1, static_cast<int>(std::lround(dt_s / kInner_s)));
+  const int inner = std::max(1, static_cast<int>(std::lround(dt_s / kLimitCycleStep_s)));
   const double h = dt_s / inner;
   std::vector<double> rate(phase_.size());
   for (int k = 0; k < inner; ++k) {

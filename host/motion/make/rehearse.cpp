@@ -8,6 +8,7 @@
 #include "host/motion/catalogue.h"
 #include "host/motion/dmp_fit.h"
 #include "host/mpc/upper_layer.h"
+#include "shared/base/time.h"
 #include "shared/model/op3_step.h"
 #include "shared/policy/layer_sum.h"
 
@@ -15,8 +16,7 @@ namespace sanso::motion {
 namespace {
 
 constexpr int kTicksPerKnot = 2, kStepsPerTick = 5;
-constexpr double kTick_s = 0.01, kStep_s = kTick_s / kStepsPerTick;
-constexpr double kUnloaded_N = 1.0;
+constexpr double kStep_s = kTick_s / kStepsPerTick;
 constexpr double kFallen_rad = 0.6, kFallen_m = 0.15;
 
 mpc::MpcSettings planner_settings(const RehearsalSettings& settings) {

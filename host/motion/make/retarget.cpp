@@ -8,11 +8,10 @@
 #include "host/motion/make/footsteps.h"
 #include "host/motion/make/leg_ik.h"
 #include "host/motion/mocap/filter.h"
+#include "shared/base/time.h"
 
 namespace sanso::motion {
 namespace {
-
-constexpr double kTick_s = 0.01;
 
 double blend(double u) {
   u = std::clamp(u, 0.0, 1.0);

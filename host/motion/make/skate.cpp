@@ -11,6 +11,7 @@
 #include "host/motion/make/balance.h"
 #include "host/motion/make/body_kinematics.h"
 #include "host/motion/make/leg_ik.h"
+#include "shared/base/time.h"
 #include "shared/grounds/ground_file.h"
 #include "shared/model/foot_shape.h"
 
@@ -19,13 +20,10 @@ namespace {
 
 using math::Vec3;
 
-constexpr double kTick_s = 0.01, kInner_s = 0.001;
-constexpr int kInnerSteps = 10, kTicksPerPlan = 6;
-constexpr double kLongest_s = 20.0;
+constexpr double kInner_s = 0.001;
+constexpr int kInnerSteps = 10;
+constexpr double kLongestRun_s = 20.0;
 constexpr double kLeastDrop_m = 0.005;
-
-Clause at_least(const char* measure, double bound) { return {measure, bound, {}}; }
-Clause at_most(const char* measure, double bound) { return {measure, {}, bound}; }
 
 /// `arrival_m`: so far along x a run counts as arrived.
 Motion entry(const char* name, const char* title, const Skate& skate, double arrival_m) {
@@ -93,10 +91,11 @@ Motion skate_jump() {
 }
 
 using Maker = Motion (*)();
-const std::vector<std::pair<const char*, Maker>> kEntries = {{"skate_slope", skate_slope},
-                                                             {"skate_ramp", skate_ramp},
-                                                             {"skate_ramp_high", skate_ramp_high},
-                                                             {"skate_jump", skate_jump}};
+const std::vector<std::pair<const char*, Maker>> kSkateEntries = {
+    {"skate_slope", skate_slope},
+    {"skate_ramp", skate_ramp},
+    {"skate_ramp_high", skate_ramp_high},
+    {"skate_jump", skate_jump}};
 
 /// On level ground, the wheels' middle below the origin: knees bent, the centre of mass `lean_m`
 /// ahead of it.
@@ -228,8 +227,8 @@ Trajectory roll(const Skate& skate, const model::Ground& ground) {
   const double lip = next_lip(ground, x);
   for (int tick = 0;; ++tick) {
     out.x.push_back(flight ? flight->at(since_lip, ground) : standing_at(x_posture, ground, x));
-    if (x >= skate.end_x_m && tick % kTicksPerPlan == 0) break;
-    if (tick * kTick_s > kLongest_s)
+    if (x >= skate.end_x_m && tick % kTicksPerUpper == 0) break;
+    if (tick * kTick_s > kLongestRun_s)
       throw MotionError("skate: the reference does not arrive; raise push_m_s or lower rolling");
     for (int k = 1; k <= kInnerSteps; ++k) {
       const double t = tick * kTick_s + k * kInner_s, slope = ground_slope(ground, x);
@@ -253,12 +252,12 @@ Trajectory roll(const Skate& skate, const model::Ground& ground) {
 
 std::vector<std::string> skate_names() {
   std::vector<std::string> names;
-  for (const auto& [name, make] : kEntries) names.emplace_back(name);
+  for (const auto& [name, make] : kSkateEntries) names.emplace_back(name);
   return names;
 }
 
 ImportedMotion make_skate(const std::string& name) {
-  for (const auto& [entry_name, make] : kEntries) {
+  for (const auto& [entry_name, make] : kSkateEntries) {
     if (name != entry_name) continue;
     ImportedMotion out;
     out.motion = make();

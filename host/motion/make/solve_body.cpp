@@ -7,11 +7,11 @@
 #include "host/motion/make/leg_ik.h"
 #include "host/motion/make/retarget.h"
 #include "host/motion/mocap/filter.h"
+#include "shared/base/time.h"
 
 namespace sanso::motion {
 namespace {
 
-constexpr double kTick_s = 0.01;
 constexpr int kCentrePasses = 3;    // base against CoM; the third moves it by less than 0.1 mm
 constexpr int kZmpPasses = 3;       // pendulum against the bodies' ZMP
 constexpr double kSmooth_Hz = 5.0;  // of the ZMP reference: 40-80 ms

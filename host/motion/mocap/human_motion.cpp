@@ -31,7 +31,7 @@ LegNames find_leg(const BvhClip& clip, int side) {
 }
 
 /// y up -> z up by the cyclic permutation, which keeps the handedness.
-Eigen::Vector3d to_z_up(const Eigen::Vector3d& p) { return {p.z(), p.x(), p.y()}; }
+Eigen::Vector3d cycled_to_z_up(const Eigen::Vector3d& p) { return {p.z(), p.x(), p.y()}; }
 
 }  // namespace
 
@@ -64,8 +64,8 @@ HumanMotion human_from_bvh(const BvhClip& clip) {
     const auto p = clip.positions(f);
     HumanFrame frame;
     for (int side : {kRight, kLeft}) {
-      frame.leg[side] = {to_z_up(p[index[side][0]]), to_z_up(p[index[side][1]]),
-                         to_z_up(p[index[side][2]]), to_z_up(p[index[side][3]])};
+      frame.leg[side] = {cycled_to_z_up(p[index[side][0]]), cycled_to_z_up(p[index[side][1]]),
+                         cycled_to_z_up(p[index[side][2]]), cycled_to_z_up(p[index[side][3]])};
     }
     motion.frames.push_back(frame);
   }
