@@ -96,9 +96,13 @@ CLI::App* add_pushes(CLI::App& app, PushOptions& o) {
   c->add_option("--count", o.count, "pushes of every campaign")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  c->add_option("--largest", o.largest_Ns, "impulses are drawn from 0 to this [N s]")
+  c->add_option("--smallest", o.smallest_Ns, "impulses are drawn from this [N s]")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  c->add_option("--largest", o.largest_Ns, "to this")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
+  c->add_option("--set", o.changes, "NAME=VALUE of planner and trial, as in sanso learn");
   c->add_option("--seed", o.seed, "of the pushes and of the sensor noise")->capture_default_str();
   c->add_option("--out", o.out, "folder of pushes.json")->required();
   return c;

@@ -12,6 +12,7 @@
 
 #include "host/app/interrupt.h"
 #include "host/app/learn_command.h"
+#include "host/app/learn_settings.h"
 #include "host/learn/model/model_learner.h"
 #include "host/learn/seeds.h"
 #include "host/learn/session/session.h"
@@ -68,9 +69,10 @@ inprocess::InProcessRobot::Push as_push(const DrawnPush& drawn) {
   return push;
 }
 
-/// True when the robot was still on its feet kSurvival_s after the push.
-bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLayer& upper,
-              const learn::Layers& layers, const DrawnPush& drawn, int number) {
+/// The walk until kSurvival_s after the push; it failed when the robot fell.
+learn::Episode run_push(const Learned& learned, const PushOptions& options,
+                        learn::TrialSettings settings, mpc::UpperLayer& upper,
+                        const learn::Layers& layers, const DrawnPush& drawn, int number) {
   auto middle = std::make_unique<policy::MiddleTable>(learned.state.middle);
   middle->trial_id = 1;
   policy::round_to_wire(*middle);
@@ -84,7 +86,6 @@ bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLaye
   const int end = static_cast<int>(
       std::lround((drawn.time_s + drawn.duration_s + kSurvival_s) / to_seconds(kTickPeriod)));
   setup.duration_ticks = std::min(learned.state.primitives.duration_ticks(), end);
-  learn::TrialSettings settings;
   settings.cost_limit = 1e9;  // a push costs; what counts is whether the robot falls
   settings.tilt_limit_rad = learned.motion.stop.tilt_limit_rad;
   settings.drop_limit_m = learned.motion.stop.drop_limit_m;
@@ -95,13 +96,14 @@ bool survives(const Learned& learned, const PushOptions& options, mpc::UpperLaye
   link::RobotLink& link = access.place(learned.reference.front(), seed);
   learn::prepare_trial(link, setup, settings);
   access.robot().push_at(as_push(drawn));
-  return !learn::run_trial(link, upper, setup, settings).failed();
+  return learn::run_trial(link, upper, setup, settings);
 }
 
 std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learned& learned) {
-  mpc::MpcSettings mpc_settings;
-  mpc_settings.threads = 1;
-  mpc::UpperLayer upper(mpc_settings, learned.model);
+  app::LearnSettings settings;
+  for (const std::string& change : options.changes) app::apply_setting(change, settings);
+  settings.mpc.threads = 1;
+  mpc::UpperLayer upper(settings.mpc, learned.model);
   const double from = learned.motion.window.from_s;
   const double to =
       std::min(learned.motion.window.to_s, learned.motion.duration_s() - kDuration_s - kSurvival_s);
@@ -113,14 +115,19 @@ std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learn
         options.without[static_cast<std::size_t>(job) % options.without.size()];
     const auto layers =
         app::layers_without(without == "none" ? std::vector<std::string>{} : std::vector{without});
-    const DrawnPush drawn = draw_push(options.seed, number, options.largest_Ns, from, to);
+    const DrawnPush drawn =
+        draw_push(options.seed, number, options.smallest_Ns, options.largest_Ns, from, to);
+    const learn::Episode episode =
+        run_push(learned, options, settings.session.trial, upper, layers, drawn, number);
     rows.push_back({{"push", number},
                     {"without", without},
                     {"impulse_Ns", drawn.impulse_Ns},
                     {"direction_rad", drawn.direction_rad},
                     {"height_m", drawn.height_m},
                     {"time_s", drawn.time_s},
-                    {"survived", survives(learned, options, upper, layers, drawn, number)}});
+                    {"survived", !episode.failed()},
+                    {"end", learn::to_string(episode.end)},
+                    {"fault", episode.fault}});
     if (app::Interrupt::requested()) ranks.take_no_more();
   }
   return rows;
@@ -128,7 +135,8 @@ std::vector<Json> run_mine(Ranks& ranks, const PushOptions& options, const Learn
 
 }  // namespace
 
-DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double from_s, double to_s) {
+DrawnPush draw_push(std::uint64_t seed, int number, double smallest_Ns, double largest_Ns,
+                    double from_s, double to_s) {
   std::mt19937_64 rng(
       learn::derived_seed(seed, static_cast<std::uint64_t>(number), learn::Stream::robot));
   // the top 53 bits as a fraction: the same on every machine, unlike the distributions of the
@@ -138,7 +146,7 @@ DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double fr
   };
   DrawnPush push;
   push.duration_s = kDuration_s;
-  push.impulse_Ns = uniform(0.0, largest_Ns);
+  push.impulse_Ns = uniform(smallest_Ns, largest_Ns);
   push.direction_rad = uniform(-M_PI, M_PI);
   push.height_m = uniform(0.0, kHighest_m);
   push.time_s = uniform(from_s, to_s);
@@ -147,6 +155,9 @@ DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double fr
 
 int run_pushes(Ranks& ranks, const PushOptions& options) {
   const app::Interrupt interrupt;
+  if (options.smallest_Ns > options.largest_Ns)
+    throw std::runtime_error(fmt::format("--smallest {}: expected at most --largest, {}",
+                                         options.smallest_Ns, options.largest_Ns));
   const std::unique_ptr<Learned> learned = load_learned(options);
   const std::vector<Json> mine = run_mine(ranks, options, *learned);
   std::vector<Json> rows;
@@ -167,6 +178,7 @@ int run_pushes(Ranks& ranks, const PushOptions& options) {
   const Json all{{"motion", options.motion},
                  {"world", options.world},
                  {"seed", options.seed},
+                 {"set", options.changes},
                  {"pushes", rows}};
   files::write_atomically(options.out / "pushes.json", all.dump(1) + '\n');
   for (const std::string& without : options.without) {

@@ -17,8 +17,9 @@ struct PushOptions {
   std::vector<std::string> without;  // one campaign each: "none", "lower", "middle", "upper"
   int count = 200;
   std::uint64_t seed = 1;
-  double largest_Ns = 2.4;    // impulses are drawn evenly from 0 to this
-  std::filesystem::path out;  // pushes.json
+  double smallest_Ns = 0.0, largest_Ns = 2.4;  // impulses are drawn evenly between them
+  std::vector<std::string> changes;            // NAME=VALUE, as sanso learn --set, in their order
+  std::filesystem::path out;                   // pushes.json
 };
 
 /// One push, drawn by seed and number.
@@ -29,9 +30,12 @@ struct DrawnPush {
   double height_m = 0.0;  // point of the torso above its origin
   double time_s = 0.0;    // of the trial
 };
-DrawnPush draw_push(std::uint64_t seed, int number, double largest_Ns, double from_s, double to_s);
+/// `smallest_Ns` <= impulse < `largest_Ns`, `from_s` <= time < `to_s`.
+DrawnPush draw_push(std::uint64_t seed, int number, double smallest_Ns, double largest_Ns,
+                    double from_s, double to_s);
 
-/// Writes pushes.json at rank 0: every push with the layers' survival. Exit code: 0 done; 2 SIGINT
+/// Writes pushes.json at rank 0: every push with the layers' survival, how its trial ended and the
+/// controller's fault. Exit code: 0 done; 2 SIGINT
 /// or SIGTERM came, no push began after that and nothing is written.
 int run_pushes(Ranks& ranks, const PushOptions& options);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kLargest_Ns = 2.4, kFrom_s = 1.0, kTo_s = 6.0;
 
 DrawnPush draw(std::uint64_t seed, int number) {
-  return draw_push(seed, number, kLargest_Ns, kFrom_s, kTo_s);
+  return draw_push(seed, number, 0.0, kLargest_Ns, kFrom_s, kTo_s);
 }
 
 bool same(const DrawnPush& a, const DrawnPush& b) {
@@ -29,10 +29,21 @@ TEST(DrawnPush, DependsOnSeedAndNumberOnly) {
 }
 
 TEST(DrawnPush, ASmallerRangeScalesTheImpulseAndNothingElse) {
-  const DrawnPush strong = draw(1, 3), weak = draw_push(1, 3, kLargest_Ns / 2, kFrom_s, kTo_s);
+  const DrawnPush strong = draw(1, 3), weak = draw_push(1, 3, 0.0, kLargest_Ns / 2, kFrom_s, kTo_s);
   EXPECT_DOUBLE_EQ(weak.impulse_Ns, strong.impulse_Ns / 2);
   EXPECT_EQ(weak.direction_rad, strong.direction_rad);
   EXPECT_EQ(weak.time_s, strong.time_s);
+}
+
+TEST(DrawnPush, ALeastImpulseKeepsTheOrderAndNothingElseChanges) {
+  for (int number = 0; number < 100; ++number) {
+    const DrawnPush any = draw(1, number);
+    const DrawnPush strong = draw_push(1, number, 1.2, kLargest_Ns, kFrom_s, kTo_s);
+    EXPECT_DOUBLE_EQ(strong.impulse_Ns, 1.2 + any.impulse_Ns * (kLargest_Ns - 1.2) / kLargest_Ns);
+    EXPECT_EQ(strong.direction_rad, any.direction_rad);
+    EXPECT_EQ(strong.height_m, any.height_m);
+    EXPECT_EQ(strong.time_s, any.time_s);
+  }
 }
 
 TEST(DrawnPush, FillsItsRangesEvenly) {
