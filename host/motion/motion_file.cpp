@@ -1,5 +1,4 @@
-// Motion files: TOML in and out. Numbers are written with the fewest digits that a robot can tell
-// apart.
+// Motion files: TOML in and out. Numbers are written with the digits that a robot can tell apart.
 #include <cmath>
 #include <limits>
 #include <set>
@@ -33,7 +32,6 @@ constexpr WeightGroup kStateWeights[] = {
     {"joints", model::kDJoint, 12},      {"base_velocity", model::kDVel, 3},
     {"roll_rate", model::kDOmega, 1},    {"pitch_rate", model::kDOmega + 1, 1},
     {"yaw_rate", model::kDOmega + 2, 1}, {"joint_rates", model::kDJointRate, 12}};
-
 using files::TomlTable;
 
 double number(const TomlTable& table, std::string_view key, double low, double high) {
@@ -55,9 +53,9 @@ TomlTable section(const TomlTable& table, std::string_view key) {
 }
 
 void read_cost(const TomlTable& table, mpc::CostWeights& weights) {
-  for (const WeightGroup& group : kStateWeights) {
+  for (const WeightGroup& group : kStateWeights)
     weights.state.segment(group.from, group.count).setConstant(number(table, group.key, 0.0, 1e6));
-  }
+  TomlTable::into(weights.state[model::kDVel + 2], table.number("base_rise", 0.0, 1e6));
   weights.input.setConstant(number(table, "input", 0.0, 1e6));
   table.finish();
 }
@@ -363,6 +361,8 @@ std::string to_toml(const Motion& motion) {
       "# diagonal of W_x per m^2, rad^2, (m/s)^2, (rad/s)^2 and of W_u per rad^2; no factor 1/2");
   for (const WeightGroup& group : kStateWeights)
     toml.put(group.key, motion.weights.state[group.from]);
+  const double rise = motion.weights.state[model::kDVel + 2];  // of base_velocity, where it differs
+  if (rise != motion.weights.state[model::kDVel]) toml.put("base_rise", rise);
   toml.put("input", motion.weights.input[0]);
   if (motion.target_rate_rad_s) {
     toml.heading("controller");

@@ -190,7 +190,6 @@ Motion jog_motion(const std::string& name, const FlightJog& figures,
   m.window = {reference.plan.swings.front().lift_s, reference.plan.swings.back().land_s};
   for (Clause& clause : m.success) clause.waived.clear();
   m.weights.state[model::kDPos + 2] = 300.0;
-  m.weights.state[model::kDVel + 2] = 1.0;
   m.weights.state.segment<model::kNumJoints>(model::kDJoint).setConstant(0.05);
   m.weights.state.segment<model::kNumJoints>(model::kDJointRate).setConstant(0.001);
   constexpr double kFadeStart = 0.95;

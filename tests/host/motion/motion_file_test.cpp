@@ -173,6 +173,16 @@ TEST(MotionFile, MessagesNameLineKeyAndExpectation) {
       HasSubstr("outside what the robot can follow"));
 }
 
+TEST(MotionFile, KeepsAWeightOfTheRiseThatIsNotThatOfTheWay) {
+  Motion motion = MotionLibrary().load("jog");
+  EXPECT_EQ(to_toml(motion).find("base_rise"), std::string::npos) << "one number where one does";
+  for (const double rise : {0.0, 1.0, 7.5}) {
+    motion.weights.state[model::kDVel + 2] = rise;
+    const Motion back = parse_motion(to_toml(motion), "again");
+    EXPECT_EQ(back.weights.state, motion.weights.state) << rise;
+  }
+}
+
 /// The mocap clips are external data: $SANSO_DATA/mocap, else ../shared/data/mocap beside the
 /// repository.
 std::filesystem::path mocap_folder() {
