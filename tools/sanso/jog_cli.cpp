@@ -2,12 +2,16 @@
 // 10 ms, the figures are searched that fly best on that model, their rehearsal becomes a motion.
 #include <fmt/format.h>
 
+#include <atomic>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <system_error>
+#include <thread>
 
 #include "host/learn/model/identify_fine.h"
+#include "host/learn/session/progress.h"
 #include "host/motion/make/rehearse.h"
 #include "tools/sanso/commands.h"
 
@@ -20,7 +24,7 @@ struct JogOptions {
   std::string name;
   fs::path session, out = ".";
   std::vector<int> trials = {1, 2, 3};
-  int generations = 6;
+  int generations = 6, threads = 2;
   std::uint64_t seed = 1;
   std::vector<std::string> figures;
 };
@@ -86,19 +90,37 @@ motion::FlightJog varied(const motion::FlightJog& given, const Eigen::VectorXd& 
   return jog;
 }
 
-/// The best that the cross-entropy method finds in the model, over fewer steps than it is made of.
+/// Figures that make no jog are worse than any that do.
+double loss_of(const motion::FlightJog& figures, const model::StepModel& model) {
+  try {
+    return -motion::worth(motion::rehearse(motion::flight_reference(figures), model));
+  } catch (const motion::ClipError&) {
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
+/// The losses of all candidates; any number of threads gives the same.
+std::vector<double> losses_of(const Eigen::MatrixXd& candidates, const motion::FlightJog& given,
+                              const model::StepModel& model, int threads) {
+  std::vector<double> losses(static_cast<std::size_t>(candidates.cols()));
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < losses.size(); i = next++)
+      losses[i] = loss_of(varied(given, candidates.col(static_cast<Eigen::Index>(i))), model);
+  };
+  std::vector<std::thread> helpers(static_cast<std::size_t>(threads) - 1);
+  for (std::thread& helper : helpers) helper = std::thread(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
+  return losses;
+}
+
+/// The best that the cross-entropy method finds in the model, over the very run that the motion is
+/// made of: contacts make a rehearsal chaotic, and what flies over fewer steps need not over more.
 motion::FlightJog optimised(const motion::FlightJog& given, const model::StepModel& model,
                             const JogOptions& o) {
-  constexpr int kSearchSteps = 8;
-  motion::FlightJog shorter = given;
-  shorter.steps = std::min(given.steps, kSearchSteps);
   const learn::EvaluateCandidates evaluate = [&](const Eigen::MatrixXd& candidates) {
-    std::vector<double> losses;
-    for (const auto& z : candidates.colwise()) {
-      const motion::FlightReference reference = motion::flight_reference(varied(shorter, z));
-      losses.push_back(-motion::worth(motion::rehearse(reference, model)));
-    }
-    return losses;
+    return losses_of(candidates, given, model, o.threads);
   };
   learn::CrossEntropySettings search;
   search.population = 12;
@@ -106,10 +128,10 @@ motion::FlightJog optimised(const motion::FlightJog& given, const model::StepMod
   search.smallest_deviation = 0.1;
   learn::CrossEntropyState state = learn::start_cross_entropy(
       Eigen::VectorXd::Zero(kVaried), Eigen::VectorXd::Ones(kVaried), evaluate);
+  learn::Progress progress(stdout, "figures", o.generations);
   for (int i = 0; i < o.generations; ++i) {
     learn::advance_cross_entropy(state, search, o.seed, evaluate);
-    fmt::print("generation {}: worth {:.1f}\n", i + 1, -state.best_loss);
-    std::fflush(stdout);
+    progress.update(i + 1, fmt::format("worth {:.1f}", -state.best_loss));
   }
   return varied(given, state.best);
 }
@@ -150,6 +172,9 @@ void add_jog(CLI::App& motions) {
                    "of the search for better figures in the model; 0: as given")
       ->capture_default_str()
       ->check(CLI::Range(0, 1000));
+  command->add_option("--threads", options->threads, "of the search")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
   command->add_option("--seed", options->seed, "of identification and search")
       ->capture_default_str();
   command->add_option("--set", options->figures, "a figure of [flight], KEY=VALUE");
