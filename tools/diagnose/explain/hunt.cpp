@@ -58,7 +58,7 @@ Hunt::Hunt(const Surroundings& around, const Model& model, const std::vector<std
       state_{{}, prediction_error(problem_, library_, model_)},
       first_(state_.r) {}
 
-/// What of a joint's error in a shot, starts taken out, is energy, and what noise alone makes of it.
+/// Energy of a joint's error in a shot, starts taken out, and what noise alone makes of it.
 ShotEnergy Hunt::energy_in(const VectorXd& projected, const Shot& shot, std::size_t joint) const {
   ShotEnergy out;
   for (std::size_t c = 0; c < problem_->channels.size(); ++c) {

@@ -44,9 +44,9 @@ class Hunt {
   /// `joints`: where commands may have been lost. `model`: all else that is known.
   Hunt(const Surroundings& around, const Model& model, const std::vector<std::size_t>& joints);
 
-  /// Whether losses take most of what stands beyond noise out of the joint's shots that are farthest
-  /// from it; if not, none of them is kept. Rare bursts are a few shots, however many others there
-  /// are that a tolerated model misses by a little.
+  /// Whether losses take most of what stands beyond noise out of the joint's farthest shots; if
+  /// not, none of them is kept. Rare bursts are a few shots, however many others there are that a
+  /// tolerated model misses by a little.
   bool lost_some(std::size_t joint);
   /// Takes losses out of every shot of the joint whose error is more than noise.
   void take_all(std::size_t joint);

@@ -35,10 +35,10 @@ struct JointParams {
   double p_scale = 1.0;  // on p_gain / kp
   // N m s/rad of additional damping by the servo (at nominal voltage)
   double d_torque = 0.0;
-  double d_on_error = 0.0;  // 1: it damps the error, 0: the joint's own velocity
+  double d_on_error = 0.0;     // 1: it damps the error, 0: the joint's own velocity
   double output_filter = 0.0;  // s, first order, on the controller's output
-  // P gain (p_gain / kp) of model.toml, to which the two ratios below refer: registers of their own,
-  // which a recording with another P gain leaves alone. 0: nominal's
+  // P gain (p_gain / kp) of model.toml, to which integral_rate and feed_forward refer: registers of
+  // their own, which a recording with another P gain leaves alone. 0: nominal's
   double stated_gain = 0.0;
   double integral_rate = 0.0;  // 1/s: integral gain over proportional gain
   // of the output's limit: to here the integral goes on while the output is limited
