@@ -127,15 +127,15 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   return f;
 }
 
-/// Whether an accepted effect is how laws of one name differ, as large as it was fitted.
-bool is_tolerated(const Library& library, const Selection& selection, const Chosen& fitted) {
-  const Candidate& candidate = library[fitted];
+/// Whether a finding is how laws of one name differ: its interval does not lie beyond that.
+bool is_tolerated(const Finding& finding, const Candidate& candidate,
+                  const Comparison& comparison) {
   const Effect& effect = *find_effect(candidate.effect);
   if (effect.law == nullptr) return false;
-  const Comparison& comparison = *selection.around->problem;
+  const CandidateParameter& size = candidate.parameters.front();
   const SimParams& nominal = comparison.sources.front().nominal;
-  const double size = std::abs(fitted.theta.front() - candidate.parameters.front().null);
-  return size <= comparison.settings.tolerances.*effect.law &&
+  const double beyond = finding.parameters.at(size.name).low - size.null;
+  return beyond <= comparison.settings.tolerances.*effect.law &&
          std::all_of(candidate.joints.begin(), candidate.joints.end(),
                      [&](std::size_t j) { return effect.varies(nominal.joints[j].nominal); });
 }
@@ -249,7 +249,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     if (!selection.accepted[i].contradicted.empty()) continue;
     candidates.push_back(&library[selection.accepted[i].candidate]);
     out.push_back(finding_of(library, selection, regimes, i));
-    out.back().tolerated = is_tolerated(library, selection, selection.final.model.effects[i]);
+    out.back().tolerated = is_tolerated(out.back(), *candidates.back(), *selection.around->problem);
   }
   mark_terms(out, candidates, selection.around->problem->sources.front().nominal.tree.joints);
   for (Finding& f : out) f.status = status_of(f);
