@@ -150,6 +150,15 @@ struct Tolerance {
   bool common = false;   // one number for all joints
 };
 
+/// What an effect may be of and still be no finding: laws of one name differ by as much, or nobody
+/// states the figure better.
+struct Law {
+  double ToleranceSettings::*within = nullptr;  // null: every size is a finding
+  std::size_t parameter = 0;                    // that it limits; the others stay at their null
+  /// What one of the parameter is in the tolerance's unit; 0: at this joint nothing is tolerated.
+  std::function<double(const JointSettings&)> unit{};
+};
+
 struct Effect {
   std::string_view id{};    // stable
   std::string_view code{};  // row of the method page, "F1"
@@ -181,10 +190,7 @@ struct Effect {
   std::vector<SettingChange> settings{};
   std::vector<Identified> identified{};
   std::vector<Tolerance> tolerances{};
-  /// Up to here (first parameter, from its null) it is how laws of one name differ and no finding,
-  /// at the joints where `varies` holds.
-  double ToleranceSettings::*law = nullptr;
-  std::function<bool(const JointSettings&)> varies{};
+  Law law{};
   EffortColumns effort{};                 // where the motion is given and the effort asked
   WholeFigure whole = WholeFigure::none;  // of a base that floats
   std::optional<DriveQuestion> drive{};   // of a robot that stands

@@ -210,6 +210,7 @@ Effect presliding_friction() {
       .regimes = {"reversal", "standstill"},
       .signature = "a spring below half a degree, hysteresis that does not depend on speed",
       .experiments = {kAmplitudeSweep, kSlowRamps},
+      .law = {&ToleranceSettings::bend, 1, [](const JointSettings& s) { return s.coulomb; }},
       .apply = adds(&JointParams::coulomb, &JointParams::presliding_compliance,
                     &JointParams::presliding_damping),
   });
@@ -232,8 +233,8 @@ Effect creeping_friction() {
       .experiments = {kHolds, kSlowRamps},
       // where a nominal model has dry friction its law at rest is anybody's: bristles, lubrication,
       // the regularised sign of a physics engine
-      .law = &ToleranceSettings::creep,
-      .varies = [](const JointSettings& s) { return s.coulomb > 0.0; },
+      .law = {&ToleranceSettings::creep, 0,
+              [](const JointSettings& s) { return s.coulomb > 0.0 ? 1.0 : 0.0; }},
       .apply = adds(&JointParams::creep_speed),
   });
 }

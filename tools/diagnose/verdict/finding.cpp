@@ -127,17 +127,28 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   return f;
 }
 
-/// Whether a finding is how laws of one name differ: its interval does not lie beyond that.
+/// How far an interval lies from a value; 0: it contains it.
+double distance(const VerdictParameter& p, double from) {
+  return std::max({0.0, p.low - from, from - p.high});
+}
+
+/// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
 bool is_tolerated(const Finding& finding, const Candidate& candidate,
                   const Comparison& comparison) {
-  const Effect& effect = *find_effect(candidate.effect);
-  if (effect.law == nullptr) return false;
-  const CandidateParameter& size = candidate.parameters.front();
+  const Law& law = find_effect(candidate.effect)->law;
+  if (law.within == nullptr) return false;
+  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
+    const CandidateParameter& p = candidate.parameters[k];
+    const bool free = k != law.parameter && !p.structural;
+    if (free && distance(finding.parameters.at(p.name), p.null) > 0.0) return false;
+  }
+  const CandidateParameter& size = candidate.parameters[law.parameter];
+  const double beyond = distance(finding.parameters.at(size.name), size.null);
   const SimParams& nominal = comparison.sources.front().nominal;
-  const double beyond = finding.parameters.at(size.name).low - size.null;
-  return beyond <= comparison.settings.tolerances.*effect.law &&
-         std::all_of(candidate.joints.begin(), candidate.joints.end(),
-                     [&](std::size_t j) { return effect.varies(nominal.joints[j].nominal); });
+  return std::all_of(candidate.joints.begin(), candidate.joints.end(), [&](std::size_t j) {
+    const double unit = law.unit(nominal.joints[j].nominal);
+    return unit > 0.0 && beyond * unit <= comparison.settings.tolerances.*law.within;
+  });
 }
 
 }  // namespace

@@ -48,8 +48,7 @@ struct Finding {
   std::vector<std::string> terms;  // findings that are terms of one series with this one
   unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share
   bool spans_null = false;         // its interval contains what changes nothing
-  // within what laws of one name differ by (Effect::law): the model is calibrated by it, nothing is
-  // missing
+  // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing
   bool tolerated = false;
   std::vector<Rival> rivals;
   std::vector<IncidenceRow> incidence;
