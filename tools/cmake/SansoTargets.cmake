@@ -68,10 +68,6 @@ if(NOT SANSO_FIRMWARE_ONLY AND NOT TARGET sanso_mujoco)
   target_link_libraries(sanso_mujoco INTERFACE ${MUJOCO_LIBRARY})
 endif()
 
-# Rooms whose sources compile in batches: each batch as one file, headers and templates of Eigen and the standard library
-# once, not once a source. Names of such a room are unique in it, those in anonymous namespaces too. More join when they are.
-set(SANSO_BATCHED host/learn shared/model shared/policy shared/servo_bus shared/wire tools/diagnose/explain)
-
 # sanso_library(name SOURCES ... LINK ... [PRIVATE_LINK ...]): header-only when SOURCES is empty.
 # Includes are always written from the top of the tree: #include "shared/base/status.h".
 function(sanso_library name)
@@ -81,10 +77,6 @@ function(sanso_library name)
     target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
     target_link_libraries(${name} PUBLIC ${A_LINK} PRIVATE ${A_PRIVATE_LINK})
     set_property(GLOBAL APPEND PROPERTY SANSO_LIBRARIES ${name})
-    cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE room)
-    if(SANSO_BATCHES AND room IN_LIST SANSO_BATCHED)
-      set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    endif()
   else()
     add_library(${name} INTERFACE)
     target_include_directories(${name} INTERFACE ${PROJECT_SOURCE_DIR})
