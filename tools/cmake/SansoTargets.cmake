@@ -47,7 +47,7 @@ endif()
 # with it); what is delivered is linked as its packages will be.
 find_program(SANSO_LLD ld.lld)
 set(SANSO_TEST_LINKER)
-if(SANSO_LLD)
+if(SANSO_LLD AND NOT CMAKE_CROSSCOMPILING)  # a cross compiler looks for its own
   set(SANSO_TEST_LINKER -fuse-ld=lld)
 endif()
 
