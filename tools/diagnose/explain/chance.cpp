@@ -69,7 +69,7 @@ void accept_random(SearchState& state, const ScatterScore& score) {
 /// The gate that lost commands fail; empty: none.
 std::string refused_by(const SearchState& state, const LossScore& found) {
   const CandidateParameter& parameter = state.candidate(found.candidate).parameters.front();
-  if (found.unseen) return "refused: no jump of the command would show most of them";
+  if (found.unseen) return "refused: no run of losses there would show most of them";
   if (!found.blind) return "refused: chance does not choose what shows little, or a recording";
   if (found.misfit > state.decisions().standard_errors) return "refused: losses are whole";
   if (found.left > state.decisions().adequate) return "refused: more than noise is left";

@@ -263,8 +263,8 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   if (losing.empty()) return std::nullopt;
   const std::optional<std::size_t> candidate = smallest_at(library, candidates, losing);
   if (!candidate) return std::nullopt;
-  // what merely looks like holds shows in the worst shots already, and so do losses that no jump of
-  // the command would show: no need to look through the rest
+  // what merely looks like holds shows in the worst shots already, and so do losses of which
+  // no run would show: no need to look through the rest
   LossScore worst = score_of(hunt, *candidate, losing);
   const double doubted =
       around.settings().chance.loss_doubted * around.settings().decisions.standard_errors;
