@@ -14,6 +14,7 @@
 #include <map>
 
 #include "tools/diagnose/stats/random.h"
+#include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
@@ -206,9 +207,10 @@ Measured sized(const V2& value, const Matrix& covariance, const LeanProblem& pro
   return m;
 }
 
-/// What recordings have beside what they share, and what the fitted pieces of each say of its
-/// others. With left = sum over a piece of (lean - design x) and mean that of a recording's fitted
-/// pieces, a held-out piece of `rows` loses 2 mean'left - rows |mean|^2 of its squared error.
+/// What recordings have beside what they share, half of them at least (one in which the robot tips
+/// onto an edge tells no floor), and what the fitted pieces of each say of its others. With left =
+/// sum over a piece of (lean - design x) and mean that of a recording's fitted pieces, a held-out
+/// piece of `rows` loses 2 mean'left - rows |mean|^2 of its squared error.
 Measured between(const LeanProblem& problem, const Vector& x, double wander, const Chance& chance) {
   struct Own {
     V2 all = V2::Zero(), fitted = V2::Zero();
@@ -222,8 +224,9 @@ Measured between(const LeanProblem& problem, const Vector& x, double wander, con
     if (!p.held_out) o.fitted += left, o.fitted_rows += p.sums.rows;
   }
   Measured m;
-  double squares = 0.0, before = 0.0;
-  for (const auto& entry : own) squares += (entry.second.all / entry.second.rows).squaredNorm();
+  double before = 0.0;
+  std::vector<double> sizes;
+  for (const auto& entry : own) sizes.push_back((entry.second.all / entry.second.rows).norm());
   std::vector<double> removed;
   for (const Piece& p : problem.pieces()) {
     const Own& o = own[p.recording];
@@ -233,7 +236,7 @@ Measured between(const LeanProblem& problem, const Vector& x, double wander, con
     before += p.sums.error(x);
   }
   m.groups = own.size();
-  m.value = std::sqrt(squares / static_cast<double>(own.size()));
+  m.value = median(sizes);
   m.sigma = wander;
   m.low = std::max(0.0, m.value - kNormal95 * wander), m.high = m.value + kNormal95 * wander;
   if (before > 0.0 && !removed.empty())

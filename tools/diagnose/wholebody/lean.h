@@ -57,7 +57,8 @@ struct LeanFit {
   Measured world, body;
   V2 alike = V2::Zero();  // all of it as the world's, where the two cannot be told
   Measured together;
-  Measured apart;  // RMS of what each recording has for itself beside what all share
+  Measured
+      apart;  // beside what all share, for themselves: what half of the recordings have at least
 
   /// Nothing where there are too few groups. `wander`: rad, by which what leans with the robot
   /// changes between recordings.

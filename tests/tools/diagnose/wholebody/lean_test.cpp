@@ -76,6 +76,21 @@ TEST(Lean, RecordingsWithWorldsOfTheirOwnAreSeen) {
   EXPECT_GT(fit.apart.gain_low, 0.0);
 }
 
+TEST(Lean, OneRecordingThatTipsIsNoFloorOfItsOwn) {
+  Leans leans;
+  Random random(12);
+  for (std::size_t r = 0; r < 7; ++r) {
+    for (int piece = 0; piece < 6; ++piece) {
+      for (int k = 0; k < 50; ++k) {
+        const V2 noise(1e-3 * random.normal(), 1e-3 * random.normal());
+        leans.add(noise + V2(r == 3 ? 0.06 : 0.0, 0.0), 0.4 * double(r), "l", static_cast<int>(r),
+                  piece, static_cast<int>(6 * r) + piece);
+      }
+    }
+  }
+  EXPECT_LT(fitted(leans).apart.value, 0.01);
+}
+
 TEST(Lean, FewGroupsSayNothing) {
   Leans leans;
   for (int k = 0; k < 100; ++k) leans.add({0.1, 0.0}, 0.0, "l", 0, 0, k % 3);
