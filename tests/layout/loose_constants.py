@@ -63,6 +63,7 @@ KEPT = {
     ("verdict/remains.cpp", "kVelocityStream"): "names a stream of random draws",
     ("wholebody/base_checks.cpp", "kGravity"): "standard gravity, which tells g from m/s^2",
     ("wholebody/drive_rows.cpp", "kStep"): "step of a difference quotient",
+    ("wholebody/soles_apart.cpp", "kStep"): "step of a difference quotient",
     ("wholebody/known.cpp", "kMost"): "keeps the number of a group an integer: a day in pieces of a second",
     ("wholebody/roll_out.cpp", "kFrictionUnstated"): "of the motion that a page shows; a verdict asks no roll-out",
     ("wholebody/roll_out.cpp", "kHalfWindow"): "what a page shows",

@@ -83,13 +83,14 @@ struct StanceSettings {
   double least_scatter = 0.5;
   int fewest_recordings = 4;
   int rounds = 3;
-  double instant = 0.1;
+  double instant = 0.2;
   double strained = 2.0;
   double torn = 3.0;
   double surely_worse = 2.0;
   double pushed = 5.0;
   double jump = 0.1;
   double carries = 0.02;
+  double flat = 0.003;
   int maximum_terms = 6;
   template <class Field>
   void visit(Field&& field) {
@@ -124,7 +125,7 @@ struct StanceSettings {
     field("rounds", rounds, "rounds", 1, 100,
           "of choosing with new weights; most settle after two");
     field("instant", instant, "rows", 0.001, 1.0,
-          "by which the instants of goals and readings are not known");
+          "by which the instants of goals and readings are not known; smoothing moves them too");
     field("strained", strained, "tolerances", 0.5, 20.0,
           "by which a figure of the nominal model is off: from here something is looked for");
     field("torn", torn, "tolerances", 0.5, 20.0,
@@ -138,6 +139,8 @@ struct StanceSettings {
           "by which a foot's force changes from row to row where it comes down or off");
     field("carries", carries, "share of the weight", 0.001, 0.5,
           "of a foot's force: less is what a sensor reads in the air");
+    field("flat", flat, "rad", 0.0001, 0.1,
+          "by which two soles that stand on one floor lean apart: rubber, and loads at an edge");
     field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
   }
 

@@ -1,6 +1,8 @@
 // Lowest points by forward kinematics; a ground that nobody states is where the lowest rows are.
 #include "tools/diagnose/wholebody/contacts.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -79,6 +81,31 @@ std::vector<Span> flights(const WholeRecording& r, const Clearance& c,
       out.push_back(s);
   }
   return out;
+}
+
+std::optional<V3> sole_normal(const WholeBody& body, int joint, const std::string& link) {
+  std::vector<V3> points;
+  for (const CollisionShape& s : body.shapes) {
+    if (s.link == link && s.radius == 0.0)
+      for (const Vec3& p : s.points) points.push_back(eigen(p));
+  }
+  if (points.size() < 4) return std::nullopt;
+  BodyKinematics kinematics(body);
+  kinematics.set(M3::Identity(), V3::Zero(),
+                 Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.model.tree.size())));
+  const M3& R = kinematics.rotation(joint);
+  const V3 up = upwards(body);
+  std::sort(points.begin(), points.end(),
+            [&](const V3& a, const V3& b) { return up.dot(R * a) < up.dot(R * b); });
+  V3 middle = V3::Zero();
+  for (std::size_t i = 0; i < 4; ++i) middle += 0.25 * points[i];
+  M3 spread = M3::Zero();
+  for (std::size_t i = 0; i < 4; ++i)
+    spread += (points[i] - middle) * (points[i] - middle).transpose();
+  const Eigen::SelfAdjointEigenSolver<M3> axes(spread);
+  if (axes.eigenvalues()[1] < 1e-8) return std::nullopt;  // an edge, no face
+  const V3 normal = axes.eigenvectors().col(0);
+  return up.dot(R * normal) > 0.0 ? normal : V3(-normal);
 }
 
 }  // namespace sanso::diagnose

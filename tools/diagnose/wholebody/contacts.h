@@ -44,4 +44,8 @@ std::vector<Span> spans(const WholeRecording& r, const std::vector<char>& holds)
 std::vector<Span> flights(const WholeRecording& r, const Clearance& c,
                           const WholeSettings& settings);
 
+/// Normal of a foot's lowest face in the frame of its joint, pointing out of the ground; nothing
+/// where the shape has no flat face below.
+std::optional<V3> sole_normal(const WholeBody& body, int joint, const std::string& link);
+
 }  // namespace sanso::diagnose

@@ -133,8 +133,8 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   const Known before = known;
   const auto asking = [&] {
     const Settings& s = options.settings;
-    return Asking{nominal,      data.recordings, known,    s.whole,   s.decisions,
-                  s.tolerances, options.seed,    s.stance, s.smoother};
+    return Asking{nominal,      data.recordings, known,    s.whole,    s.decisions,
+                  s.tolerances, options.seed,    s.stance, s.smoother, options.effects};
   };
   progress("asks: does it fall as gravity says?");
   found.take(ask_free_fall(asking()));

@@ -14,6 +14,7 @@ namespace sanso::diagnose {
 struct WholeOptions {
   std::string model;                    // model folder
   std::vector<std::string> recordings;  // files
+  std::vector<std::string> effects;     // of drives and links, that may be named; empty: all
   Settings settings;
   unsigned long seed = 1;
 };

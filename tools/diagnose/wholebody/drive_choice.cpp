@@ -30,19 +30,33 @@ Terms without(Terms terms, const DriveTerm* less) {
 }
 
 /// One way of cutting the rows, with what is fitted when a third is left out.
-struct Way {
+class Way {
+ public:
   const std::vector<Normal>* groups = nullptr;
   std::vector<std::unique_ptr<Eliminated>> fitted;
   /// Squared deviations of every group, predicted by the other thirds. `strain`: and how far the
   /// nuisances are from what a nominal model says, shared by the groups: a robot that is far off in
   /// a dozen figures is no better a prediction than one cause.
   std::vector<double> left_out(const Terms& terms, bool strain) const {
+    return predicted(terms, [&](const Normal& group, const Eliminated::Fit& fit) {
+      return group.loss(fit.figures) +
+             (strain ? fit.strained / static_cast<double>(groups->size()) : 0.0);
+    });
+  }
+  /// The same with the terms alone, as a model that is patched with them has it.
+  std::vector<double> left_by_named(const Terms& terms) const {
+    return predicted(terms, [](const Normal& group, const Eliminated::Fit& fit) {
+      return group.loss(fit.named);
+    });
+  }
+
+ private:
+  std::vector<double> predicted(const Terms& terms, const auto& loss) const {
     std::vector<double> out(groups->size());
     for (std::size_t part = 0; part < fitted.size(); ++part) {
       const Eliminated::Fit fit = fitted[part]->fit(terms);
       for (std::size_t g = part; g < groups->size(); g += fitted.size())
-        out[g] = (*groups)[g].loss(fit.figures) +
-                 (strain ? fit.strained / static_cast<double>(groups->size()) : 0.0);
+        out[g] = loss((*groups)[g], fit);
     }
     return out;
   }
@@ -156,13 +170,15 @@ class Chooser {
     return out;
   }
 
-  /// A small share counts where with it the nominal model is no longer off by more than it may.
+  /// A small share counts where without it a figure of the nominal model has to be further off than
+  /// it may, and with it no longer.
   bool pays(const Terms& less, const Terms& more) const {
     const Gain g = gain(less, more);
     if (!(g.low > 0.0)) return false;
     if (g.share >= asking_.decisions.minimum_share) return true;
-    return all_->fit(less).farthest > asking_.stance.strained &&
-           all_->fit(more).farthest <= asking_.stance.strained;
+    const Eliminated::Fit without = all_->fit(less), with = all_->fit(more);
+    return without.farthest > asking_.stance.strained &&
+           with.strains[without.which] <= asking_.stance.strained;
   }
 
   /// Whether every kind of row scatters by no more than was known beforehand, by a robot that is no
@@ -249,12 +265,30 @@ class Chooser {
 
   DriveChoice judged() {
     DriveChoice out;
+    std::vector<JudgedDriveTerm> terms = judged_terms();
+    for (std::size_t i = 0; (i = least_sure(terms)) < terms.size(); terms = judged_terms()) {
+      out.spare.push_back(terms[i]);
+      log_.push_back("- " + in_words(*taken_[i]) + ": not surely there, and not needed");
+      taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    out.terms = std::move(terms);
     out.adequate = adequate(taken_, asking_.stance.torn);
     const Eliminated::Fit fit = all_->fit(taken_);
-    const Eigen::VectorXd sigma = deviations(fit.x);
-    out.figures = fit.figures;
+    out.figures = fit.figures, out.farthest = fit.farthest;
     log_.push_back(left_in_words());
     out.log = log_;
+    const double rows = static_cast<double>(rows_.channel.size());
+    const Way& way = ways_.front();
+    out.before = std::sqrt(sum(way.left_by_named({})) / rows);
+    out.after = std::sqrt(sum(way.left_by_named(taken_)) / rows);
+    out.least = std::sqrt(sum(way.left_out(taken_, false)) / rows);
+    return out;
+  }
+
+  std::vector<JudgedDriveTerm> judged_terms() const {
+    std::vector<JudgedDriveTerm> out;
+    const Eliminated::Fit fit = all_->fit(taken_);
+    const Eigen::VectorXd sigma = deviations(fit.x);
     Eigen::Index at = 0;
     for (const DriveTerm* t : taken_) {
       JudgedDriveTerm j;
@@ -265,22 +299,34 @@ class Chooser {
       const Gain g = gain(without(taken_, t), taken_);
       j.share = g.share, j.share_low = g.low;
       look_for_others(*t, j);
-      out.terms.push_back(std::move(j));
+      out.push_back(std::move(j));
     }
-    const double rows = static_cast<double>(rows_.channel.size());
-    const Way& way = ways_.front();
-    out.before = std::sqrt(sum(way.left_out({}, false)) / rows);
-    out.after = std::sqrt(sum(way.left_out(taken_, false)) / rows);
+    return out;
+  }
+
+  /// Place of the term that is least surely there, of those that need not be; else past the last.
+  std::size_t least_sure(const std::vector<JudgedDriveTerm>& terms) const {
+    std::size_t out = terms.size();
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      if (surely_there(asking_, terms[i]) ||
+          !adequate(without(taken_, taken_[i]), asking_.stance.torn))
+        continue;
+      const auto beyond = [&](std::size_t k) { return terms[k].size - terms[k].term.tolerance; };
+      if (out == terms.size() || beyond(i) * terms[out].sigma < beyond(out) * terms[i].sigma)
+        out = i;
+    }
     return out;
   }
 
   /// Coefficients as numbers that a person reads, with what the size of it all is sure by.
   static void read(const DriveTerm& t, const Eigen::VectorXd& x, const Eigen::VectorXd& s,
                    JudgedDriveTerm& j) {
+    // in the direction in which it is most certain that there is something
     const Eigen::Index first = t.carried ? 1 : t.size();
-    j.size = x.head(first).norm();
-    j.sigma = std::sqrt(x.head(first).cwiseAbs2().dot(s.head(first).cwiseAbs2())) /
-              std::max(j.size, 1e-300);
+    const Eigen::VectorXd surest =
+        x.head(first).cwiseQuotient(s.head(first).cwiseAbs2().cwiseMax(1e-300)).normalized();
+    j.size = std::abs(surest.dot(x.head(first)));
+    j.sigma = surest.cwiseProduct(s.head(first)).norm();
     for (Eigen::Index i = 0; i < t.size(); ++i) {
       // a nominal model is wrong by its tolerances, which go into what is found
       double value = x[i] + t.nothing, off = std::hypot(s[i], 0.5 * t.tolerance);
@@ -359,6 +405,10 @@ DriveChoice choose_drive_terms(const Asking& asking, const DriveRows& rows) {
   return Chooser(asking, rows).run();
 }
 
+bool surely_there(const Asking& asking, const JudgedDriveTerm& term) {
+  return term.size > term.term.tolerance + asking.chance().deviations() * term.sigma;
+}
+
 std::string in_words(const DriveTerm& term) {
   std::string places;
   for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
@@ -369,10 +419,14 @@ DriveBalance balance_drives(const Asking& asking) {
   DriveBalance out{drive_rows(asking), {}};
   if (!out.rows.why_not.empty()) return out;
   out.choice = choose_drive_terms(asking, out.rows);
-  const std::vector<JudgedDriveTerm>& terms = out.choice.terms;
-  if (std::none_of(terms.begin(), terms.end(), [](const auto& j) { return j.term.inverse; }))
+  const std::string delay(effect_of(JointFigure::lag)->id);
+  const auto bends = [&](const JudgedDriveTerm& j) {
+    return j.term.inverse || j.term.effect == delay;
+  };
+  if (out.choice.farthest <= asking.stance.strained &&
+      std::none_of(out.choice.terms.begin(), out.choice.terms.end(), bends))
     return out;
-  out.rows = drive_rows(asking, torque_scales(out.rows, out.choice.figures));
+  out.rows = drive_rows(asking, guess_of(out.rows, out.choice.figures));
   out.choice = choose_drive_terms(asking, out.rows);
   return out;
 }

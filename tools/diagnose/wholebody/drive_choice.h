@@ -11,7 +11,7 @@ namespace sanso::diagnose {
 struct JudgedDriveTerm {
   DriveTerm term;
   std::vector<VerdictParameter> parameters;  // as a person reads them
-  double sigma = 0.0, size = 0.0;            // of what is missing, in its own direction
+  double sigma = 0.0, size = 0.0;            // of what is missing, in its surest direction
   double share = 0.0, share_low = 0.0;       // of the left-out error that goes with it
   std::vector<std::string> equally_good;     // other names, with no more numbers
   std::vector<std::string> other_places;     // the same name elsewhere
@@ -19,9 +19,15 @@ struct JudgedDriveTerm {
 
 struct DriveChoice {
   std::vector<JudgedDriveTerm> terms;
-  bool adequate = true;              // what is left is within what was known beforehand
-  double before = 0.0, after = 0.0;  // RMS left on left-out rows, deviations
-  Eigen::VectorXd figures;           // of the fit, nuisances too
+  std::vector<JudgedDriveTerm>
+      spare;              // not surely beyond what a nominal model may be wrong by, and
+                          // what is left is adequate without: not in the fit
+  bool adequate = true;   // what is left is within what was known beforehand
+  double farthest = 0.0;  // that a figure of the nominal model is off, tolerances
+  // RMS left on left-out rows, deviations: by the nominal model as it is, with the terms alone, and
+  // with all that a nominal model may be wrong by as well
+  double before = 0.0, after = 0.0, least = 0.0;
+  Eigen::VectorXd figures;  // of the fit, nuisances too
   std::vector<std::string> log;
 };
 
@@ -33,8 +39,12 @@ struct DriveBalance {
   DriveRows rows;
   DriveChoice choice;  // nothing where rows say why not
 };
-/// Rows and the terms they need; both again where those scale the torques that rows were made with.
+/// Rows and the terms they need; both again where those scale the torques, or shift the goals, that
+/// rows were made with.
 DriveBalance balance_drives(const Asking& asking);
+
+/// Whether its size is beyond the tolerance, and not by chance.
+bool surely_there(const Asking& asking, const JudgedDriveTerm& term);
 
 /// "coulomb_friction at l_knee, r_knee".
 std::string in_words(const DriveTerm& term);

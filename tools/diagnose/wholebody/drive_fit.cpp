@@ -40,7 +40,9 @@ Eliminated::Eliminated(const Normal& normal, const DriveNuisances& nuisances)
   const Eigen::MatrixXd GN = G_ * nuisances.columns;
   Eigen::MatrixXd A = nuisances.columns.transpose() * GN;
   A.diagonal() += nuisances.precision;
-  back_ = A.llt().solve(nuisances.columns.transpose());
+  const Eigen::LLT<Eigen::MatrixXd> root(A);
+  back_ = root.solve(nuisances.columns.transpose());
+  spread_ = root.solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
   schur_ = G_ - GN * (back_ * G_);
   reduced_ = c_ - GN * (back_ * c_);
 }
@@ -71,12 +73,31 @@ Eliminated::Fit Eliminated::fit(const std::vector<const DriveTerm*>& active) con
   out.x = C.cols() > 0 ? bounded_least_squares(S, r, low, high) : Eigen::VectorXd(0);
   out.gain = 2.0 * r.dot(out.x) - out.x.dot(S * out.x);
   // what the nuisances make of the rest, and how far off they would have to be
-  const Eigen::VectorXd terms = C * out.x;
-  const Eigen::VectorXd off = back_ * (c_ - G_ * terms);
+  out.named = C * out.x;
+  const Eigen::VectorXd off = back_ * (c_ - G_ * out.named);
   const Eigen::VectorXd squares = off.cwiseAbs2().cwiseProduct(nuisances_->precision);
-  out.strained = squares.sum();
+  out.strained = squares.sum(), out.strains = squares.cwiseSqrt();
   if (squares.size() > 0) out.farthest = std::sqrt(squares.maxCoeff(&out.which));
-  out.figures = terms + nuisances_->columns * off;
+  out.figures = out.named + nuisances_->columns * off;
+  return out;
+}
+
+/// By coefficient and nuisance: what a nuisance within a term's own figures adds to it.
+Eigen::MatrixXd Eliminated::own_of(const std::vector<const DriveTerm*>& active) const {
+  const Eigen::MatrixXd& N = nuisances_->columns;
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(columns_of(active, G_.rows()).cols(), N.cols());
+  Eigen::Index at = 0;
+  for (const DriveTerm* t : active) {
+    const Eigen::MatrixXd& C = t->columns;
+    const Eigen::VectorXd figures = C.rowwise().norm();
+    // own = (C'C)^-1 C' n  of the nuisances n that move no figure but those of C
+    const Eigen::MatrixXd onto = (C.transpose() * C).ldlt().solve(C.transpose());
+    for (Eigen::Index k = 0; k < N.cols(); ++k) {
+      const bool elsewhere = (figures.array() == 0.0 && N.col(k).array() != 0.0).any();
+      if (!elsewhere) out.block(at, k, t->size(), 1) = onto * N.col(k);
+    }
+    at += t->size();
+  }
   return out;
 }
 
@@ -84,8 +105,13 @@ Eigen::VectorXd Eliminated::deviations(const std::vector<const DriveTerm*>& acti
   const Eigen::MatrixXd C = columns_of(active, G_.rows());
   if (C.cols() == 0) return Eigen::VectorXd(0);
   const Eigen::MatrixXd S = C.transpose() * schur_ * C;
-  // V = S^-1, as if no bound held
-  const Eigen::MatrixXd V = S.ldlt().solve(Eigen::MatrixXd::Identity(S.rows(), S.cols()));
+  // as if no bound held:  x of covariance S^-1;  nuisances n = -back G C x + what (B'G B + P)^-1
+  // leaves of them;  V that of x + own n
+  const Eigen::MatrixXd own = own_of(active);
+  const Eigen::MatrixXd with =
+      Eigen::MatrixXd::Identity(S.rows(), S.cols()) - own * (back_ * (G_ * C));
+  const Eigen::MatrixXd V =
+      with * S.ldlt().solve(with.transpose()) + own * spread_ * own.transpose();
   return V.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 

@@ -27,22 +27,26 @@ struct Normal {
 class Eliminated {
  public:
   Eliminated(const Normal& normal, const DriveNuisances& nuisances);
-  /// Coefficients of the terms, term after term, and all figures with the nuisances.
+  /// Of the terms, term after term, with the nuisances.
   struct Fit {
-    Eigen::VectorXd x, figures;
-    double gain = 0.0;        // of squared deviations, against the nuisances alone
+    Eigen::VectorXd x, figures, named;  // coefficients; all figures; those of the terms alone
+    double gain = 0.0;                  // of squared deviations, against the nuisances alone
     double strained = 0.0;    // squares of the nuisances, in what a nominal model may be wrong by
     double farthest = 0.0;    // the largest of them, not squared
     Eigen::Index which = -1;  // nuisance
+    Eigen::VectorXd strains;  // every nuisance, in what a nominal model may be wrong by
   };
   Fit fit(const std::vector<const DriveTerm*>& active) const;
-  /// Standard deviations of the coefficients by the rows' weights and the nuisances' priors.
+  /// Standard deviations by the rows' weights and the nuisances' priors: of a coefficient together
+  /// with what the nominal model may be wrong by in the very figures that its term is made of,
+  /// because a finding is held against that tolerance once.
   Eigen::VectorXd deviations(const std::vector<const DriveTerm*>& active) const;
 
  private:
   static Eigen::MatrixXd columns_of(const std::vector<const DriveTerm*>& active,
                                     Eigen::Index figures);
-  Eigen::MatrixXd G_, schur_, back_;
+  Eigen::MatrixXd own_of(const std::vector<const DriveTerm*>& active) const;
+  Eigen::MatrixXd G_, schur_, back_, spread_;
   Eigen::VectorXd c_, reduced_;
   const DriveNuisances* nuisances_;
 };

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "tools/diagnose/wholebody/drive_track.h"
+#include "tools/diagnose/wholebody/soles_apart.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -20,8 +21,10 @@ using Vector = Eigen::VectorXd;
 
 class Builder {
  public:
-  Builder(const Asking& asking, const Eigen::VectorXd& scales, DriveRows& out)
-      : asking_(asking), tree_(asking.body), scales_(scales), out_(out), n_(out.columns.joints) {
+  Builder(const Asking& asking, const DriveGuess& guess, DriveRows& out)
+      : asking_(asking), tree_(asking.body), guess_(guess), out_(out), n_(out.columns.joints) {
+    if (guess_.scales.size() == 0) guess_.scales = Vector::Ones(n_);
+    if (guess_.lags.size() == 0) guess_.lags = Vector::Zero(n_);
     std::set<std::pair<int, std::string>> soles;
     for (const CollisionShape& s : asking.body.shapes) soles.insert({s.joint, s.link});
     for (const auto& sole : soles) {
@@ -37,10 +40,14 @@ class Builder {
 
   void add(std::size_t recording) {
     const WholeRecording& r = asking_.recordings[recording];
-    const Track track = track_of(asking_, r);
+    Vector lags = guess_.lags;
+    for (Eigen::Index j = 0; j < n_; ++j) lags[j] += law(j).lag;
+    const Track track = track_of(asking_, r, lags);
     const StanceSettings& s = asking_.stance;
     const auto step = static_cast<std::size_t>(std::max(2.0, std::round(s.window / r.interval)));
-    for (std::size_t a = 1; a + step <= r.rows(); a += step) {
+    // goals from before the recording began act in its first rows
+    const auto late = static_cast<std::size_t>(std::ceil(lags.maxCoeff() / r.interval));
+    for (std::size_t a = 1 + late; a + step <= r.rows(); a += step) {
       if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, step)) continue;
       const WindowMeans w = window_of(asking_, track, a, a + step);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
@@ -49,6 +56,8 @@ class Builder {
       out_.windows.push_back({recording, r.t[a], r.t[a + step - 1]});
       if (out_.current) add_loops(w);
       add_motion(w);
+      for (std::size_t i = 1; i < w.stands.size(); ++i)
+        add_soles(w, track.feet[w.stands[i - 1]], track.feet[w.stands[i]]);
     }
   }
 
@@ -63,7 +72,9 @@ class Builder {
       out_.y[k] = row[out_.columns.count()];
       out_.unknown.row(k) = row.tail(3 + n_);
     }
-    out_.channels = motion_channel() + (out_.weighed ? 2 : 1);
+    const std::vector<std::size_t>& kinds = out_.channel;
+    const bool soles = std::find(kinds.begin(), kinds.end(), sole_channel()) != kinds.end();
+    out_.channels = sole_channel() + (soles ? 1 : 0);
   }
 
  private:
@@ -77,13 +88,15 @@ class Builder {
                        [](double weight) { return !std::isfinite(weight); });
   }
 
-  /// Of what is no joint's loop; what the feet carry comes after it.
+  /// Of what is no joint's loop; what the feet carry comes after it, then how soles lie.
   std::size_t motion_channel() const { return out_.current ? static_cast<std::size_t>(n_) : 0; }
+  std::size_t sole_channel() const { return motion_channel() + (out_.weighed ? 2 : 1); }
   const DriveLaw& law(Eigen::Index j) const { return out_.laws[static_cast<std::size_t>(j)]; }
 
-  /// Of the goal that acts, as the model knows the delay.
+  /// Of the goal that would act with the model's delay alone: linear about the guess, where it is
+  /// that of the track.
   double error_of(const WindowMeans& w, Eigen::Index j) const {
-    return w.error[j] - law(j).lag * w.command_rate[j];
+    return w.error[j] + guess_.lags[j] * w.command_rate[j];
   }
 
   /// Figures, what is missing, what is unknown.
@@ -187,13 +200,13 @@ class Builder {
   /// Torques at the joints as measured: by current, or else by the position loop.
   Vector given(const WindowMeans& w) const {
     Vector out(n_);
-    for (Eigen::Index j = 0; j < n_; ++j) out[j] = given_at(w, j);
-    return scales_.size() > 0 ? out.cwiseProduct(scales_) : out;
+    for (Eigen::Index j = 0; j < n_; ++j) out[j] = given_at(w, j, w.error[j]);
+    return out.cwiseProduct(guess_.scales);
   }
-  double given_at(const WindowMeans& w, Eigen::Index j) const {
+  double given_at(const WindowMeans& w, Eigen::Index j, double error) const {
     const DriveLaw& l = law(j);
     return out_.current ? l.torque_constant * w.current[j]
-                        : l.stiffness * error_of(w, j) - l.damping * w.motion.dq[j];
+                        : l.stiffness * error - l.damping * w.motion.dq[j];
   }
 
   /// Motion needed less torques given, and what each figure makes of it. Rows of a joint:
@@ -213,7 +226,7 @@ class Builder {
       const DriveLaw& l = law(j);
       const Eigen::Index at = 6 + j;
       const double dq = w.motion.dq[j];
-      y[at] += l.armature * w.motion.ddq[j] - given_at(w, j) +
+      y[at] += l.armature * w.motion.ddq[j] - given_at(w, j, error_of(w, j)) +
                (l.coulomb + l.load * std::abs(needed[at])) * w.sign[j];
       E(at, c.joint(JointFigure::speed, j)) = -dq;
       E(at, c.joint(JointFigure::dry, j)) = -w.sign[j];
@@ -318,9 +331,22 @@ class Builder {
     put(row / deviation, motion_channel() + 1);
   }
 
+  /// Two soles against each other, over the deviation of a floor that is flat.
+  void add_soles(const WindowMeans& w, const FootForce& one, const FootForce& other) {
+    const auto apart = soles_apart(asking_.body, tree_, w.motion, one, other);
+    if (!apart) return;
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      Vector row = Vector::Zero(width());
+      row[out_.columns.count()] = apart->lean[i];
+      for (Eigen::Index j = 0; j < n_; ++j)
+        row[out_.columns.joint(JointFigure::zero, j)] = apart->by_zero(i, j);
+      put(row / asking_.stance.flat, sole_channel());
+    }
+  }
+
   const Asking& asking_;
   FloatingTree tree_;
-  const Eigen::VectorXd& scales_;
+  DriveGuess guess_;
   DriveRows& out_;
   Eigen::Index n_;
   std::vector<int> soles_, carrying_;  // joints; those that may carry in a window
@@ -328,37 +354,9 @@ class Builder {
   std::size_t recording_ = 0, piece_ = 0;
 };
 
-std::string drive_unknown(const WholeBody& body) {
-  for (std::size_t j = 0; j < body.model.joints.size(); ++j) {
-    const JointSettings& s = body.model.joints[j];
-    const bool follows = s.actuator == Actuator::position_pd ||
-                         (s.actuator == Actuator::dc_servo && s.i_gain == 0.0);
-    if (!follows)
-      return "the drive of " + body.model.tree.joints[j].name +
-             " follows no goal position (position_pd, dc_servo without i_gain)";
-  }
-  return {};
-}
-
-/// Of a dc_servo, per_duty the torque of a full duty at rest; of position_pd kp and kd:
-///
-///   stiffness = p_gain per_duty
-///   damping = d_gain per_duty + torque_constant back_emf / resistance + viscous
-DriveLaw law_of(const JointSettings& s) {
-  DriveLaw out;
-  const double per_duty = s.torque_constant * s.voltage / s.resistance;
-  const bool servo = s.actuator == Actuator::dc_servo;
-  out.stiffness = servo ? s.p_gain * per_duty : s.kp;
-  out.damping = servo ? s.d_gain * per_duty + s.torque_constant * s.back_emf / s.resistance : s.kd;
-  out.damping += s.viscous;
-  out.torque_constant = s.torque_constant, out.armature = s.armature, out.coulomb = s.coulomb;
-  out.lag = s.command_delay_s;
-  return out;
-}
-
 }  // namespace
 
-DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales) {
+DriveRows drive_rows(const Asking& asking, const DriveGuess& guess) {
   DriveRows out;
   const WholeBody& body = asking.body;
   out.columns.joints = static_cast<Eigen::Index>(body.model.tree.size());
@@ -376,7 +374,7 @@ DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales) {
                             [](const WholeRecording& r) { return r.current; });
   out.weighed = std::all_of(asking.recordings.begin(), asking.recordings.end(),
                             [](const WholeRecording& r) { return r.attitude && !r.feet.empty(); });
-  Builder builder(asking, scales, out);
+  Builder builder(asking, guess, out);
   if (!builder.determined()) {
     out.why_not = "more links may touch than the joints' torques can tell apart";
     return out;
@@ -387,11 +385,14 @@ DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales) {
   return out;
 }
 
-Eigen::VectorXd torque_scales(const DriveRows& rows, const Eigen::VectorXd& figures) {
+DriveGuess guess_of(const DriveRows& rows, const Eigen::VectorXd& figures) {
   const JointFigure figure = rows.current ? JointFigure::torque : JointFigure::gain;
-  Eigen::VectorXd out(rows.columns.joints);
-  for (Eigen::Index j = 0; j < out.size(); ++j)
-    out[j] = 1.0 / std::max(1.0 - figures[rows.columns.joint(figure, j)], 1e-9);
+  DriveGuess out{Vector(rows.columns.joints), Vector(rows.columns.joints)};
+  for (Eigen::Index j = 0; j < rows.columns.joints; ++j) {
+    out.scales[j] = 1.0 / std::max(1.0 - figures[rows.columns.joint(figure, j)], 1e-9);
+    const double law = rows.laws[static_cast<std::size_t>(j)].lag;
+    out.lags[j] = std::max(-law, figures[rows.columns.joint(JointFigure::lag, j)]);
+  }
   return out;
 }
 

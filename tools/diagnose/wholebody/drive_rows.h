@@ -9,17 +9,10 @@
 #include <vector>
 
 #include "tools/diagnose/effects/whole_figures.h"
+#include "tools/diagnose/wholebody/drive_law.h"
 #include "tools/diagnose/wholebody/questions.h"
 
 namespace sanso::diagnose {
-
-/// A joint's drive as the model states it, at the output shaft.
-struct DriveLaw {
-  double stiffness = 0.0, damping = 0.0;  // N m/rad; N m s/rad, all that is proportional to speed
-  double torque_constant = 0.0;           // N m/A
-  double armature = 0.0, coulomb = 0.0;
-  double lag = 0.0, load = 0.0;  // s, from a goal to the loop; friction per torque carried
-};
 
 /// Places of the columns.
 struct DriveColumns {
@@ -61,11 +54,16 @@ struct DriveRows {
   std::string why_not;   // not empty: nothing can be asked, and why
 };
 
-/// `scales`: what the joints' torques are to those that the model makes of goals or currents, as
-/// far as it is known; empty: one. It says how soles press against each other, nothing else.
-DriveRows drive_rows(const Asking& asking, const Eigen::VectorXd& scales = {});
+/// What a fit has found already, where rows are not linear in it. Empty: nothing.
+struct DriveGuess {
+  // by joint: what torques are to those that the model makes of goals or currents. Says how soles
+  // press against each other, nothing else.
+  Eigen::VectorXd scales;
+  Eigen::VectorXd lags;  // by joint, s beyond the model's: goals are shifted by it
+};
+DriveRows drive_rows(const Asking& asking, const DriveGuess& guess = {});
 
-/// Such scales by the figures of a fit.
-Eigen::VectorXd torque_scales(const DriveRows& rows, const Eigen::VectorXd& figures);
+/// Such a guess by the figures of a fit.
+DriveGuess guess_of(const DriveRows& rows, const Eigen::VectorXd& figures);
 
 }  // namespace sanso::diagnose

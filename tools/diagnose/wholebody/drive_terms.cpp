@@ -2,6 +2,7 @@
 #include "tools/diagnose/wholebody/drive_terms.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -219,6 +220,10 @@ std::vector<DriveTerm> drive_terms(const Asking& asking, const DriveRows& rows) 
   out.push_back(turned_sensor(asking, rows));
   for (int joint = -1; joint < static_cast<int>(tree.size()); ++joint)
     add_link(asking, rows, joint, out);
+  std::erase_if(out, [&](const DriveTerm& t) {
+    return !asking.effects.empty() && std::find(asking.effects.begin(), asking.effects.end(),
+                                                t.effect) == asking.effects.end();
+  });
   return out;
 }
 
@@ -234,7 +239,8 @@ std::vector<std::pair<JointFigure, double>> tolerances_of(const Asking& asking, 
       {JointFigure::speed, t.damping * l.damping},
       {JointFigure::dry, std::max(asking.stance.coulomb, t.friction * l.coulomb)},
       {JointFigure::load, t.friction},
-      {JointFigure::rotor, t.armature * l.armature}};
+      // smoothing takes a share of every acceleration, as a lighter rotor would
+      {JointFigure::rotor, std::hypot(t.armature, asking.stance.acceleration) * l.armature}};
   if (current) out.emplace_back(JointFigure::torque, t.motor);
   return out;
 }
@@ -268,7 +274,7 @@ DriveNuisances drive_nuisances(const Asking& asking, const DriveRows& rows) {
       add(unit(c.joint(figure, j)), spread, in_words(figure) + " of " + place);
     lag[c.joint(JointFigure::lag, j)] = 1.0;
   }
-  // instants inside a row are not known better than a tenth of it
+  // instants inside a row are known to a part of it
   double row = 0.0;
   for (const WholeRecording& r : asking.recordings) row = std::max(row, r.interval);
   add(lag, std::max(asking.tolerances.lag, asking.stance.instant * row), "delay of all goals");

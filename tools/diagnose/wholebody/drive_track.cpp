@@ -24,9 +24,24 @@ std::vector<double> differences(const std::vector<double>& t, const std::vector<
   return out;
 }
 
+/// x as it was `lag` ago; the first value before the recording begins.
+std::vector<double> delayed(const std::vector<double>& t, const std::vector<double>& x,
+                            double lag) {
+  std::vector<double> out(x.size());
+  for (std::size_t k = 0, a = 0; k < x.size(); ++k) {
+    const double then = t[k] - lag;
+    while (a + 1 < k && t[a + 1] <= then) ++a;
+    const bool before = k == 0 || then <= t.front();
+    const double share = before ? 0.0 : (then - t[a]) / (t[a + 1] - t[a]);
+    out[k] = before ? x.front() : x[a] + share * (x[a + 1] - x[a]);
+  }
+  return out;
+}
+
 /// error = before - q,  `before` the goal that acts and q as recorded; the q that is kept is less
 /// the encoder's zero.
-JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::Index j) {
+JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::Index j,
+                          double lag) {
   JointTrack out;
   const Vector row = r.q.row(j);
   out.q.assign(row.data(), row.data() + row.size());
@@ -40,6 +55,7 @@ JointTrack track_of_joint(const Asking& asking, const WholeRecording& r, Eigen::
                last = static_cast<Eigen::Index>(k > 0 ? k - 1 : 0);
     before[k] = r.current ? r.u(j, last) : 0.5 * (r.u(j, last) + r.u(j, now));
   }
+  if (lag > 0.0) before = delayed(r.t, before, lag);
   out.command_rate = differences(r.t, before);
   const auto joint = static_cast<std::size_t>(j);
   const double zero = joint < asking.known.zero.size() ? asking.known.zero[joint] : 0.0;
@@ -66,14 +82,15 @@ double weight_at(const Asking& asking, const WholeRecording& r, std::size_t k) {
 
 }  // namespace
 
-Track track_of(const Asking& asking, const WholeRecording& r) {
+Track track_of(const Asking& asking, const WholeRecording& r, const Vector& lags) {
   Track out;
   const auto joints = static_cast<std::size_t>(r.q.rows());
   out.joints.resize(joints);
   std::array<SmoothedState, 3> turning;
   parallel_for(joints + 3, [&](std::size_t i) {
     if (i < joints) {
-      out.joints[i] = track_of_joint(asking, r, static_cast<Eigen::Index>(i));
+      const auto j = static_cast<Eigen::Index>(i);
+      out.joints[i] = track_of_joint(asking, r, j, lags.size() > 0 ? lags[j] : 0.0);
       return;
     }
     std::vector<double> w;
@@ -99,18 +116,21 @@ Track track_of(const Asking& asking, const WholeRecording& r) {
 
 namespace {
 
-/// Joints of feet whose force is never more than what a sensor reads in the air.
-std::vector<int> feet_in_air(const Asking& asking, const Track& track, std::size_t a,
-                             std::size_t b) {
-  const double least =
-      asking.stance.carries * asking.body.mass() * eigen(asking.body.model.gravity).norm();
-  std::vector<int> out;
-  for (const FootForce& foot : track.feet) {
-    bool carries = false;
-    for (std::size_t k = a; k < b; ++k) carries = carries || !(std::abs(foot.fz[k]) < least);
-    if (!carries) out.push_back(foot.joint);
+/// Joints of feet whose force is never more than what a sensor reads in the air; and feet that
+/// stand, with a share of the weight that a swinging foot has never.
+void sort_feet(const Asking& asking, const Track& track, std::size_t a, std::size_t b,
+               WindowMeans& out) {
+  const double weight = asking.body.mass() * eigen(asking.body.model.gravity).norm();
+  for (std::size_t f = 0; f < track.feet.size(); ++f) {
+    const std::vector<double>& fz = track.feet[f].fz;
+    bool carries = false, stands = true;
+    for (std::size_t k = a; k < b; ++k) {
+      carries = carries || !(std::abs(fz[k]) < asking.stance.carries * weight);
+      stands = stands && fz[k] > asking.settings.stance_share * weight;
+    }
+    if (!carries) out.in_air.push_back(track.feet[f].joint);
+    if (stands) out.stands.push_back(f);
   }
-  return out;
 }
 
 }  // namespace
@@ -123,7 +143,7 @@ WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, s
   for (Vector* v : {&out.motion.q, &out.motion.dq, &out.motion.ddq, &out.sign, &out.error,
                     &out.command_rate, &out.current})
     *v = Vector::Zero(n);
-  out.in_air = feet_in_air(asking, track, a, b);
+  sort_feet(asking, track, a, b, out);
   // means over [a, b) of every track;  sign = mean of dq / creeping within [-1, 1]
   const double share = 1.0 / static_cast<double>(b - a);
   for (std::size_t k = a; k < b; ++k) {

@@ -27,17 +27,19 @@ struct Track {
 };
 
 /// The recording must have every joint's goal and position, and the accelerometer. A weight is NaN
-/// where a foot comes down or off.
-Track track_of(const Asking& asking, const WholeRecording& recording);
+/// where a foot comes down or off. `lags`: by joint, s, from a goal to its loop; empty: none.
+Track track_of(const Asking& asking, const WholeRecording& recording,
+               const Eigen::VectorXd& lags = {});
 
 /// Means of a window, units of the tracks; vectors by joint.
 struct WindowMeans {
   FloatingMotion motion;
   // sign: of the velocity, within [-1, 1], the direction of dry friction; others as in the track
   Eigen::VectorXd sign, error, command_rate, current;
-  V3 up = V3::Zero();       // zero: no attitude
-  double weight = 0.0;      // N
-  std::vector<int> in_air;  // joints of feet that carry nothing all the time
+  V3 up = V3::Zero();               // zero: no attitude
+  double weight = 0.0;              // N
+  std::vector<int> in_air;          // joints of feet that carry nothing all the time
+  std::vector<std::size_t> stands;  // feet of the track that carry a good part all the time
 };
 
 /// Means over rows [a, b) of the track.

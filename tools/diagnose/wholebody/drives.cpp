@@ -55,8 +55,7 @@ std::string text_of(const JudgedDriveTerm& j) {
 }
 
 bool named(const Asking& asking, const JudgedDriveTerm& j) {
-  return placed(*find_effect(j.term.effect)) &&
-         j.size > j.term.tolerance + asking.chance().deviations() * j.sigma;
+  return placed(*find_effect(j.term.effect)) && surely_there(asking, j);
 }
 
 /// `alone`: nothing else is in the balance, and it is one.
@@ -79,8 +78,9 @@ Answered judge(const Asking& asking, const JudgedDriveTerm& j, bool alone) {
   return out;
 }
 
-/// Somebody pushed: a force that comes, goes, and is nowhere else in that recording.
-WholeAnswers judge_pushes(const Asking& asking, const std::vector<Push>& pushes) {
+/// Somebody pushed: a force that comes, goes, and is nowhere else in that recording. `alone`:
+/// nothing without a name is left that might read as one.
+WholeAnswers judge_pushes(const Asking& asking, const std::vector<Push>& pushes, bool alone) {
   WholeAnswers answers;
   if (pushes.empty()) return answers;
   const Push& p = pushes.front();
@@ -98,7 +98,8 @@ WholeAnswers judge_pushes(const Asking& asking, const std::vector<Push>& pushes)
         false};
   }
   f.p_family = asking.chance().family_wise(p.beyond);
-  f.one_of = {f.effect}, f.status = status_of(f);
+  f.one_of = {f.effect};
+  f.status = alone ? status_of(f) : VerdictStatus::present_unnamed;
   answers.findings.push_back(f);
   for (const Push& each : pushes)
     answers.notes.push_back(fmt::format(
@@ -150,14 +151,16 @@ Answered ask_drives(const Asking& asking) {
     left = stance_left(rows, choice.figures, asking.stance.pushed);
   }
   out.answers.log.insert(out.answers.log.end(), choice.log.begin(), choice.log.end());
-  out.answers.scores["stance"] = {choice.before, choice.after, 1.0,
+  out.answers.scores["stance"] = {choice.before, choice.after, choice.least,
                                   std::numeric_limits<double>::quiet_NaN(),
                                   std::numeric_limits<double>::quiet_NaN()};
   const bool alone =
       choice.adequate && std::all_of(choice.terms.begin(), choice.terms.end(),
                                      [&](const auto& j) { return named(asking, j); });
   for (const JudgedDriveTerm& j : choice.terms) out.take(judge(asking, j, alone));
-  out.answers.take(judge_pushes(asking, pushes));
+  for (const JudgedDriveTerm& j : choice.spare)
+    out.answers.notes.push_back(text_of(j) + ": described, not named");
+  out.answers.take(judge_pushes(asking, pushes, alone));
   out.weighed = alone && weighed_by(choice);
   if (alone) return out;
   out.answers.notes.push_back(

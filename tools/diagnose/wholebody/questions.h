@@ -34,6 +34,7 @@ struct Asking {
   unsigned long seed = 1;
   StanceSettings stance = {};
   SmootherSettings smoother = {};
+  std::vector<std::string> effects = {};  // of drives and links, that may be named; empty: all
   Chance chance() const { return {settings, decisions, seed}; }
   // group of a moment: the recording where there are several, else a piece of it
   std::size_t group_of(std::size_t recording, double seconds_since_start) const;

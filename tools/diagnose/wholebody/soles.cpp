@@ -25,33 +25,6 @@ std::vector<char> standing(const Asking& asking, const WholeRecording& r, const 
   return out;
 }
 
-/// Normal of the foot's lowest face in the frame of its joint, pointing out of the ground; nothing
-/// where the shape has no flat face below.
-std::optional<V3> sole_normal(const WholeBody& body, const FootForce& foot) {
-  std::vector<V3> points;
-  for (const CollisionShape& s : body.shapes) {
-    if (s.link == foot.link && s.radius == 0.0)
-      for (const Vec3& p : s.points) points.push_back(eigen(p));
-  }
-  if (points.size() < 4) return std::nullopt;
-  BodyKinematics kinematics(body);
-  kinematics.set(M3::Identity(), V3::Zero(),
-                 Eigen::VectorXd::Zero(static_cast<Eigen::Index>(body.model.tree.size())));
-  const M3& R = kinematics.rotation(foot.joint);
-  const V3 up = upwards(body);
-  std::sort(points.begin(), points.end(),
-            [&](const V3& a, const V3& b) { return up.dot(R * a) < up.dot(R * b); });
-  V3 middle = V3::Zero();
-  for (std::size_t i = 0; i < 4; ++i) middle += 0.25 * points[i];
-  M3 spread = M3::Zero();
-  for (std::size_t i = 0; i < 4; ++i)
-    spread += (points[i] - middle) * (points[i] - middle).transpose();
-  const Eigen::SelfAdjointEigenSolver<M3> axes(spread);
-  if (axes.eigenvalues()[1] < 1e-8) return std::nullopt;  // an edge, no face
-  const V3 normal = axes.eigenvectors().col(0);
-  return up.dot(R * normal) > 0.0 ? normal : V3(-normal);
-}
-
 struct Soles {
   Leans leans;
   std::vector<double> slips;  // m/s, one a stance
@@ -59,7 +32,7 @@ struct Soles {
 
 void add_foot(const Asking& asking, std::size_t number, const FootForce& foot, Soles& soles) {
   const WholeRecording& r = asking.recordings[number];
-  const std::optional<V3> normal = sole_normal(asking.body, foot);
+  const std::optional<V3> normal = sole_normal(asking.body, foot.joint, foot.link);
   const Level level(upwards(asking.body));
   const V2 known = lean_of(asking.known.slope) + lean_of(asking.known.pose_tilt);
   BodyKinematics kinematics(asking.body);

@@ -87,6 +87,30 @@ TEST(DriveChoice, PlacesALegThatIsSofter) {
   EXPECT_NEAR(choice.terms.front().parameters.front().value, 0.65, 0.05);
 }
 
+TEST(DriveChoice, WhatIsNotSurelyThereIsSpare) {
+  for (const double gain : {0.97, 0.98, 1.02, 1.03}) {  // the tolerance is 0.02
+    Stance stance;
+    stance.drive = [gain](int) { return TrueDrive{.gain = gain}; };
+    const StanceWorld world(stance);
+    const DriveChoice choice = balance_drives(world.asking()).choice;
+    EXPECT_TRUE(choice.adequate) << told(choice);
+    for (const JudgedDriveTerm& term : choice.terms)
+      EXPECT_TRUE(surely_there(world.asking(), term)) << gain << "\n" << told(choice);
+    for (const JudgedDriveTerm& term : choice.spare)
+      EXPECT_FALSE(surely_there(world.asking(), term)) << gain << "\n" << told(choice);
+  }
+}
+
+TEST(DriveChoice, ALongDelayIsSizedWithoutACurrent) {
+  Stance stance;
+  stance.drive = [](int) { return TrueDrive{.lag = 0.04}; };
+  const DriveChoice choice = chosen(stance);
+  ASSERT_EQ(choice.terms.size(), 1u) << told(choice);
+  EXPECT_EQ(choice.terms.front().term.effect, "command_delay") << told(choice);
+  EXPECT_EQ(choice.terms.front().term.where.size(), 12u) << told(choice);
+  EXPECT_NEAR(choice.terms.front().parameters.front().value, 0.04, 0.003);
+}
+
 bool among(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }

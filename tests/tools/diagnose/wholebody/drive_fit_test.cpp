@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 
 #include "tools/diagnose/stats/random.h"
 
@@ -181,6 +182,30 @@ TEST(LeftByChannel, IsTheRmsOfEach) {
   const std::vector<double> found = left_by_channel(rows, figures, 1e9);
   ASSERT_EQ(found.size(), 2u);
   for (std::size_t c = 0; c < 2; ++c) EXPECT_NEAR(found[c], std::sqrt(squares[c] / 45.0), 1e-12);
+}
+
+TEST(Eliminated, ATermIsAsSureAsTheRowsAreOfItsOwnFigures) {
+  // two figures that rows see apart, each with a nominal model's tolerance, which is wide
+  Normal normal(2);
+  normal.G = Eigen::Vector2d(400.0, 100.0).asDiagonal();
+  DriveNuisances off;
+  off.columns = Eigen::Matrix2d::Identity(), off.precision = Eigen::Vector2d(1e-4, 1e-4);
+  const DriveTerm one = term_of(Eigen::Vector2d(1.0, 0.0));
+  const DriveTerm both = term_of(Eigen::Vector2d(1.0, 1.0));
+  const Eliminated eliminated(normal, off);
+  EXPECT_NEAR(eliminated.deviations({&one})[0], 1.0 / std::sqrt(400.0), 1e-6);
+  // the mean of the two
+  EXPECT_NEAR(eliminated.deviations({&both})[0], 0.5 * std::sqrt(1.0 / 400.0 + 1.0 / 100.0), 1e-4);
+}
+
+TEST(Eliminated, ATermIsLessSureWhereAnotherFigureReadsLikeIt) {
+  // rows see the sum of two figures; the second may be off by 0.2, and is none of the term's
+  Normal normal(2);
+  normal.G.setConstant(400.0);
+  DriveNuisances off;
+  off.columns = Eigen::Vector2d(0.0, 1.0), off.precision = Eigen::VectorXd::Constant(1, 25.0);
+  const DriveTerm one = term_of(Eigen::Vector2d(1.0, 0.0));
+  EXPECT_NEAR(Eliminated(normal, off).deviations({&one})[0], std::hypot(0.2, 0.05), 1e-9);
 }
 
 }  // namespace

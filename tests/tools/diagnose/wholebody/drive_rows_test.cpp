@@ -137,5 +137,32 @@ TEST(DriveRows, SayWhyNotWhereFeetNeverRest) {
   EXPECT_NE(drive_rows(world.asking()).why_not.find("comes down"), std::string::npos);
 }
 
+TEST(DriveRows, AboutADelayThatIsGuessedTheyAreExact) {
+  const TrueDrive late{.lag = 0.06};
+  const StanceWorld world(all_joints(late));
+  const auto left = [&](const DriveGuess& guess) {
+    const DriveRows rows = drive_rows(world.asking(), guess);
+    Eigen::VectorXd figures = Eigen::VectorXd::Zero(rows.columns.count());
+    for (Eigen::Index j = 0; j < rows.columns.joints; ++j)
+      figures[rows.columns.joint(JointFigure::lag, j)] = late.lag;
+    return rms(rows.y - rows.X * figures);
+  };
+  const Eigen::VectorXd lags = Eigen::VectorXd::Constant(12, late.lag);
+  EXPECT_LT(left({{}, lags}), 0.6 * left({})) << "the goals bend within it";
+}
+
+TEST(DriveRows, AGuessIsWhatTheFiguresSay) {
+  const StanceWorld world(all_joints({}));
+  const DriveRows rows = drive_rows(world.asking());
+  Eigen::VectorXd figures = Eigen::VectorXd::Zero(rows.columns.count());
+  figures[rows.columns.joint(JointFigure::gain, 2)] = 0.5;
+  figures[rows.columns.joint(JointFigure::lag, 3)] = 0.02;
+  figures[rows.columns.joint(JointFigure::lag, 4)] = -0.5;  // earlier than at once
+  const DriveGuess guess = guess_of(rows, figures);
+  EXPECT_DOUBLE_EQ(guess.scales[2], 2.0);
+  EXPECT_DOUBLE_EQ(guess.lags[3], 0.02);
+  EXPECT_DOUBLE_EQ(guess.lags[4], -rows.laws[4].lag);
+}
+
 }  // namespace
 }  // namespace sanso::diagnose

@@ -47,6 +47,31 @@ TEST_F(DriveTrack, ErrorIsThatOfTheGoalThatActed) {
   EXPECT_NEAR(means(10, 20).error[0], slope_ * (middle - 0.5 * r.interval) - 0.2, 1e-9);
 }
 
+TEST_F(DriveTrack, ADelayIsThatOfTheGoalsAlone) {
+  for (Eigen::Index k = 0; k < recording().u.cols(); ++k)
+    recording().u.col(k).setConstant(std::sin(9.0 * recording().t[at(k)]));
+  const auto n = recording().q.rows();
+  const Asking asking = world_.asking();
+  const Track now = track_of(asking, recording());
+  const Track whole = track_of(asking, recording(), Eigen::VectorXd::Constant(n, 0.03));
+  const Track half = track_of(asking, recording(), Eigen::VectorXd::Constant(n, 0.035));
+  for (std::size_t k = 10; k < recording().rows(); ++k) {
+    const auto& e = now.joints[2].error;
+    EXPECT_NEAR(whole.joints[2].error[k], e[k - 3], 1e-9);
+    EXPECT_NEAR(half.joints[2].error[k], 0.5 * (e[k - 3] + e[k - 4]), 1e-9);
+    EXPECT_NEAR(whole.joints[2].command_rate[k], now.joints[2].command_rate[k - 3], 1e-6);
+  }
+  EXPECT_EQ(whole.joints[2].error[0], now.joints[2].error[0]) << "nobody knows what was before";
+}
+
+TEST_F(DriveTrack, AFootStandsWhereItCarriesAGoodPartAllTheTime) {
+  const double weight = world_.body.mass() * 9.81;
+  for (FootForce& foot : recording().feet) foot.fz.assign(recording().rows(), 0.5 * weight);
+  EXPECT_EQ(means(10, 20).stands, (std::vector<std::size_t>{0, 1}));
+  recording().feet[0].fz[15] = 0.05 * weight;
+  EXPECT_EQ(means(10, 20).stands, (std::vector<std::size_t>{1}));
+}
+
 TEST_F(DriveTrack, AZeroThatIsKnownMovesTheJointAndNotTheLoop) {
   Asking asking = world_.asking();
   asking.known.zero.assign(static_cast<std::size_t>(recording().q.rows()), 0.03);
