@@ -6,11 +6,11 @@
 
 namespace sanso::diagnose {
 
-/// Model, recordings, settings and seed.
+/// Model, recordings, names allowed, settings and seed.
 inline WholeOptions whole_options(const DiagnoseOptions& options) {
   WholeOptions whole;
   whole.model = options.model, whole.recordings = options.recordings;
-  whole.settings = options.settings, whole.seed = options.seed;
+  whole.effects = options.effects, whole.settings = options.settings, whole.seed = options.seed;
   return whole;
 }
 
