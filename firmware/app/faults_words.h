@@ -101,7 +101,9 @@ inline constexpr std::array kFaultWords{
         "The IMU does not tell of this robot. Detail 1: its mean specific force is not 9.81 "
         "m/s^2 upwards (units, axes, mounting); 2: its orientation does not turn as its gyro "
         "says (an axis flipped, a jump); 3: while both soles stand, the trunk turns another "
-        "way than the legs turn it (mounting turned about z).",
+        "way than the legs turn it (mounting turned about z): for 50 ms, or for half a second "
+        "once legs and sensor have agreed, because soles that rock over a plate do so for a "
+        "moment.",
         "`imu.quat_base_sensor_*`, the sensor's units and axes, its screws."},
     FaultWords{
         Fault::fallen,

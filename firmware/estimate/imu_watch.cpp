@@ -17,6 +17,9 @@ constexpr double kRateWindow_s = 0.2, kRateTolerance_rad = 0.2;
 constexpr double kLegsWindow_s = 0.4, kEnoughMotion = 0.01;  // rad^2/s
 constexpr double kLikeAmounts = 2.5, kLeastCorrelation = 0.3;
 constexpr int kContradictingTicks = 5;
+// a sensor that has agreed with the legs is not turned a moment later; soles that rock over what
+// they stand on turn the trunk otherwise than the legs for a few tenths of a second
+constexpr int kContradictingTicksOnceKnown = 50;
 // mounting: a lean of 0.7 degrees tells; noise and play of a standing robot are a third of it, and
 // at twice as much a robot that is corrected the wrong way can no longer be saved
 constexpr double kLeanMean_s = 3.0, kEnoughLean_rad = 0.012;
@@ -103,7 +106,8 @@ bool ImuWatch::legs_contradict(double dt, const ImuSample& imu, const Estimator&
   const bool contradicts =
       telling && legs_imu_ < kLeastCorrelation * std::sqrt(legs_legs_ * imu_imu_);
   contradicting_ticks_ = contradicts ? contradicting_ticks_ + 1 : 0;
-  return contradicting_ticks_ >= kContradictingTicks;
+  return contradicting_ticks_ >=
+         (mounting_known_ ? kContradictingTicksOnceKnown : kContradictingTicks);
 }
 
 /// Whether the trunk has just turned as the legs turned it.

@@ -182,6 +182,8 @@ struct Accounts {
         servos.servo[static_cast<std::size_t>(j)].position_rad = q[j];
         servos.servo[static_cast<std::size_t>(j)].known = true;
       }
+      const double rate = legs_step / to_seconds(kTickPeriod);  // of both hips, mirrored
+      servos.servo[2].velocity_rad_s = rate, servos.servo[8].velocity_rad_s = -rate;
       sample.time += kTickPeriod;
       ++sample.sequence;
       sample.quat_world_base = math::quat_exp({0, by_sensor, 0});
@@ -220,6 +222,31 @@ TEST(ImuWatch, RatesThatAgreeVouchForTheSensor) {
     EXPECT_EQ(a.go(0, -way * 0.025, 100), ImuWatch::kPlausible);
     EXPECT_EQ(a.go(way * 0.014, -way * 0.011, 10), ImuWatch::kPlausible);
   }
+}
+
+/// Legs and sensor turn against each other, to and fro.
+ImuWatch::Reason against(Accounts& a, int times) {
+  ImuWatch::Reason seen = ImuWatch::kPlausible;
+  for (int k = 0; k < times; ++k) {
+    const double way = k % 2 == 0 ? 0.03 : -0.03;
+    const ImuWatch::Reason now = a.go(way, -way, 10);
+    if (now != ImuWatch::kPlausible) seen = now;
+  }
+  return seen;
+}
+
+/// A plate under a foot turns the trunk against the legs for a moment; a sensor that came loose
+/// does so for good.
+TEST(ImuWatch, OnceTheyHaveAgreedAMomentIsNoContradiction) {
+  Accounts fresh;
+  fresh.go(0, 0, 20);
+  EXPECT_EQ(against(fresh, 4), ImuWatch::kAgainstLegs);
+  Accounts known;
+  known.go(0, 0, 50);
+  for (const double lean : {0.02, -0.02, 0.02, 0.0})
+    EXPECT_EQ(known.go(lean, lean, 30), ImuWatch::kPlausible);
+  EXPECT_EQ(against(known, 4), ImuWatch::kPlausible);
+  EXPECT_EQ(against(known, 12), ImuWatch::kAgainstLegs);
 }
 
 /// Between two steps the soles lie on one plane for a moment, not all of them on the ground.
