@@ -9,6 +9,7 @@
 
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/retarget.h"
+#include "shared/base/time.h"
 #include "shared/grounds/ground_file.h"
 #include "shared/model/joints.h"
 #include "shared/servo_bus/encode.h"
@@ -25,8 +26,6 @@ namespace {
 namespace xm = servo_bus::xm430;
 using motion::MotionError;
 
-constexpr Nanoseconds kTick = 10 * kMillisecond;
-constexpr double kTick_s = 0.01;
 constexpr int kHoldTicks = 60;  // in the person's hands, then in the hand alone
 constexpr int kPositionGain = 560;
 
@@ -94,7 +93,7 @@ class Recorder {
     bus.write(xm::kPositionPGain, {}, kPositionGain);
     bus.write(xm::kGoalPosition, at.q);
     bus.write(xm::kTorqueEnable, {}, 1);
-    until(robot_.now() + kHoldTicks * kTick);
+    until(robot_.now() + kHoldTicks * kTickPeriod);
     robot_.hold(false);
     held_at_ = robot_.truth().p_world_base;
     for (int k = 0; k < kHoldTicks; ++k) tick(-1.0);
@@ -124,7 +123,7 @@ class Recorder {
 
   /// One tick of the hand, moved every millisecond; `t`: since the push, negative before it.
   void tick(double t) {
-    const Nanoseconds end = (robot_.now() / kTick + 1) * kTick;
+    const Nanoseconds end = (robot_.now() / kTickPeriod + 1) * kTickPeriod;
     while (robot_.now() < end) {
       robot_.support(carriage(t));
       until(std::min(end, robot_.now() + kMillisecond));

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "host/mpc/cost.h"
+#include "shared/base/time.h"
 #include "shared/model/step_batch.h"
 
 namespace sanso::learn {
@@ -15,7 +16,6 @@ namespace {
 
 using model::kLanes;
 
-constexpr double kTick_s = 0.01;
 constexpr int kSubsteps = 2;
 constexpr std::size_t kMostWindows = 240;
 constexpr double kTilt_rad = 0.4;

@@ -37,6 +37,10 @@ double at_most(double limit) { return limit > 0.0 ? limit : kNone; }
 
 }  // namespace
 
+std::string link_name(const Parts& parts, int joint) {
+  return joint < 0 ? parts.root : parts.params.tree.joints[static_cast<std::size_t>(joint)].link;
+}
+
 Pose operator*(const Pose& a, const Pose& b) {
   return {product(a.R, b.R), a.p + rotated(a.R, b.p)};
 }

@@ -35,6 +35,9 @@ struct Parts {
 /// Throws files::InputError for a base that floats, and for a URDF that cannot be read.
 Parts parts_of(const ModelFolder& model);
 
+/// Of a joint; -1: of the base.
+std::string link_name(const Parts& parts, int joint);
+
 /// What the model has and `format` has not.
 std::vector<std::string> lost_in(Format format, const SimParams& params);
 /// The same as lines of an XML comment, with what the file is.

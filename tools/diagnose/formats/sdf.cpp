@@ -60,10 +60,6 @@ std::string dynamics(const JointParams& p) {
   return "<dynamics>" + out + "</dynamics>";
 }
 
-std::string link_name(const Parts& parts, int joint) {
-  return joint < 0 ? parts.root : parts.params.tree.joints[static_cast<std::size_t>(joint)].link;
-}
-
 std::string link_and_joint(const Parts& parts, std::size_t i, const std::string& joint_name) {
   const TreeJoint& joint = parts.params.tree.joints[i];
   const std::string parent = link_name(parts, joint.parent);

@@ -45,10 +45,6 @@ std::string link(const Parts& parts, int index) {
       number(I[2]), number(I[4]), number(I[5]), number(I[8]), visuals(parts, index));
 }
 
-std::string link_name(const Parts& parts, int joint) {
-  return joint < 0 ? parts.root : parts.params.tree.joints[static_cast<std::size_t>(joint)].link;
-}
-
 std::string limits(const TreeJoint& joint, const LinearServo& servo) {
   constexpr double kMany = 1000.0;  // where the model gives none; the format demands a number
   const double effort = joint.effort > 0.0    ? joint.effort
