@@ -24,9 +24,11 @@ struct FloorPlan {
   nlohmann::json answer;             // of a decoy but for its defect
   Random random;                     // where the draw stands
 };
-/// Deterministic. Throws plant::WorldError for a family or effect that this robot cannot have.
-FloorPlan plan_floor_case(const ConcealOptions& options);
-/// Throws as plan_floor_case.
+/// Deterministic. `draw`: another case of the same seed. Throws plant::WorldError for a family or
+/// effect that this robot cannot have.
+FloorPlan plan_floor_case(const ConcealOptions& options, std::uint64_t draw = 0);
+/// The first draw in which the robot stays on its feet in half of its motions. Throws as
+/// plan_floor_case, and where none of many is one.
 FloorCase make_floor_case(const ConcealOptions& options);
 /// The model that is handed out: nominal, whatever is hidden.
 std::string floor_toml(const FloorTruth& nominal);

@@ -174,7 +174,7 @@ class Hand {
     held_ = sent;
     const std::vector<double> goal = goals(static_cast<double>(sent) * kRow_s), first = goals(0.0);
     for (std::size_t j = 0; j < goal.size(); ++j) {
-      const std::size_t next = (j + 1) % goal.size();
+      const std::size_t next = neighbour_of(j);
       d.ctrl[j] =
           goal[j] - truth_.drives[j].zero + truth_.drives[j].leak * (goal[next] - first[next]);
     }
@@ -194,6 +194,13 @@ class Hand {
   }
 
  private:
+  /// The joint after it in its leg; of the last, the one before: a goal that never moves leaks
+  /// nothing.
+  std::size_t neighbour_of(std::size_t j) const {
+    const auto& links = truth_.legs.links;
+    const bool last = j + 1 == links.size() || links[j + 1].joint[0] != links[j].joint[0];
+    return last ? j - 1 : j + 1;
+  }
   struct Push {
     double at, x, y;
   };

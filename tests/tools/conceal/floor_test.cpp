@@ -269,6 +269,33 @@ TEST(FloorCase, FilesAreWhatWasPlanned) {
   EXPECT_EQ(diagnose::read_whole_body(written.model).mass(), handed_out().mass());
 }
 
+TEST(FloorCase, AGoalLeaksFromOneThatMoves) {
+  FloorMotion sway = stand();
+  sway.condition = "sway", sway.sway = 0.08, sway.squat = 0.3, sway.rate_hz = 0.5;
+  const FloorTruth nominal = nominal_floor();
+  const Recording tight = run_on_floor(nominal, sway, 3);
+  for (std::size_t j = 0; j < nominal.drives.size(); ++j) {
+    const std::string& joint = nominal.legs.links[j].joint;
+    if (!joint.ends_with("ank_roll") && !joint.ends_with("hip_yaw")) continue;
+    FloorTruth leaks = nominal;
+    leaks.drives[j].leak = 0.5;
+    const Recording leaking = run_on_floor(leaks, sway, 3);
+    const auto a = tight.find("q:" + joint), b = leaking.find("q:" + joint);
+    double most = 0.0;
+    for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+      most = std::max(most, std::abs(a[k] - b[k]));
+    EXPECT_GT(most, 0.01) << joint;
+  }
+}
+
+/// Half as much again, 40 mm behind: this robot falls at once, and another one is drawn.
+TEST(FloorCase, ARobotThatFallsIsDrawnAnew) {
+  const ConcealOptions o = options_of(511430, Family::pair);
+  const FloorPlan falls = plan_floor_case(o);
+  EXPECT_LT(run_on_floor(falls.truth, falls.motions.front(), falls.noise.front()).rows(), 200u);
+  EXPECT_GE(2 * make_floor_case(o).recordings.size(), falls.motions.size());
+}
+
 TEST(FloorCase, WhatItCannotHideIsRefusedByName) {
   const auto message = [](Family family, const std::string& effect) {
     try {
