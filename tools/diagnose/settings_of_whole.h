@@ -91,6 +91,7 @@ struct StanceSettings {
   double jump = 0.1;
   double carries = 0.02;
   double flat = 0.003;
+  double eased = 0.5;
   int maximum_terms = 6;
   template <class Field>
   void visit(Field&& field) {
@@ -141,6 +142,8 @@ struct StanceSettings {
           "of a foot's force: less is what a sensor reads in the air");
     field("flat", flat, "rad", 0.0001, 0.1,
           "by which two soles that stand on one floor lean apart: rubber, and loads at an edge");
+    field("eased", eased, "share", 0.0, 1.0,
+          "of what the nominal model has to be off by: names that take less are described only");
     field("maximum_terms", maximum_terms, "terms", 1, 20, "that are looked for");
   }
 

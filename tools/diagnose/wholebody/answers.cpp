@@ -173,6 +173,11 @@ void WholeAnswers::take(WholeAnswers later) {
   for (auto& [number, m] : later.numbers) numbers[number] = m;
   unnamed = unnamed || later.unnamed;
   asked += later.asked;
+  std::erase_if(untestable, [&](const Untestable& u) {
+    return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) {
+      return std::find(f.one_of.begin(), f.one_of.end(), u.effect) != f.one_of.end();
+    });
+  });
 }
 
 void WholeAnswers::widen(const std::string& choice, const WholeAnswers& other,

@@ -67,6 +67,12 @@ std::string number_of(const std::string& effect, const std::string& parameter,
 
 enum class Said { missing, within, nothing };
 
+/// Balances whose error a verdict states, held out.
+inline constexpr const char* kStanceBalance = "stance";
+inline constexpr const char* kWeightBalance = "weight";
+inline constexpr const char* kSoleBalance = "sole";
+inline constexpr const char* kImuBalance = "imu_acc";
+
 struct WholeAnswers {
   std::vector<Finding> findings;
   std::vector<Untestable> untestable;
@@ -87,7 +93,8 @@ struct WholeAnswers {
   /// The same questions with another choice of a term that they do not ask for: intervals take in
   /// what it says, and a name that it does without has `choice` for a rival.
   void widen(const std::string& choice, const WholeAnswers& other, const Chance& chance);
-  /// What a later question said, behind what stands here.
+  /// What a later question said, behind what stands here. What one of them names is testable,
+  /// whatever another could not tell.
   void take(WholeAnswers later);
 };
 

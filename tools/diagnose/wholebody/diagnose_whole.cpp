@@ -67,7 +67,7 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
     Unexplained& u = v.unexplained.emplace();
     u.shows_in = ShowsIn::torque, u.where = answers.locations.front().where, u.regime = "stance";
     u.nearest_effect = "none";
-    const FitScore& s = answers.scores.at("stance");
+    const FitScore& s = answers.scores.at(kStanceBalance);
     u.energy_share = std::min(1.0, std::pow(s.patched / std::max(s.nominal, 1e-300), 2));
   }
   v.answer = answer_of(answers);

@@ -275,6 +275,7 @@ class Chooser {
     out.adequate = adequate(taken_, asking_.stance.torn);
     const Eliminated::Fit fit = all_->fit(taken_);
     out.figures = fit.figures, out.farthest = fit.farthest;
+    out.eased = 1.0 - fit.strained / std::max(all_->fit({}).strained, 1e-300);
     log_.push_back(left_in_words());
     out.log = log_;
     const double rows = static_cast<double>(rows_.channel.size());

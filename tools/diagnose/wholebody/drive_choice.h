@@ -23,6 +23,7 @@ struct DriveChoice {
       spare;              // not surely beyond what a nominal model may be wrong by, and
                           // what is left is adequate without: not in the fit
   bool adequate = true;   // what is left is within what was known beforehand
+  double eased = 0.0;     // share of what the nominal model has to be off by that the terms take
   double farthest = 0.0;  // that a figure of the nominal model is off, tolerances
   // RMS left on left-out rows, deviations: by the nominal model as it is, with the terms alone, and
   // with all that a nominal model may be wrong by as well

@@ -58,11 +58,12 @@ bool named(const Asking& asking, const JudgedDriveTerm& j) {
   return placed(*find_effect(j.term.effect)) && surely_there(asking, j);
 }
 
-/// `alone`: nothing else is in the balance, and it is one.
-Answered judge(const Asking& asking, const JudgedDriveTerm& j, bool alone) {
+/// `alone`: nothing else is in the balance, and it is one. `worth`: it may be named beside what has
+/// no name.
+Answered judge(const Asking& asking, const JudgedDriveTerm& j, bool alone, bool worth) {
   Answered out;
   out.answers.log.push_back(text_of(j));
-  if (!named(asking, j)) {
+  if (!named(asking, j) || !worth) {
     out.answers.notes.push_back(text_of(j) + ": described, not named");
     return out;
   }
@@ -151,13 +152,15 @@ Answered ask_drives(const Asking& asking) {
     left = stance_left(rows, choice.figures, asking.stance.pushed);
   }
   out.answers.log.insert(out.answers.log.end(), choice.log.begin(), choice.log.end());
-  out.answers.scores["stance"] = {choice.before, choice.after, choice.least,
-                                  std::numeric_limits<double>::quiet_NaN(),
-                                  std::numeric_limits<double>::quiet_NaN()};
+  out.answers.scores[kStanceBalance] = {choice.before, choice.after, choice.least,
+                                        std::numeric_limits<double>::quiet_NaN(),
+                                        std::numeric_limits<double>::quiet_NaN()};
   const bool alone =
       choice.adequate && std::all_of(choice.terms.begin(), choice.terms.end(),
                                      [&](const auto& j) { return named(asking, j); });
-  for (const JudgedDriveTerm& j : choice.terms) out.take(judge(asking, j, alone));
+  // names that leave most of it are what something else reads like
+  const bool worth = alone || choice.eased >= asking.stance.eased;
+  for (const JudgedDriveTerm& j : choice.terms) out.take(judge(asking, j, alone, worth));
   for (const JudgedDriveTerm& j : choice.spare)
     out.answers.notes.push_back(text_of(j) + ": described, not named");
   out.answers.take(judge_pushes(asking, pushes, alone));

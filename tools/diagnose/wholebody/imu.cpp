@@ -305,7 +305,7 @@ Answered ask_imu(const Asking& asking) {
   j.mount = fit_mount(windows, asking.settings, parts);
   j.spread = spread_of(windows, j.mount, parts, asking);
   j.score = held_out(windows, parts, asking);
-  out.answers.scores["imu_acc"] = j.score;
+  out.answers.scores[kImuBalance] = j.score;
   out.take(judge_turn(asking, j));
   out.take(judge_biases(asking, j));
   return out;

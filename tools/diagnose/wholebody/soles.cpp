@@ -103,7 +103,7 @@ Asked asked_of(WholeFigure figure, std::vector<std::string> where, double tolera
                std::vector<std::string> equally_good) {
   Asked out = asked_for(figure);
   out.where = std::move(where), out.parameter = "x, y", out.regime = "stance";
-  out.tolerance = tolerance, out.equally_good = std::move(equally_good), out.channel = "sole";
+  out.tolerance = tolerance, out.equally_good = std::move(equally_good), out.channel = kSoleBalance;
   return out;
 }
 

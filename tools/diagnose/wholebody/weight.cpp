@@ -100,7 +100,7 @@ Answered ask_weight(const Asking& asking) {
       "a sum of vertical forces tells neither which link is heavier nor whether the sensors read "
       "too much; weighing the robot would");
   Asked asked = asked_for(WholeFigure::mass_share);
-  asked.where = {asking.body.root}, asked.regime = "stance", asked.channel = "weight";
+  asked.where = {asking.body.root}, asked.regime = "stance", asked.channel = kWeightBalance;
   asked.tolerance = asking.tolerances.mass * of_base;
   asked.equally_good = {name_of(WholeFigure::payload), name_of(WholeFigure::force_scale)};
   if (out.answers.judge(asked, *m, asking.chance()) == Said::missing)

@@ -173,5 +173,17 @@ TEST(Choices, WhatCountsAsAContactIsHalvedAndDoubled) {
   }
 }
 
+TEST(WholeAnswers, WhatALaterQuestionNamesIsTestable) {
+  WholeAnswers answers, later;
+  answers.cannot("link_mass", "nothing weighs the robot");
+  answers.cannot("ground_slope", "no foot that is known to stand");
+  Finding f;
+  f.effect = "payload", f.one_of = {"payload", "link_mass"};
+  later.findings.push_back(f);
+  answers.take(later);
+  ASSERT_EQ(answers.untestable.size(), 1u);
+  EXPECT_EQ(answers.untestable.front().effect, "ground_slope");
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
