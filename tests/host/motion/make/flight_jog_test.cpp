@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <numeric>
+
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/body_kinematics.h"
 #include "host/motion/make/rehearse.h"
@@ -15,9 +18,20 @@ const FlightReference& reference() {
   return made;
 }
 
+const Rehearsal& rehearsed() {
+  static const Rehearsal made =
+      rehearse(reference(), model::make_step_model(model::nominal_parameters()));
+  return made;
+}
+
 double lowest_point(const model::State& x, int side) {
   const auto corners = body_points(x).sole_corners(side);
   return std::min({corners[0].z(), corners[1].z(), corners[2].z(), corners[3].z()});
+}
+
+// Per step that could have a flight.
+double in_the_air_s(const Rehearsal& r) {
+  return std::accumulate(r.flights_s.begin(), r.flights_s.end(), 0.0) / r.steps;
 }
 
 TEST(FlightJog, EveryStepLeavesTheGroundForTheFlight) {
@@ -59,7 +73,7 @@ TEST(FlightJog, WithoutAStanceItIsRefused) {
 }
 
 TEST(Rehearsal, TellsWhatTheServosNeedToHoldTheRobot) {
-  const Rehearsal r = rehearse(reference(), model::make_step_model(model::nominal_parameters()));
+  const Rehearsal& r = rehearsed();
   ASSERT_TRUE(r.upright);
   // settled at the end: the targets are off the joints by what the weight bends the servos
   const model::State& told = r.told.x.back();
@@ -71,19 +85,33 @@ TEST(Rehearsal, TellsWhatTheServosNeedToHoldTheRobot) {
   EXPECT_LT(most, 0.20);
 }
 
+// Which steps fly for 20 ms hangs on the last digit of a contact; time in the air, over two jogs
+// next to each other, does not (16 to 21 ms a step, 0 to 3 with the heavy rotors).
 TEST(Rehearsal, FliesInTheModelAndSoftServosFlyLess) {
   model::ModelParameters soft = model::nominal_parameters();
   for (model::ServoParameters& s : soft.servo) s.armature *= 2.0;
-  const Rehearsal light =
-      rehearse(reference(), model::make_step_model(model::nominal_parameters()));
-  const Rehearsal heavy = rehearse(reference(), model::make_step_model(soft));
-  EXPECT_GE(light.flight_share(0.02), 0.5);
-  EXPECT_LT(heavy.flight_share(0.02), light.flight_share(0.02));
-  EXPECT_GT(worth(light), worth(heavy));
+  double light_s = 0.0, heavy_s = 0.0, light_worth = 0.0, heavy_worth = 0.0;
+  constexpr std::array kLiftOff_m_s = {0.235, 0.245};
+  for (const double lift_off : kLiftOff_m_s) {
+    FlightJog figures;
+    figures.steps = 8;
+    figures.lift_off_m_s = lift_off;
+    const FlightReference jog = flight_reference(figures);
+    const Rehearsal light = rehearse(jog, model::make_step_model(model::nominal_parameters()));
+    const Rehearsal heavy = rehearse(jog, model::make_step_model(soft));
+    EXPECT_TRUE(light.upright && heavy.upright) << lift_off;
+    light_s += in_the_air_s(light) / kLiftOff_m_s.size();
+    heavy_s += in_the_air_s(heavy) / kLiftOff_m_s.size();
+    light_worth += worth(light);
+    heavy_worth += worth(heavy);
+  }
+  EXPECT_GT(light_s, 0.010);
+  EXPECT_LT(heavy_s, 0.5 * light_s);
+  EXPECT_GT(light_worth, heavy_worth);
 }
 
 TEST(Rehearsal, ItsMotionReadsBackAndWaivesNothing) {
-  const Rehearsal r = rehearse(reference(), model::make_step_model(model::nominal_parameters()));
+  const Rehearsal& r = rehearsed();
   const Motion m = jog_motion("jog_fly", {}, reference(), r);
   const Motion back = parse_motion(to_toml(m), "again");
   ASSERT_TRUE(back.flight && back.target_rate_rad_s);
