@@ -48,7 +48,7 @@ function(sanso_use_precompiled target from)
   get_directory_property(common COMPILE_OPTIONS)
   foreach(flag ${flags})
     if(NOT flag IN_LIST common AND NOT flag IN_LIST SANSO_UNCHECKED AND NOT flag IN_LIST SANSO_COVERAGE
-       AND NOT flag IN_LIST SANSO_TEST_OPTIMISATION)
+       AND NOT flag IN_LIST SANSO_TEST_OPTIMISATION AND NOT flag IN_LIST SANSO_ALIGNED_BY_TYPE)
       return()
     endif()
   endforeach()
