@@ -119,9 +119,10 @@ class SensorSink final : public HidItemSink {
   }
 
   static std::uint8_t selector_raw(const HidItem& item, std::uint16_t wanted) {
+    // unsigned: a device may claim that its selectors begin at the largest number there is
+    const auto first = static_cast<std::uint32_t>(item.logical_minimum);
     for (std::uint32_t i = 0; i < 256 && item.usage(i) != 0; ++i)
-      if (sensor_usage(item.usage(i)) == wanted)
-        return static_cast<std::uint8_t>(item.logical_minimum + static_cast<int>(i));
+      if (sensor_usage(item.usage(i)) == wanted) return static_cast<std::uint8_t>(first + i);
     return 1;
   }
 

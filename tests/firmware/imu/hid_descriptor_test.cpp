@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 #include <vector>
@@ -141,6 +142,18 @@ TEST(HidDescriptor, AFeatureReportKeepsWhatIsNotOurs) {
   EXPECT_EQ(report[0], 0x00) << "reports without numbers travel with a leading 0";
   EXPECT_EQ(report[1], 0xA5);
   EXPECT_EQ(report[2], 0x01) << "all events is the second selector";
+}
+
+TEST(HidDescriptor, SelectorsThatBeginAtTheLargestNumberAreHarmless) {
+  std::vector<std::uint8_t> bytes(std::begin(kRanges), std::end(kRanges));
+  const std::array<std::uint8_t, 3> range = {0x1A, 0x40, 0x08};
+  const auto at = std::search(bytes.begin(), bytes.end(), range.begin(), range.end());
+  ASSERT_NE(at, bytes.end());
+  const std::array<std::uint8_t, 5> largest = {0x17, 0xFF, 0xFF, 0xFF, 0x7F};  // logical minimum
+  bytes.insert(at, largest.begin(), largest.end());
+  HidLayout layout;
+  ASSERT_EQ(parse_hid_descriptor(bytes, layout), Status::ok);
+  EXPECT_EQ(layout.features[0].all_events_raw, 0) << "the second selector, in a byte";
 }
 
 TEST(HidDescriptor, APopWithoutAPushIsMalformed) {
