@@ -107,7 +107,7 @@ function(sanso_library name)
   endif()
 endfunction()
 
-set(SANSO_NUMBERS compare effects explain fit stats torque verdict wholebody)
+set(SANSO_NUMBERS compare effects explain fit run stats torque verdict wholebody)
 list(TRANSFORM SANSO_NUMBERS PREPEND tests/tools/diagnose/)
 list(APPEND SANSO_NUMBERS tests/tools/bench_diagnose tests/tools/conceal)
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s] [COST s]): one GoogleTest program, one ctest entry.
