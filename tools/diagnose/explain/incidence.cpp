@@ -77,21 +77,26 @@ Model less_the_effect(const Model& without, const Model& with) {
   return out;
 }
 
-/// Torque, current and duty: replaces the simulated changes by those of the servo's law where the
-/// joints really were.
-void judge_efforts_at_the_measured_motion(const Surroundings& around, const Model& without,
-                                          const Model& with, Eigen::VectorXd& measured,
-                                          Eigen::VectorXd& promised) {
+/// What there is and what is promised, stacked.
+struct Changes {
+  Eigen::VectorXd error, promised;
+};
+
+/// Torque, current and duty: the changes of the servo's law where the joints really were take the
+/// place of the simulated ones.
+Changes with_efforts_at_the_measured_motion(const Surroundings& around, const Model& without,
+                                            const Model& with, Changes simulated) {
   const Comparison& comparison = *around.problem;
   const Eigen::VectorXd error = effort_error(comparison, *around.library, without);
   const Eigen::VectorXd change = error - effort_error(comparison, *around.library, with);
   for (const Shot& shot : comparison.shots) {
     for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
       if (!is_effort(comparison.channels[c].signal)) continue;
-      rows_of(measured, shot, c) = rows_of(error, shot, c);
-      rows_of(promised, shot, c) = rows_of(change, shot, c);
+      rows_of(simulated.error, shot, c) = rows_of(error, shot, c);
+      rows_of(simulated.promised, shot, c) = rows_of(change, shot, c);
     }
   }
+  return simulated;
 }
 
 /// Adds one shot of one channel to the residuals in which it counts.
@@ -149,10 +154,9 @@ std::string to_string(const ErrorPart& residual) {
 std::vector<IncidenceRow> incidence(const Surroundings& around, const Regimes& regimes,
                                     const FitResult& without, const FitResult& with) {
   // r: the error that is there; d: the change of it that the explanation promises
-  Eigen::VectorXd r = around.starts.project(without.r);
-  Eigen::VectorXd d = around.starts.project(without.r - with.r);
-  judge_efforts_at_the_measured_motion(around, less_the_effect(without.model, with.model),
-                                       with.model, r, d);
+  const auto [r, d] = with_efforts_at_the_measured_motion(
+      around, less_the_effect(without.model, with.model), with.model,
+      {around.starts.project(without.r), around.starts.project(without.r - with.r)});
   const DecisionSettings& decisions = around.settings().decisions;
   const Table table = sums_of(*around.problem, regimes, r, d);
   std::vector<IncidenceRow> out;

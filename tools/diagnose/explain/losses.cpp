@@ -152,14 +152,19 @@ bool shows(const Hunt& hunt, double response, const Run& run) {
   return response * missed * missed > price;
 }
 
+struct Counted {
+  Showing showing, hidden;
+};
+
 /// Commands of a candidate's joints, and those lost, by whether a run of typical length that begins
 /// there would show.
-void count(const Hunt& hunt, const std::vector<std::size_t>& joints, const std::vector<Run>& runs,
-           Showing& showing, Showing& hidden) {
+Counted count(const Hunt& hunt, const std::vector<std::size_t>& joints,
+              const std::vector<Run>& runs) {
+  Counted out;
   const double response = median(hunt.responses());
   const std::size_t typical = typical_run(runs);
   const auto place = [&](const LostCommand& at) -> Showing& {
-    return shows(hunt, response, {at, typical}) ? showing : hidden;
+    return shows(hunt, response, {at, typical}) ? out.showing : out.hidden;
   };
   for (const Shot& shot : hunt.problem()->shots) {
     for (const std::size_t joint : joints) {
@@ -169,6 +174,7 @@ void count(const Hunt& hunt, const std::vector<std::size_t>& joints, const std::
     }
   }
   for (const Run& run : runs) place(run.first).lost += static_cast<int>(run.length);
+  return out;
 }
 
 /// Probability that chance spreads the shots with losses over the recordings as unevenly as they
@@ -219,9 +225,8 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   LossScore out;
   out.candidate = candidate;
   out.lost = hunt.repaired().lost;
-  Showing showing, hidden;
   const std::vector<Run> runs = runs_of(out.lost);
-  count(hunt, library[candidate].joints, runs, showing, hidden);
+  const auto [showing, hidden] = count(hunt, library[candidate].joints, runs);
   out.seen = showing.lost;
   out.visible = showing.commands;
   out.unseen = share_seen(hunt, runs) < problem->settings.chance.loss_seen;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/explain/null_errors.h"
@@ -87,7 +88,7 @@ class Judge {
     if (scores_.empty()) return {};
     family_wise();
     for (ScatterScore& s : scores_) {
-      if (s.p_family < around_.settings().decisions.family_wise) measure(s);
+      if (s.p_family < around_.settings().decisions.family_wise) s = measured(std::move(s));
     }
     std::stable_sort(
         scores_.begin(), scores_.end(),
@@ -176,14 +177,14 @@ class Judge {
     return Anew{std::move(around), std::move(fitted)};
   }
 
-  /// Size, interval and expected energy of a candidate that stands out. A few draws first: most
-  /// that stand out are a systematic error that scatters too, and leave far more than noise.
-  void measure(ScatterScore& s) {
+  /// `s` with size, interval and expected energy of a candidate that stands out. A few draws first:
+  /// most that stand out are a systematic error that scatters too, and leave far more than noise.
+  ScatterScore measured(ScatterScore s) {
     const double largest = candidate_of(s.candidate).parameters.front().high;
     const std::uint64_t key = random_.bits();
     if (scatter_of(around_, final_.model, s.candidate, largest, chance().least_draws, Random(key))
             .whole.sum() < least_energy_)
-      return;
+      return s;
     std::vector<std::size_t> shots(around_.problem->shots.size());
     for (std::size_t i = 0; i < shots.size(); ++i) shots[i] = i;
     std::optional<Anew> anew;
@@ -199,7 +200,7 @@ class Judge {
       s.left = position_error_level(around(), final().r, s.expected);
     };
     expect(sized(around(), final(), s.candidate, chance().least_draws, key), chance().least_draws);
-    if (s.left > chance().margin * around_.settings().decisions.adequate) return;
+    if (s.left > chance().margin * around_.settings().decisions.adequate) return s;
     const Sized tried = sized(around(), final(), s.candidate, 2 * draws_, key);
     expect(tried, draws_);
     std::vector<double> resampled;
@@ -210,6 +211,7 @@ class Judge {
     }
     s.low = quantile(resampled, 0.025);
     s.high = quantile(resampled, 0.975);
+    return s;
   }
 
   const Surroundings& around_;

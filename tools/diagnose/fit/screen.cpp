@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/stats/robust.h"
@@ -168,8 +169,9 @@ Eigen::MatrixXd square_root(const Eigen::MatrixXd& correlation) {
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-void family_wise(const DecisionSettings& settings, Screening& out,
-                 const std::vector<char>& one_sided_probe, const Random& random) {
+/// The screening with p over all of its probes, and what their maximum exceeds by chance.
+Screening with_family_wise(const DecisionSettings& settings, Screening out,
+                           const std::vector<char>& one_sided_probe, const Random& random) {
   const auto k = static_cast<Eigen::Index>(out.probes.size());
   const Eigen::MatrixXd root = square_root(out.correlation);
   Random generator = random;
@@ -192,6 +194,7 @@ void family_wise(const DecisionSettings& settings, Screening& out,
   for (std::size_t i = 0; i < p.size(); ++i) out.probes[i].p_family = p[i];
   for (Eigen::Index b = 0; b < draws.cols(); ++b) maxima.push_back(draws.col(b).maxCoeff());
   out.critical = quantile(maxima, 1.0 - settings.family_wise);
+  return out;
 }
 
 /// Every probe of the candidates; of those screened earlier two of each.
@@ -209,10 +212,10 @@ std::vector<ProbeScore> probes_of(const Library& library, const std::vector<std:
   return out;
 }
 
-/// Scores and correlations from what is left of the inner products. `energy`: of the signatures
-/// before the nuisances took their share.
-void score(const Eliminated& e, const Eigen::VectorXd& energy,
-           const std::vector<char>& signed_probe, Screening& out) {
+/// The screening with scores and correlations from what is left of the inner products. `energy`: of
+/// the signatures before the nuisances took their share.
+Screening scored(const Eliminated& e, const Eigen::VectorXd& energy,
+                 const std::vector<char>& signed_probe, Screening out) {
   const Eigen::Index count = energy.size();
   out.correlation.resize(count, count);
   // a signature below rounding says nothing
@@ -233,6 +236,7 @@ void score(const Eliminated& e, const Eigen::VectorXd& energy,
                                                                        : 0.0;
     }
   }
+  return out;
 }
 
 }  // namespace
@@ -266,9 +270,8 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   if (keep_groups) out.by_group = std::move(groups), out.known = known.cols();
   const Eliminated e = eliminate(gram, boxed_nuisances(around, gram, model, known.cols()),
                                  known.cols(), count, around.settings().tolerances.precision);
-  score(e, gram.diagonal().segment(known.cols(), count), signed_probe, out);
-  family_wise(around.settings().decisions, out, signed_probe, random);
-  return out;
+  out = scored(e, gram.diagonal().segment(known.cols(), count), signed_probe, std::move(out));
+  return with_family_wise(around.settings().decisions, std::move(out), signed_probe, random);
 }
 
 double Screening::mean_square() const {

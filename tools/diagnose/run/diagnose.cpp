@@ -228,14 +228,16 @@ std::string unit_of(const RobotTree& tree) {
   return sliding == static_cast<std::ptrdiff_t>(tree.joints.size()) ? "m" : "rad and m";
 }
 
-/// What the report shows beside the verdict.
-void add_shown(Diagnosis& out, const DiagnoseOptions& options, const ModelFolder& model,
-               const LoadedRecordings& loaded, const std::vector<Source>& sources,
-               const Library& library, const Selection& selection, Evidence& evidence) {
-  const std::vector<NoiseLevel>& noise = loaded.gate.noise;
-  const Settings& settings = options.settings;
-  out.before = std::move(evidence.before);
-  out.after = std::move(evidence.after);
+/// The verdict, and what the report shows beside it.
+Diagnosis diagnosis_of(const Evidence& evidence, const ModelFolder& model,
+                       const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
+                       const Library& library, const Selection& selection,
+                       const Settings& settings) {
+  Diagnosis out;
+  out.verdict = conclude(evidence);
+  out.patched = patched_model(model, library, selection.final.model);
+  out.before = evidence.before;
+  out.after = evidence.after;
   out.joints = evidence.joints;
   for (const TreeJoint& joint : model.tree.joints) out.slides.push_back(joint.prismatic ? 1 : 0);
   out.shown_joints = joints_to_show(out.verdict, model.tree);
@@ -247,6 +249,7 @@ void add_shown(Diagnosis& out, const DiagnoseOptions& options, const ModelFolder
   out.motions = shown_motions(simulated);
   out.log = selection.log;
   out.first_look = first_look(library, selection.first, settings.tolerances);
+  return out;
 }
 
 /// Steps 1 to 8 on healthy data.
@@ -277,11 +280,8 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Teller& tell,
   evidence.proof = prove(sources, noise, *selection.around, selection.final.model,
                          have_a_name(selection, evidence.findings));
 
-  Diagnosis out;
-  out.verdict = conclude(evidence);
-  out.patched = patched_model(model, library, selection.final.model);
+  Diagnosis out = diagnosis_of(evidence, model, sources, noise, library, selection, settings);
   out.regimes = regimes.names;
-  add_shown(out, options, model, loaded, sources, library, selection, evidence);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shared/files/input_error.h"
 #include "tools/diagnose/effects/effort_only.h"
@@ -82,9 +83,8 @@ Finding accepted(const JudgedTerm& t) {
 
 }  // namespace
 
-ModelFolder effort_patched(const ModelFolder& model, const EffortOutcome& outcome,
-                           std::vector<std::string>& notes) {
-  ModelFolder out = model;
+EffortPatch effort_patched(const ModelFolder& model, const EffortOutcome& outcome) {
+  EffortPatch out{model, {}};
   for (const JudgedTerm& t : outcome.terms) {
     if (!t.predicts) continue;
     const EffectEntry entry = entry_for(t);
@@ -95,9 +95,10 @@ ModelFolder effort_patched(const ModelFolder& model, const EffortOutcome& outcom
                  other.term.where == t.term.where && size_of(other) > size_of(t);
         });
     if (entry.id.empty() || smaller)
-      notes.push_back(in_words(t.term) + ": found, but not in model/, the simulator has no such");
+      out.notes.push_back(in_words(t.term) +
+                          ": found, but not in model/, the simulator has no such");
     else
-      out.effects.push_back(entry);
+      out.model.effects.push_back(entry);
   }
   return out;
 }
@@ -148,7 +149,9 @@ EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& 
     out.verdict.notes.insert(out.verdict.notes.begin(), loaded.gate.notes.begin(),
                              loaded.gate.notes.end());
     out.verdict.data_hash = loaded.hashes;
-    out.patched = effort_patched(model, out.outcome, out.verdict.notes);
+    EffortPatch patch = effort_patched(model, out.outcome);
+    out.patched = std::move(patch.model);
+    out.verdict.notes.insert(out.verdict.notes.end(), patch.notes.begin(), patch.notes.end());
     return out;
   } catch (const files::InputError& error) {
     return refused_effort({defect_of(error)});

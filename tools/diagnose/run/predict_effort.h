@@ -37,9 +37,12 @@ EffortDiagnosis diagnose_effort(const DiagnoseOptions& options, const Progress& 
 Verdict effort_verdict(const EffortOutcome& outcome, const EffortRows& rows,
                        const DiagnoseOptions& options);
 
-/// The model with every term that the library has; `notes` says what it cannot hold.
-ModelFolder effort_patched(const ModelFolder& model, const EffortOutcome& outcome,
-                           std::vector<std::string>& notes);
+struct EffortPatch {
+  ModelFolder model;
+  std::vector<std::string> notes;  // what it cannot hold
+};
+/// The model with every term that the library has.
+EffortPatch effort_patched(const ModelFolder& model, const EffortOutcome& outcome);
 
 /// A table for people: effort of every joint on held-out data, by model.
 std::string effort_table(const EffortOutcome& outcome);

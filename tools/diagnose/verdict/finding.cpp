@@ -38,9 +38,10 @@ bool contains(const Candidate& larger, const Candidate& chosen) {
 }
 
 /// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the
-/// terms of a series are no causes.
-void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidate*>& candidates,
-                const std::vector<TreeJoint>& tree) {
+/// terms of a series are no causes. The findings with those of their series.
+std::vector<Finding> with_terms(std::vector<Finding> findings,
+                                const std::vector<const Candidate*>& candidates,
+                                const std::vector<TreeJoint>& tree) {
   for (std::size_t i = 0; i < findings.size(); ++i) {
     for (std::size_t k = 0; k < findings.size(); ++k) {
       if (k == i || candidates[k]->joints != candidates[i]->joints) continue;
@@ -50,6 +51,7 @@ void mark_terms(std::vector<Finding>& findings, const std::vector<const Candidat
       findings[i].terms_of |= common;
     }
   }
+  return findings;
 }
 
 std::string strongest_regime(const std::vector<IncidenceRow>& rows) {
@@ -262,7 +264,8 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     out.push_back(finding_of(library, selection, regimes, i));
     out.back().tolerated = is_tolerated(out.back(), *candidates.back(), *selection.around->problem);
   }
-  mark_terms(out, candidates, selection.around->problem->sources.front().nominal.tree.joints);
+  out = with_terms(std::move(out), candidates,
+                   selection.around->problem->sources.front().nominal.tree.joints);
   for (Finding& f : out) f.status = status_of(f);
   return out;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tools/diagnose/stats/significance.h"
 
@@ -30,23 +31,26 @@ void for_rows(const Comparison& comparison, const Eigen::VectorXd& r, std::size_
   }
 }
 
-/// Mean squares of one joint's errors by shot; returns the energy beyond noise of all joints,
-/// sum (e^2 - 1).
-double fill_time_strip(const Comparison& comparison, const Eigen::VectorXd& projected,
-                       LocationMap& map) {
+struct TimeStrip {
+  std::vector<std::vector<double>> squares;  // LocationMap::time_strip
+  double excess = 0.0;                       // energy beyond noise of all joints, sum (e^2 - 1)
+};
+
+/// Mean squares of each joint's errors by shot.
+TimeStrip time_strip(const Comparison& comparison, const Eigen::VectorXd& projected) {
   const std::size_t n = comparison.joints.size(), shots = comparison.shots.size();
-  double total_excess = 0.0;
-  map.time_strip.assign(n, std::vector<double>(shots, 0.0));
+  TimeStrip out;
+  out.squares.assign(n, std::vector<double>(shots, 0.0));
   for (std::size_t j = 0; j < n; ++j) {
     std::vector<double> count(shots, 0.0);
     for_rows(comparison, projected, j, [&](std::size_t s, std::size_t, double e) {
-      total_excess += e * e - 1.0;
-      map.time_strip[j][s] += e * e;
+      out.excess += e * e - 1.0;
+      out.squares[j][s] += e * e;
       count[s] += 1.0;
     });
-    for (std::size_t s = 0; s < shots; ++s) map.time_strip[j][s] /= std::max(1.0, count[s]);
+    for (std::size_t s = 0; s < shots; ++s) out.squares[j][s] /= std::max(1.0, count[s]);
   }
-  return total_excess;
+  return out;
 }
 
 /// When each shot begins, recordings one after the other, s.
@@ -81,8 +85,8 @@ std::vector<InAndOut> in_and_out(const Comparison& comparison, const Regimes& re
   return out;
 }
 
-/// Turns the cells' p into q, and sorts: called ones first (q < 0.05), then by share log(lift).
-void call(std::vector<LocationCell>& cells) {
+/// The cells with q for p, sorted: called ones first (q < 0.05), then by share log(lift).
+std::vector<LocationCell> called(std::vector<LocationCell> cells) {
   std::vector<double> p;
   p.reserve(cells.size());
   for (const LocationCell& c : cells) p.push_back(c.q_value);
@@ -94,6 +98,7 @@ void call(std::vector<LocationCell>& cells) {
                                 : a.share * std::log(std::max(a.lift, 1.0)) >
                                       b.share * std::log(std::max(b.lift, 1.0));
   });
+  return cells;
 }
 
 /// One cell from its shots s, e in noise levels, n rows; `in` and `out` are sums of e^2:
@@ -132,13 +137,14 @@ LocationMap locate(const Comparison& comparison, const Regimes& regimes,
                    const Eigen::VectorXd& projected) {
   LocationMap map;
   const std::size_t n = comparison.joints.size();
-  const double total_excess = fill_time_strip(comparison, projected, map);
+  TimeStrip strip = time_strip(comparison, projected);
+  map.time_strip = std::move(strip.squares);
   map.shot_time = times_of_shots(comparison);
   map.heat.assign(n, std::vector<double>(regimes.names.size(), NAN));
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t g = 0; g < regimes.names.size(); ++g) {
       const std::vector<InAndOut> shots = in_and_out(comparison, regimes, projected, j, g);
-      LocationCell cell = cell_of(shots, total_excess);
+      LocationCell cell = cell_of(shots, strip.excess);
       cell.where = comparison.joints[j];
       cell.regime = regimes.names[g];
       if (cell.rows > 0.0) {
@@ -149,7 +155,7 @@ LocationMap locate(const Comparison& comparison, const Regimes& regimes,
       if (cell.rows >= 20.0) map.cells.push_back(std::move(cell));
     }
   }
-  call(map.cells);
+  map.cells = called(std::move(map.cells));
   return map;
 }
 

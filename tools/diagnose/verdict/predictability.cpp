@@ -210,7 +210,8 @@ Choice with_best_column(const Choice& now, const Eigen::MatrixXd& X, const Eigen
   return best;
 }
 
-void write_formula(const Choice& choice, SparseFormula& out) {
+SparseFormula formula_of(const Choice& choice) {
+  SparseFormula out;
   for (std::size_t k = 0; k < choice.columns.size(); ++k) {
     const double value = choice.w[k];
     const FormulaTerm& term = formula_terms()[static_cast<std::size_t>(choice.columns[k])];
@@ -220,6 +221,7 @@ void write_formula(const Choice& choice, SparseFormula& out) {
                     std::abs(value), term.constant ? "" : " " + term.name);
   }
   if (!out.text.empty()) out.text = "missing torque = " + out.text;
+  return out;
 }
 
 }  // namespace
@@ -227,9 +229,8 @@ void write_formula(const Choice& choice, SparseFormula& out) {
 SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size_t joint,
                              const RemainsSettings& settings) {
   const std::vector<FormulaTerm>& terms = formula_terms();
-  SparseFormula out;
   const std::vector<TorqueSample> s = of_joint(samples, joint);
-  if (std::ssize(s) < settings.least_samples) return out;
+  if (std::ssize(s) < settings.least_samples) return {};
   const auto n = static_cast<Eigen::Index>(s.size());
   Eigen::MatrixXd X(n, static_cast<Eigen::Index>(terms.size()));
   Eigen::VectorXd y(n);
@@ -253,8 +254,8 @@ SparseFormula sparse_formula(const std::vector<TorqueSample>& samples, std::size
     if (!pays) break;
     chosen = next;
   }
+  SparseFormula out = formula_of(chosen);
   out.explained = 1.0 - chosen.error / total;
-  write_formula(chosen, out);
   return out;
 }
 

@@ -6,18 +6,18 @@
 namespace sanso::diagnose {
 namespace {
 
-/// In the missing torque, else in the velocity channel; false: in neither.
-bool predictable(const Evidence& evidence, Unexplained& u) {
+/// `u` as it shows in the missing torque, else in the velocity channel; nothing: in neither.
+std::optional<Unexplained> predictable(const Evidence& evidence, Unexplained u) {
   const Predictability* torque = most_predictable(evidence.left.torque, evidence.decisions);
   const Predictability* velocity = most_predictable(evidence.left.velocity, evidence.decisions);
   const Predictability* p = torque != nullptr ? torque : velocity;
-  if (p == nullptr) return false;
+  if (p == nullptr) return std::nullopt;
   u.predictable = p->explained;
   u.p = p->p;
   u.where = evidence.joints[p->joint];
   u.shows_in = p == torque ? ShowsIn::torque : ShowsIn::velocity_channel;
   if (p == velocity) u.regime = "velocity channel against the motion of the position channel";
-  return true;
+  return u;
 }
 
 /// The level of the position error, or a name with a reserve, says that something stays.
@@ -38,7 +38,7 @@ std::optional<Unexplained> placed(const Evidence& evidence) {
   Unexplained u;
   u.energy_share = evidence.left.share;
   u.regime = location_sentence(evidence.findings.empty() ? evidence.before : evidence.after);
-  if (predictable(evidence, u)) return u;
+  if (auto by_motion = predictable(evidence, u)) return by_motion;
   if (evidence.left.stretches_matter) {
     u.where = evidence.joints[*evidence.left.stretches_joint];
     u.shows_in = ShowsIn::stretches;

@@ -58,9 +58,13 @@ bool held_out(std::size_t group, const WholeSettings& whole) {
   return group % parts == parts - 1;
 }
 
+/// What a fit to the other groups does on the held-out ones; of Measured, which says what it is.
+struct Proof {
+  double before = 0.0, after = 0.0, gain = 0.0, gain_low = 0.0;
+};
+
 /// Mean of the nominal's squared error less the fitted value's, by held-out group, and the RMS.
-void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const Chance& chance,
-           Measured& m) {
+Proof prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const Chance& chance) {
   const double fitted = mean_of(sums, [&](std::size_t g) { return !held_out(g, chance.whole); });
   std::vector<double> before(sums.size(), 0.0), after(sums.size(), 0.0);
   double weight = 0.0, b = 0.0, a = 0.0;
@@ -77,12 +81,10 @@ void prove(const Samples& s, const std::vector<Sum>& sums, double nominal, const
     b += before[g], a += after[g];
     removed.push_back(before[g] - after[g]);
   }
-  if (weight <= 0.0 || b <= 0.0) return;
-  m.before = std::sqrt(b / weight), m.after = std::sqrt(a / weight);
-  m.gain = 1.0 - a / b;
-  m.gain_low = moving_block_lower_bound(removed, chance.decisions.gain_level,
-                                        chance.decisions.gain_draws, Random(chance.seed, 18)) /
-               b;
+  if (weight <= 0.0 || b <= 0.0) return {};
+  const double low = moving_block_lower_bound(removed, chance.decisions.gain_level,
+                                              chance.decisions.gain_draws, Random(chance.seed, 18));
+  return {std::sqrt(b / weight), std::sqrt(a / weight), 1.0 - a / b, low / b};
 }
 
 /// What keeps a number that is no chance from being a finding.
@@ -139,7 +141,9 @@ std::optional<Measured> measured(const Samples& samples, double nominal, const C
   std::vector<double> around;
   for (double x : packed.value) around.push_back(x);
   m.noise = robust_sigma(around);
-  prove(packed, sums, nominal, chance, m);
+  const Proof proof = prove(packed, sums, nominal, chance);
+  m.before = proof.before, m.after = proof.after;
+  m.gain = proof.gain, m.gain_low = proof.gain_low;
   return m;
 }
 
@@ -204,25 +208,26 @@ void WholeAnswers::widen(const std::string& choice, const WholeAnswers& other,
   }
 }
 
-Said WholeAnswers::judge(const Asked& a, const Measured& m, const Chance& chance) {
-  ++asked;
-  numbers[number_of(a.effect, a.parameter, a.where)] = m;
+WholeAnswers answer_to(const Asked& a, const Measured& m, const Chance& chance) {
+  WholeAnswers out;
+  out.asked = 1;
+  out.numbers[number_of(a.effect, a.parameter, a.where)] = m;
   const double surely = chance.deviations() * m.sigma;
   const double off = std::abs(m.value - a.nominal);
   const std::string where = a.where.empty() ? std::string() : " at " + a.where.front();
   const std::string text =
       fmt::format("{}.{}{} = {:.4g} {} [{:.4g}, {:.4g}] from {} groups", a.effect, a.parameter,
                   where, m.value, a.unit, m.low, m.high, m.groups);
-  log.push_back(text);
+  out.log.push_back(text);
   if (!a.channel.empty())
-    scores[a.channel] = {m.before, m.after, m.noise, std::numeric_limits<double>::quiet_NaN(),
-                         std::numeric_limits<double>::quiet_NaN()};
-  detectable.push_back({a.effect, a.where.empty() ? "" : a.where.front(), a.parameter, a.unit,
-                        a.tolerance + surely});
-  if (off <= surely) return Said::nothing;
+    out.scores[a.channel] = {m.before, m.after, m.noise, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::quiet_NaN()};
+  out.detectable.push_back({a.effect, a.where.empty() ? "" : a.where.front(), a.parameter, a.unit,
+                            a.tolerance + surely});
+  if (off <= surely) return out;
   if (off <= a.tolerance + surely || m.gain_low <= 0.0) {
-    notes.push_back(text + why_unnamed(a, m, off, surely));
-    return Said::within;
+    out.notes.push_back(text + why_unnamed(a, m, off, surely));
+    return out;
   }
   Finding f;
   f.effect = a.effect, f.family = a.family, f.where = a.where, f.regime = a.regime;
@@ -232,8 +237,8 @@ Said WholeAnswers::judge(const Asked& a, const Measured& m, const Chance& chance
   f.one_of = {a.effect};
   f.one_of.insert(f.one_of.end(), a.equally_good.begin(), a.equally_good.end());
   f.status = status_of(f);
-  findings.push_back(std::move(f));
-  return Said::missing;
+  out.findings.push_back(std::move(f));
+  return out;
 }
 
 }  // namespace sanso::diagnose

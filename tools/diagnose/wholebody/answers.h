@@ -65,8 +65,6 @@ Asked asked_for(WholeFigure figure);
 std::string number_of(const std::string& effect, const std::string& parameter,
                       const std::vector<std::string>& where);
 
-enum class Said { missing, within, nothing };
-
 /// Balances whose error a verdict states, held out.
 inline constexpr const char* kStanceBalance = "stance";
 inline constexpr const char* kWeightBalance = "weight";
@@ -85,9 +83,8 @@ struct WholeAnswers {
   std::size_t asked = 0;                    // numbers that these data could answer
   std::map<std::string, Measured> numbers;  // all that were judged, by "effect.parameter at place"
 
-  /// Adds a finding where the number is further from nominal than its tolerance and chance allow,
-  /// else a note or the smallest size that would have been seen.
-  Said judge(const Asked& asked, const Measured& m, const Chance& chance);
+  /// Something that was asked for is missing.
+  bool missing() const { return !findings.empty(); }
   void cannot(WholeFigure figure, const std::string& because);
   void cannot(const std::string& effect, const std::string& because);
   /// The same questions with another choice of a term that they do not ask for: intervals take in
@@ -97,5 +94,9 @@ struct WholeAnswers {
   /// whatever another could not tell.
   void take(WholeAnswers later);
 };
+
+/// What one number says: a finding where it is further from nominal than its tolerance and chance
+/// allow, else a note or the smallest size that would have been seen.
+WholeAnswers answer_to(const Asked& asked, const Measured& m, const Chance& chance);
 
 }  // namespace sanso::diagnose

@@ -292,14 +292,15 @@ class Chooser {
     const Eigen::VectorXd sigma = deviations(fit.x);
     Eigen::Index at = 0;
     for (const DriveTerm* t : taken_) {
-      JudgedDriveTerm j;
-      j.term = *t;
       const Eigen::VectorXd x = fit.x.segment(at, t->size()), s = sigma.segment(at, t->size());
       at += t->size();
-      read_numbers(*t, x, s, j);
+      JudgedDriveTerm j = with_numbers(*t, x, s);
       const Gain g = gain(without(taken_, t), taken_);
       j.share = g.share, j.share_low = g.low;
-      look_for_others(*t, j);
+      Others others = others_for(*t);
+      if (const auto twin = twin_of(*t, j)) others.names.insert(name_of(*twin));
+      j.equally_good.assign(others.names.begin(), others.names.end());
+      j.other_places = std::move(others.places);
       out.push_back(std::move(j));
     }
     return out;
@@ -319,8 +320,12 @@ class Chooser {
     return out;
   }
 
+  struct Others {
+    std::set<std::string> names;
+    std::vector<std::string> places;  // of the same name
+  };
   /// What takes the place of t and is not beyond chance worse, and does most of what t does.
-  void look_for_others(const DriveTerm& t, JudgedDriveTerm& j) const {
+  Others others_for(const DriveTerm& t) const {
     const Terms rest = without(taken_, &t);
     const double all = all_->fit(taken_).gain, none = all_->fit(rest).gain;
     std::vector<char> found(terms_.size(), 0);
@@ -337,16 +342,15 @@ class Chooser {
       if (all - none - does > asking_.stance.surely_worse * sure * sure) return;
       found[i] = gain(other, taken_).low <= 0.0 ? 1 : 0;
     });
-    std::set<std::string> names;
+    Others out;
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (!found[i]) continue;
       if (terms_[i].effect == t.effect)
-        j.other_places.push_back(in_words(terms_[i]));
+        out.places.push_back(in_words(terms_[i]));
       else
-        names.insert(terms_[i].effect);
+        out.names.insert(terms_[i].effect);
     }
-    if (const auto twin = twin_of(t, j)) names.insert(name_of(*twin));
-    j.equally_good.assign(names.begin(), names.end());
+    return out;
   }
 
   const Asking& asking_;

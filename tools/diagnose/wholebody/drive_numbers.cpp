@@ -9,8 +9,10 @@
 
 namespace sanso::diagnose {
 
-void read_numbers(const DriveTerm& t, const Eigen::VectorXd& x, const Eigen::VectorXd& s,
-                  JudgedDriveTerm& j) {
+JudgedDriveTerm with_numbers(const DriveTerm& t, const Eigen::VectorXd& x,
+                             const Eigen::VectorXd& s) {
+  JudgedDriveTerm j;
+  j.term = t;
   // in the direction in which it is most certain that there is something
   const Eigen::Index first = t.carried ? 1 : t.size();
   const Eigen::VectorXd surest =
@@ -31,6 +33,7 @@ void read_numbers(const DriveTerm& t, const Eigen::VectorXd& x, const Eigen::Vec
     j.parameters.push_back({value, value - kNormal95 * off, value + kNormal95 * off + t.steps,
                             t.units[static_cast<std::size_t>(i)], false});
   }
+  return j;
 }
 
 std::optional<WholeFigure> twin_of(const DriveTerm& t, const JudgedDriveTerm& j) {

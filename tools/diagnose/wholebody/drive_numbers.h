@@ -8,9 +8,10 @@
 
 namespace sanso::diagnose {
 
-/// Coefficients as numbers that a person reads, with what the size of it all is sure by.
-void read_numbers(const DriveTerm& t, const Eigen::VectorXd& x, const Eigen::VectorXd& s,
-                  JudgedDriveTerm& j);
+/// The term with its coefficients as numbers that a person reads, and with what the size of it all
+/// is sure by. `x`, `s`: coefficients and their standard deviations, in the term's own units.
+JudgedDriveTerm with_numbers(const DriveTerm& t, const Eigen::VectorXd& x,
+                             const Eigen::VectorXd& s);
 
 /// A kilogram more of a link, and a kilogram that it carries no further from its centre than that
 /// may be off, are the same.

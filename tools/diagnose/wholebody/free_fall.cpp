@@ -130,8 +130,8 @@ Answered ask_free_fall(const Asking& asking) {
       asked.effect = "gravity", asked.equally_good = {"clock_rate"};
     }
   }
-  if (out.answers.judge(asked, m, asking.chance()) == Said::missing && of_lengths)
-    out.patch.pose_scale = m.value;
+  out.answers.take(answer_to(asked, m, asking.chance()));
+  if (out.answers.missing() && of_lengths) out.patch.pose_scale = m.value;
   return out;
 }
 

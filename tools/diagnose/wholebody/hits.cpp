@@ -147,10 +147,12 @@ Hits find_hits(const Asking& asking) {
 }
 
 /// A number that nobody stated is estimated, and nothing is missing.
-void tell_unstated(const std::string& what, const Measured& m, WholeAnswers& answers) {
-  ++answers.asked;
-  answers.notes.push_back(fmt::format("{} is not stated by the model: {:.3g} [{:.3g}, {:.3g}] here",
-                                      what, m.value, m.low, m.high));
+WholeAnswers unstated(const std::string& what, const Measured& m) {
+  WholeAnswers out;
+  out.asked = 1;
+  out.notes.push_back(fmt::format("{} is not stated by the model: {:.3g} [{:.3g}, {:.3g}] here",
+                                  what, m.value, m.low, m.high));
+  return out;
 }
 
 Answered ask_rebound(const Asking& asking, const Hits& hits) {
@@ -167,9 +169,8 @@ Answered ask_rebound(const Asking& asking, const Hits& hits) {
     return out;
   }
   const bool stated = asking.body.ground.restitution.has_value();
-  if (!stated) tell_unstated(asked.effect, *m, out.answers);
-  if (!stated || out.answers.judge(asked, *m, asking.chance()) == Said::missing)
-    out.patch.restitution = std::clamp(m->value, 0.0, 1.0);
+  out.answers = stated ? answer_to(asked, *m, asking.chance()) : unstated(asked.effect, *m);
+  if (!stated || out.answers.missing()) out.patch.restitution = std::clamp(m->value, 0.0, 1.0);
   return out;
 }
 
@@ -187,9 +188,9 @@ Answered ask_slip(const Asking& asking, const Hits& hits) {
                                    hits.largest_ratio));
     return out;
   }
-  if (!material.friction) tell_unstated("the friction coefficient", *m, out.answers);
-  if (!material.friction || out.answers.judge(asked, *m, asking.chance()) == Said::missing)
-    out.patch.friction = std::max(0.0, m->value);
+  out.answers = material.friction ? answer_to(asked, *m, asking.chance())
+                                  : unstated("the friction coefficient", *m);
+  if (!material.friction || out.answers.missing()) out.patch.friction = std::max(0.0, m->value);
   return out;
 }
 

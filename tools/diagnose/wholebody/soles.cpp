@@ -86,16 +86,16 @@ bool told_by_headings(const LeanFit& fit, const Asking& asking) {
 }
 
 /// A vector that leans, as a finding with its two numbers.
-Said judge_lean(const Asking& asking, const Asked& asked, const Measured& m, const V2& rotation,
-                WholeAnswers& answers) {
-  const Said said = answers.judge(asked, m, asking.chance());
-  if (said != Said::missing) return said;
+WholeAnswers judge_lean(const Asking& asking, const Asked& asked, const Measured& m,
+                        const V2& rotation) {
+  WholeAnswers out = answer_to(asked, m, asking.chance());
+  if (!out.missing()) return out;
   // of a vector's deviation each of two axes has its part
   const double each = kNormal95 * m.sigma / std::sqrt(2.0);
-  answers.findings.back().parameters = {
+  out.findings.back().parameters = {
       {"x", {rotation[0], rotation[0] - each, rotation[0] + each, "rad", false}},
       {"y", {rotation[1], rotation[1] - each, rotation[1] + each, "rad", false}}};
-  return said;
+  return out;
 }
 
 /// A lean about two axes, asked of standing soles.
@@ -118,8 +118,8 @@ Answered judge_floor(const Asking& asking, const LeanFit& soles) {
     const V2 rotation = rotation_of(imu->in_world);
     const Asked asked =
         asked_of(WholeFigure::pose_tilt, {asking.body.root}, asking.settings.level, {});
-    if (judge_lean(asking, asked, imu->world, rotation, out.answers) == Said::missing)
-      out.patch.pose_tilt = rotation;
+    out.answers = judge_lean(asking, asked, imu->world, rotation);
+    if (out.answers.missing()) out.patch.pose_tilt = rotation;
     lean -= imu->in_world;
     floor.sigma = std::hypot(floor.sigma, imu->world.sigma);
     floor.value = lean.norm();
@@ -129,8 +129,9 @@ Answered judge_floor(const Asking& asking, const LeanFit& soles) {
   std::vector<std::string> others;
   if (!vouched) others.push_back(name_of(WholeFigure::pose_tilt));
   const Asked asked = asked_of(WholeFigure::slope, {}, asking.settings.level, others);
-  if (judge_lean(asking, asked, floor, rotation_of(lean), out.answers) == Said::missing)
-    out.patch.slope = rotation_of(lean);
+  WholeAnswers of_floor = judge_lean(asking, asked, floor, rotation_of(lean));
+  if (of_floor.missing()) out.patch.slope = rotation_of(lean);
+  out.answers.take(std::move(of_floor));
   return out;
 }
 
@@ -160,32 +161,28 @@ Answered judge_tilt(const Asking& asking, const Leans& leans) {
   const double tolerance = asking.settings.sole_tilt;
   Asked apart = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   apart.parameter = "angle";
-  if (fit->apart.value > tolerance &&
-      out.answers.judge(apart, fit->apart, asking.chance()) == Said::missing) {
+  if (fit->apart.value > tolerance) out.answers.take(answer_to(apart, fit->apart, asking.chance()));
+  if (out.answers.missing()) {
     out.answers.notes.push_back(
         "every recording leans its own way: headings that start anew, or another place each time; "
         "poses of one world would tell the floor from the robot");
     return out;
   }
-  bool found = false;
   if (told_by_headings(*fit, asking)) {
-    Answered floor = judge_floor(asking, *fit);
-    found = !floor.answers.findings.empty();
-    out.take(std::move(floor));
+    out.take(judge_floor(asking, *fit));
     const Asked own =
         asked_of(WholeFigure::imu_turn, {asking.body.imu.link}, tolerance, {wrong_zero()});
-    const V2 rotation = rotation_of(fit->in_body);
-    found |= judge_lean(asking, own, fit->body, rotation, out.answers) == Said::missing;
+    out.answers.take(judge_lean(asking, own, fit->body, rotation_of(fit->in_body)));
   } else {
     out.answers.notes.push_back(
         "all headings are alike: a floor that leans and an IMU, or zeros of joints, that lean the "
         "robot are the same here; turn the robot by a quarter or half");
   }
-  if (found) return out;
+  if (out.answers.missing()) return out;
   const Asked all = asked_of(WholeFigure::slope, {}, tolerance, with_the_robot());
   const V2 rotation = rotation_of(fit->alike);
-  if (judge_lean(asking, all, fit->together, rotation, out.answers) == Said::missing)
-    out.patch.slope = rotation;
+  out.answers.take(judge_lean(asking, all, fit->together, rotation));
+  if (out.answers.missing()) out.patch.slope = rotation;
   return out;
 }
 

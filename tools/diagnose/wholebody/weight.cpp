@@ -103,8 +103,8 @@ Answered ask_weight(const Asking& asking) {
   asked.where = {asking.body.root}, asked.regime = "stance", asked.channel = kWeightBalance;
   asked.tolerance = asking.tolerances.mass * of_base;
   asked.equally_good = {name_of(WholeFigure::payload), name_of(WholeFigure::force_scale)};
-  if (out.answers.judge(asked, *m, asking.chance()) == Said::missing)
-    out.patch.mass_share = m->value;
+  out.answers.take(answer_to(asked, *m, asking.chance()));
+  if (out.answers.missing()) out.patch.mass_share = m->value;
   return out;
 }
 

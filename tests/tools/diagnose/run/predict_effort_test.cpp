@@ -274,8 +274,7 @@ TEST(EffortPatched, HoldsWhatTheSimulatorHasAndSaysWhatItHasNot) {
                    term("cogging", {"sine", "cosine"}, {0.05, 0.0}, 7),
                    term("viscous_friction", {"viscous"}, {0.4})};
   outcome.terms.back().predicts = false;
-  Names notes;
-  const ModelFolder out = effort_patched(model(), outcome, notes);
+  const auto [out, notes] = effort_patched(model(), outcome);
   ASSERT_EQ(out.effects.size(), 3u);
   EXPECT_EQ(out.effects[0].id, "cable_spring");
   EXPECT_EQ(out.effects[0].parameters.at("torque"), -0.3) << "a spring pulls against the effort";

@@ -26,9 +26,7 @@ Asked rebound() {
 }
 
 WholeAnswers of(double value, double sigma) {
-  WholeAnswers answers;
-  answers.judge(rebound(), number(value, sigma), {});
-  return answers;
+  return answer_to(rebound(), number(value, sigma), {});
 }
 
 TEST(Widen, TheIntervalTakesInWhatAnotherChoiceSays) {
