@@ -85,33 +85,32 @@ long first_jump(std::span<const double> x, double size) {
 
 /// Signed 16-bit register logged as unsigned: the channel leaps by 65536 of its own quanta, or is
 /// larger than it can be.
-void check_16_bit(const GateRecording& r, const GateChannel& c, std::vector<Defect>& out) {
+std::optional<Defect> check_16_bit(const GateRecording& r, const GateChannel& c) {
   const double quantum = quantisation_step(c.values);
   if (quantum > 0.0) {
     const double low = quantile(c.values, 0.0), high = quantile(c.values, 1.0);
     if (high - low > 60000.0 * quantum) {
       const long row = first_jump(c.values, high - low);
       if (row >= 0) {
-        out.push_back(
-            {r.file, c.name, row, defect::k16BitWrap,
-             fmt::format("jumps by {:.6g} = {:.0f} register steps; log the register as signed",
-                         high - low, (high - low) / quantum)});
-        return;
+        return Defect{
+            r.file, c.name, row, defect::k16BitWrap,
+            fmt::format("jumps by {:.6g} = {:.0f} register steps; log the register as signed",
+                        high - low, (high - low) / quantum)};
       }
     }
   }
-  if (c.name.rfind("pwm:", 0) != 0) return;
+  if (c.name.rfind("pwm:", 0) != 0) return std::nullopt;
   for (std::size_t i = 0; i < c.values.size(); ++i) {
     const double v = std::abs(c.values[i]);
     if (!(v > 1.2)) continue;
     // 65536 counts are 74 times full scale for 885 counts a unit, 64 for 1000; a percentage or raw
     // count is smaller or has no empty space between
     const bool leap = v > 20.0 && quantile(c.values, 0.5) < 0.2 * v;
-    out.push_back({r.file, c.name, static_cast<long>(i),
-                   leap ? defect::k16BitWrap : defect::kWrongUnit,
-                   fmt::format("duty {:.4g}; expected -1..1", c.values[i])});
-    return;
+    return Defect{r.file, c.name, static_cast<long>(i),
+                  leap ? defect::k16BitWrap : defect::kWrongUnit,
+                  fmt::format("duty {:.4g}; expected -1..1", c.values[i])};
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -132,7 +131,7 @@ std::vector<Defect> check_wraps(const GateRecording& r, const Joints& joints,
     }
     for (const char* kind : {"pwm:", "i:", "tau:", "dq:", "q:"}) {
       const GateChannel* c = r.find(kind + joint.name);
-      if (c != nullptr) check_16_bit(r, *c, out);
+      if (c != nullptr) append(out, check_16_bit(r, *c));
     }
   }
   return out;

@@ -2,6 +2,10 @@
 // GateSettings, with their reasons.
 #pragma once
 
+#include <iterator>
+#include <optional>
+#include <utility>
+
 #include "tools/diagnose/gate/gate.h"
 
 namespace sanso::diagnose::gate {
@@ -9,6 +13,14 @@ namespace sanso::diagnose::gate {
 inline constexpr double kDegree = 57.29577951308232;
 
 using Joints = std::vector<GateJoint>;
+/// Adds what a check found, if anything.
+inline void append(std::vector<Defect>& to, std::optional<Defect> found) {
+  if (found) to.push_back(std::move(*found));
+}
+inline void append(std::vector<Defect>& to, std::vector<Defect> found) {
+  to.insert(to.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+}
+
 /// Too few rows, or seconds, to ask anything.
 std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings);
 /// t is no number, goes back, stands still, or has a gap; the first of each.

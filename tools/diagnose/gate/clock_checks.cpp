@@ -100,51 +100,52 @@ std::vector<double> velocity_of(const GateRecording& r, const GateChannel& q) {
 }
 
 /// The position answers the command before it was given.
-void check_answer(const GateRecording& r, const GateJoint& joint, const GateSettings& settings,
-                  std::vector<Defect>& out) {
+std::optional<Defect> check_answer(const GateRecording& r, const GateJoint& joint,
+                                   const GateSettings& settings) {
   const GateChannel* q = r.find("q:" + joint.name);
   const GateChannel* u = r.find("u:" + joint.name);
-  if (q == nullptr || u == nullptr) return;
+  if (q == nullptr || u == nullptr) return std::nullopt;
   const double interval = interval_of(r);
   const std::vector<double> answer = changes_over(q->values, 0.2, interval),
                             asked = changes_over(u->values, 0.2, interval);
   const LagCurve curve = lag_curve(answer, asked, interval, settings);
-  if (curve.lag.empty()) return;
+  if (curve.lag.empty()) return std::nullopt;
   const std::size_t best = curve.best();
   const auto after = [](double lag) { return lag >= 0.0; };
   const double causal = curve.best_of(after);
   if (curve.lag[best] >= -settings.clock_skew ||
       !clearly_better(curve.correlation[best], causal, settings))
-    return;
-  if (!seen_in_quarters(answer, asked, interval, settings, after)) return;
-  out.push_back({r.file, q->name, -1, defect::kShiftedClock,
-                 fmt::format("the position does what {} asks {:.3g} s later (correlation {:.4f}, "
-                             "{:.4f} at best with what was asked before); the two columns have "
-                             "different clocks: shift one of them",
-                             u->name, -curve.lag[best], curve.correlation[best], causal)});
+    return std::nullopt;
+  if (!seen_in_quarters(answer, asked, interval, settings, after)) return std::nullopt;
+  return Defect{r.file, q->name, -1, defect::kShiftedClock,
+                fmt::format("the position does what {} asks {:.3g} s later (correlation {:.4f}, "
+                            "{:.4f} at best with what was asked before); the two columns have "
+                            "different clocks: shift one of them",
+                            u->name, -curve.lag[best], curve.correlation[best], causal)};
 }
 
 /// The velocity is that of another time.
-void check_velocity(const GateRecording& r, const GateJoint& joint, const GateSettings& settings,
-                    std::vector<Defect>& out) {
+std::optional<Defect> check_velocity(const GateRecording& r, const GateJoint& joint,
+                                     const GateSettings& settings) {
   const GateChannel* q = r.find("q:" + joint.name);
   const GateChannel* dq = r.find("dq:" + joint.name);
-  if (q == nullptr || dq == nullptr) return;
+  if (q == nullptr || dq == nullptr) return std::nullopt;
   const double interval = interval_of(r);
   const std::vector<double> velocity = velocity_of(r, *q);
   const LagCurve curve = lag_curve(dq->values, velocity, interval, settings);
-  if (curve.lag.empty()) return;
+  if (curve.lag.empty()) return std::nullopt;
   const std::size_t best = curve.best();
   const auto close = [&](double lag) { return std::abs(lag) <= settings.clock_skew; };
   const double near = curve.best_of(close);
-  if (close(curve.lag[best]) || !clearly_better(curve.correlation[best], near, settings)) return;
-  if (!seen_in_quarters(dq->values, velocity, interval, settings, close)) return;
-  out.push_back(
-      {r.file, dq->name, -1, defect::kShiftedClock,
-       fmt::format("the velocity is d({})/dt of {:.3g} s {} (correlation {:.4f}, {:.4f} at best "
-                   "within {:.3g} s); the two columns have different clocks: shift one of them",
-                   q->name, std::abs(curve.lag[best]), curve.lag[best] > 0 ? "before" : "later",
-                   curve.correlation[best], near, settings.clock_skew)});
+  if (close(curve.lag[best]) || !clearly_better(curve.correlation[best], near, settings))
+    return std::nullopt;
+  if (!seen_in_quarters(dq->values, velocity, interval, settings, close)) return std::nullopt;
+  return Defect{
+      r.file, dq->name, -1, defect::kShiftedClock,
+      fmt::format("the velocity is d({})/dt of {:.3g} s {} (correlation {:.4f}, {:.4f} at best "
+                  "within {:.3g} s); the two columns have different clocks: shift one of them",
+                  q->name, std::abs(curve.lag[best]), curve.lag[best] > 0 ? "before" : "later",
+                  curve.correlation[best], near, settings.clock_skew)};
 }
 
 }  // namespace
@@ -153,9 +154,9 @@ std::vector<Defect> check_clocks(const GateRecording& r, const std::vector<GateJ
                                  const GateSettings& settings) {
   std::vector<Defect> out;
   for (const GateJoint& joint : joints) {
-    const std::size_t before = out.size();
-    check_answer(r, joint, settings, out);
-    if (out.size() == before) check_velocity(r, joint, settings, out);
+    std::optional<Defect> found = check_answer(r, joint, settings);
+    if (!found) found = check_velocity(r, joint, settings);
+    append(out, std::move(found));
   }
   return out;
 }

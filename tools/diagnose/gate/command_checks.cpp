@@ -47,8 +47,9 @@ bool is_copy(const GateChannel& q, const GateChannel& u) {
 }
 
 /// The model's joint that follows another joint's command, and the other way round.
-void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
-                 const GateSettings& settings, std::vector<Defect>& out) {
+std::vector<Defect> check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
+                                const GateSettings& settings) {
+  std::vector<Defect> out;
   const std::size_t n = joints.size();
   std::vector<std::vector<double>> follows(n, std::vector<double>(n, 0.0));
   const auto channel = [&](const char* kind, std::size_t j) {
@@ -75,12 +76,15 @@ void check_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
       }
     }
   }
+  return out;
 }
 
 /// The same by velocity: d(q_i)/dt equals dq_j and not dq_i (for torque-controlled robots, or
 /// swapped position columns).
-void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& joints,
-                          const GateSettings& settings, std::vector<Defect>& out) {
+std::vector<Defect> check_velocity_swaps(const GateRecording& r,
+                                         const std::vector<GateJoint>& joints,
+                                         const GateSettings& settings) {
+  std::vector<Defect> out;
   const auto derivative_matches = [&](std::size_t i, std::size_t j) {
     const GateChannel* q = r.find("q:" + joints[i].name);
     const GateChannel* dq = r.find("dq:" + joints[j].name);
@@ -110,6 +114,7 @@ void check_velocity_swaps(const GateRecording& r, const std::vector<GateJoint>& 
       }
     }
   }
+  return out;
 }
 
 }  // namespace
@@ -138,8 +143,8 @@ std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
                follows)});
     }
   }
-  check_swaps(r, joints, settings, out);
-  if (out.empty()) check_velocity_swaps(r, joints, settings, out);
+  append(out, check_swaps(r, joints, settings));
+  if (out.empty()) append(out, check_velocity_swaps(r, joints, settings));
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tools/diagnose/gate/checks.h"
@@ -23,17 +24,13 @@ const GateChannel* GateRecording::find(const std::string& name) const {
 
 namespace {
 
-void append(std::vector<Defect>& to, std::vector<Defect> from) {
-  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
-}
-
 /// All defects of one file. A broken clock or unit makes every later check meaningless, so the
 /// checks stop at the first group that fails.
 std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJoint>& joints,
                                 const GateSettings& settings) {
   std::vector<Defect> out;
   for (auto* check : {&gate::check_size, &gate::check_time}) {
-    append(out, (*check)(r, settings));
+    gate::append(out, (*check)(r, settings));
     if (!out.empty()) return out;
   }
   using Check =
@@ -43,11 +40,11 @@ std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJo
         {gate::check_wraps},
         {gate::check_units},
         {gate::check_commands, gate::check_clipping, gate::check_stuck}}) {
-    for (Check check : group) append(out, check(r, joints, settings));
+    for (Check check : group) gate::append(out, check(r, joints, settings));
     if (!out.empty()) return out;
   }
-  append(out, gate::check_clocks(r, joints, settings));
-  if (out.empty()) append(out, gate::check_clipped_commands(r, joints, settings));
+  gate::append(out, gate::check_clocks(r, joints, settings));
+  if (out.empty()) gate::append(out, gate::check_clipped_commands(r, joints, settings));
   return out;
 }
 
@@ -92,8 +89,8 @@ Excitation excitation_of(const std::vector<GateRecording>& recordings, const Gat
   return e;
 }
 
-void note_legal_oddities(const GateRecording& r, const GateSettings& settings,
-                         std::vector<std::string>& notes) {
+std::vector<std::string> legal_oddities(const GateRecording& r, const GateSettings& settings) {
+  std::vector<std::string> notes;
   const double interval = gate::sampling_interval(r.t);
   std::vector<double> steps;
   for (std::size_t i = 1; i < r.t.size(); ++i) steps.push_back(r.t[i] - r.t[i - 1]);
@@ -117,6 +114,7 @@ void note_legal_oddities(const GateRecording& r, const GateSettings& settings,
                                                   held.late > 1 ? "rows" : "row", held.before)
                                     : std::string()));
   }
+  return notes;
 }
 
 /// The rows of a channel that are new.
@@ -187,16 +185,16 @@ GateReport inspect(const std::vector<GateRecording>& recordings,
                    const std::vector<GateJoint>& joints, const GateSettings& settings) {
   GateReport report;
   for (const GateRecording& r : recordings)
-    append(report.defects, inspect_one(r, joints, settings));
-  if (report.defects.empty()) append(report.defects, gate::check_copies(recordings));
+    gate::append(report.defects, inspect_one(r, joints, settings));
+  if (report.defects.empty()) gate::append(report.defects, gate::check_copies(recordings));
   if (report.defects.empty())
-    append(report.defects, gate::check_clocks_between(recordings, joints, settings));
+    gate::append(report.defects, gate::check_clocks_between(recordings, joints, settings));
   if (report.refused()) return report;
 
   for (const GateRecording& r : recordings) {
-    note_legal_oddities(r, settings, report.notes);
-    for (std::string& note : gate::unfollowed_commands(r, joints))
-      report.notes.push_back(std::move(note));
+    for (std::vector<std::string>& notes :
+         std::array{legal_oddities(r, settings), gate::unfollowed_commands(r, joints)})
+      std::move(notes.begin(), notes.end(), std::back_inserter(report.notes));
   }
   report.noise = noise_of_all(recordings, joints, settings);
   bool any = false;

@@ -34,24 +34,26 @@ double scale_ratio(std::span<const double> x, std::span<const double> y,
   return sx > 0.0 ? sy / sx : 0.0;
 }
 
-void check_time_unit(const GateRecording& r, std::vector<Defect>& out) {
+std::optional<Defect> check_time_unit(const GateRecording& r) {
   const double interval = sampling_interval(r.t);
   // a controller slower than 2 Hz or faster than 100 kHz does not control a robot joint
   if (interval > 0.5) {
-    out.push_back({r.file, "t", -1, defect::kWrongUnit,
-                   fmt::format("{:.4g} s between samples; is t in milliseconds? expected seconds",
-                               interval)});
-  } else if (interval > 0.0 && interval < 1e-5) {
-    out.push_back({r.file, "t", -1, defect::kWrongUnit,
-                   fmt::format("{:.4g} s between samples; expected seconds", interval)});
+    return Defect{
+        r.file, "t", -1, defect::kWrongUnit,
+        fmt::format("{:.4g} s between samples; is t in milliseconds? expected seconds", interval)};
   }
+  if (interval > 0.0 && interval < 1e-5) {
+    return Defect{r.file, "t", -1, defect::kWrongUnit,
+                  fmt::format("{:.4g} s between samples; expected seconds", interval)};
+  }
+  return std::nullopt;
 }
 
 /// Position against velocity: the integral of dq must span what q spans.
-void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                         const GateSettings& settings, std::vector<Defect>& out) {
+std::optional<Defect> check_velocity_unit(const GateRecording& r, const GateJoint& joint,
+                                          const GateChannel& q, const GateSettings& settings) {
   const GateChannel* dq = r.find("dq:" + joint.name);
-  if (dq == nullptr) return;
+  if (dq == nullptr) return std::nullopt;
   const std::vector<double> position = without_glitches(q.values, nullptr, settings);
   std::vector<double> difference, velocity;
   // over stretches of ~50 ms: longer than the quantisation of either channel, shorter than a swing
@@ -69,45 +71,47 @@ void check_velocity_unit(const GateRecording& r, const GateJoint& joint, const G
     velocity.push_back(sum / static_cast<double>(n));
   }
   const double ratio = scale_ratio(velocity, difference, settings);
-  if (ratio == 0.0) return;
+  if (ratio == 0.0) return std::nullopt;
   if (correlation(velocity, difference) < 0.0) {
-    out.push_back({r.file, dq->name, -1, defect::kWrongSign,
-                   "velocity runs against the change of position; expected dq = d(q)/dt"});
-  } else if (ratio > settings.wrong_unit || ratio < 1.0 / settings.wrong_unit) {
-    const bool q_large = ratio > 1.0;
-    out.push_back({r.file, q_large ? q.name : dq->name, -1, defect::kWrongUnit,
-                   fmt::format("d(q)/dt is {:.4g} times dq: {}", ratio,
-                               name_of_factor(q_large ? ratio : 1.0 / ratio))});
+    return Defect{r.file, dq->name, -1, defect::kWrongSign,
+                  "velocity runs against the change of position; expected dq = d(q)/dt"};
   }
+  if (ratio > settings.wrong_unit || ratio < 1.0 / settings.wrong_unit) {
+    const bool q_large = ratio > 1.0;
+    return Defect{r.file, q_large ? q.name : dq->name, -1, defect::kWrongUnit,
+                  fmt::format("d(q)/dt is {:.4g} times dq: {}", ratio,
+                              name_of_factor(q_large ? ratio : 1.0 / ratio))};
+  }
+  return std::nullopt;
 }
 
 /// Position against command: same unit, or the slope betrays it.
-void check_command_unit(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                        const GateSettings& settings, std::vector<Defect>& out) {
+std::optional<Defect> check_command_unit(const GateRecording& r, const GateJoint& joint,
+                                         const GateChannel& q, const GateSettings& settings) {
   const GateChannel* u = r.find("u:" + joint.name);
-  if (u == nullptr) return;
+  if (u == nullptr) return std::nullopt;
   const double ratio = scale_ratio(u->values, q.values, settings);
-  if (ratio == 0.0 || (ratio < settings.wrong_unit && ratio > 1.0 / settings.wrong_unit)) return;
+  if (ratio == 0.0 || (ratio < settings.wrong_unit && ratio > 1.0 / settings.wrong_unit))
+    return std::nullopt;
   const bool q_large = ratio > 1.0;
-  out.push_back({r.file, q_large ? q.name : u->name, -1, defect::kWrongUnit,
-                 fmt::format("q moves {:.4g} times as far as u: {}", ratio,
-                             name_of_factor(q_large ? ratio : 1.0 / ratio))});
+  return Defect{r.file, q_large ? q.name : u->name, -1, defect::kWrongUnit,
+                fmt::format("q moves {:.4g} times as far as u: {}", ratio,
+                            name_of_factor(q_large ? ratio : 1.0 / ratio))};
 }
 
 /// Against the machine: joint limits, reachable speed, and the encoder's own step (360 / 2^k
 /// degrees).
-bool check_position_scale(const GateRecording& r, const GateJoint& joint, const GateChannel& q,
-                          const GateSettings& settings, std::vector<Defect>& out) {
+std::optional<Defect> check_position_scale(const GateRecording& r, const GateJoint& joint,
+                                           const GateChannel& q, const GateSettings& settings) {
   if (joint.prismatic) {
     const double span = joint.upper - joint.lower;
     const double range = quantile(q.values, 1.0) - quantile(q.values, 0.0);
     if (span > 0.0 && range > settings.wrong_unit * span) {
-      out.push_back({r.file, q.name, -1, defect::kWrongUnit,
-                     fmt::format("moves over {:.4g}, limits allow {:.4g} m; is it in millimetres?",
-                                 range, span)});
-      return true;
+      return Defect{r.file, q.name, -1, defect::kWrongUnit,
+                    fmt::format("moves over {:.4g}, limits allow {:.4g} m; is it in millimetres?",
+                                range, span)};
     }
-    return false;
+    return std::nullopt;
   }
   const double range = quantile(q.values, 0.999) - quantile(q.values, 0.001);
   const double quantum = quantisation_step(q.values);
@@ -131,24 +135,25 @@ bool check_position_scale(const GateRecording& r, const GateJoint& joint, const 
   } else if (degree_steps) {
     why = fmt::format("steps of {:.6g} are an encoder's steps in degrees", quantum);
   } else {
-    return false;
+    return std::nullopt;
   }
-  out.push_back({r.file, q.name, -1, defect::kWrongUnit, why + ": degrees? expected radians"});
-  return true;
+  return Defect{r.file, q.name, -1, defect::kWrongUnit, why + ": degrees? expected radians"};
 }
 
 /// Electrical channels against the data sheet.
-void check_magnitude(const GateRecording& r, const std::string& channel, double expected,
-                     const char* unit, const GateSettings& settings, std::vector<Defect>& out) {
+std::optional<Defect> check_magnitude(const GateRecording& r, const std::string& channel,
+                                      double expected, const char* unit,
+                                      const GateSettings& settings) {
   const GateChannel* c = r.find(channel);
-  if (c == nullptr || expected <= 0.0) return;
+  if (c == nullptr || expected <= 0.0) return std::nullopt;
   const double high =
       std::max(std::abs(quantile(c->values, 0.99)), std::abs(quantile(c->values, 0.01)));
   if (std::isfinite(high) && high > settings.wrong_unit * expected) {
-    out.push_back({r.file, channel, -1, defect::kWrongUnit,
-                   fmt::format("reaches {:.4g}; the model allows {:.4g} {}: thousandths?", high,
-                               expected, unit)});
+    return Defect{r.file, channel, -1, defect::kWrongUnit,
+                  fmt::format("reaches {:.4g}; the model allows {:.4g} {}: thousandths?", high,
+                              expected, unit)};
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -156,25 +161,25 @@ void check_magnitude(const GateRecording& r, const std::string& channel, double 
 std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings) {
   std::vector<Defect> out;
-  check_time_unit(r, out);
+  append(out, check_time_unit(r));
   for (const GateJoint& joint : joints) {
     const GateChannel* q = r.find("q:" + joint.name);
     if (q == nullptr) continue;
-    if (!check_position_scale(r, joint, *q, settings, out)) {
-      const std::size_t before = out.size();
-      check_command_unit(r, joint, *q, settings, out);
-      if (out.size() == before) check_velocity_unit(r, joint, *q, settings, out);
-    }
-    check_magnitude(r, "i:" + joint.name, joint.current_limit, "A", settings, out);
-    check_magnitude(r, "tau:" + joint.name, joint.torque_limit, "N m", settings, out);
-    check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", settings, out);
+    std::optional<Defect> found = check_position_scale(r, joint, *q, settings);
+    if (!found) found = check_command_unit(r, joint, *q, settings);
+    if (!found) found = check_velocity_unit(r, joint, *q, settings);
+    append(out, std::move(found));
+    append(out, check_magnitude(r, "i:" + joint.name, joint.current_limit, "A", settings));
+    append(out, check_magnitude(r, "tau:" + joint.name, joint.torque_limit, "N m", settings));
+    append(out, check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", settings));
     const GateChannel* temperature = r.find("temp:" + joint.name);
     if (temperature != nullptr && quantile(temperature->values, 0.5) > 200.0) {
       out.push_back({r.file, temperature->name, -1, defect::kWrongUnit,
                      "above 200; expected degrees Celsius, not kelvin"});
     }
   }
-  if (!joints.empty()) check_magnitude(r, "volt", joints.front().voltage, "V", settings, out);
+  if (!joints.empty())
+    append(out, check_magnitude(r, "volt", joints.front().voltage, "V", settings));
   return out;
 }
 
