@@ -60,6 +60,8 @@ std::vector<Defect> check_copies(const std::vector<GateRecording>& recordings);
 
 /// Median sampling interval [s].
 double sampling_interval(std::span<const double> t);
+/// In words, where intervals vary by more than a tenth: legal. Empty: they do not.
+std::string uneven_sampling(const std::string& file, std::span<const double> t);
 
 /// x without isolated single-sample outliers: the median of five takes their place. A sample is one
 /// where it leaves that median by more than the channel's usual departures, a few counts and the

@@ -91,13 +91,8 @@ Excitation excitation_of(const std::vector<GateRecording>& recordings, const Gat
 
 std::vector<std::string> legal_oddities(const GateRecording& r, const GateSettings& settings) {
   std::vector<std::string> notes;
-  const double interval = gate::sampling_interval(r.t);
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < r.t.size(); ++i) steps.push_back(r.t[i] - r.t[i - 1]);
-  const double jitter = robust_sigma(steps) / std::max(interval, 1e-12);
-  if (jitter > 0.1)
-    notes.push_back(
-        fmt::format("{}: sampling varies by {:.0f} % of {:.3g} s", r.file, 100 * jitter, interval));
+  const std::string uneven = gate::uneven_sampling(r.file, r.t);
+  if (!uneven.empty()) notes.push_back(uneven);
   for (const GateChannel& c : r.channels) {
     if (c.name.rfind("q:", 0) != 0) continue;
     int glitches = 0;

@@ -27,10 +27,24 @@ std::vector<Defect> inspect_file(const std::string& path, const GateSettings& se
 
 namespace gate {
 
-double sampling_interval(std::span<const double> t) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
-  return median(steps);
+namespace {
+
+std::vector<double> intervals(std::span<const double> t) {
+  std::vector<double> out;
+  for (std::size_t i = 1; i < t.size(); ++i) out.push_back(t[i] - t[i - 1]);
+  return out;
+}
+
+}  // namespace
+
+double sampling_interval(std::span<const double> t) { return median(intervals(t)); }
+
+std::string uneven_sampling(const std::string& file, std::span<const double> t) {
+  const double interval = sampling_interval(t);
+  const double jitter = robust_sigma(intervals(t)) / std::max(interval, 1e-12);
+  return jitter > 0.1 ? fmt::format("{}: sampling varies by {:.0f} % of {:.3g} s", file,
+                                    100 * jitter, interval)
+                      : std::string();
 }
 
 std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings) {

@@ -10,7 +10,6 @@
 #include "shared/math/so3.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/gate/load.h"
-#include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/wholebody/base_checks.h"
 #include "tools/recording/mcap_recording.h"
 
@@ -69,18 +68,20 @@ std::vector<V3> slopes(const WholeRecording& r, Difference difference) {
   return out;
 }
 
-void set_joints(const recording::Recording& r, const WholeBody& body, WholeRecording& out) {
+/// One row a joint; 0 where it is not recorded.
+Eigen::MatrixXd positions(const recording::Recording& r, const WholeBody& body) {
   const RobotTree& tree = body.model.tree;
-  out.q = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(tree.size()),
-                                static_cast<Eigen::Index>(r.rows()));
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(tree.size()),
+                                              static_cast<Eigen::Index>(r.rows()));
   for (std::size_t j = 0; j < tree.size(); ++j) {
     const auto column = r.find("q:" + tree.joints[j].name);
     if (column.empty()) continue;
     std::vector<double> q = gate::without_glitches(column);
     hold(q);
     for (std::size_t k = 0; k < q.size(); ++k)
-      out.q(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) = q[k];
+      out(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(k)) = q[k];
   }
+  return out;
 }
 
 /// One row a joint; nothing unless every joint has that column.
@@ -99,12 +100,14 @@ Eigen::MatrixXd of_all_joints(const recording::Recording& r, const WholeBody& bo
   return out;
 }
 
-void set_feet(const recording::Recording& r, const WholeBody& body, WholeRecording& out) {
+std::vector<FootForce> feet_of(const recording::Recording& r, const WholeBody& body) {
+  std::vector<FootForce> out;
   for (const recording::Channel& c : r.channels) {
     if (!c.name.starts_with("fz:")) continue;
     const std::string link = c.name.substr(3);
-    out.feet.push_back({link, body.model.tree.links.at(link).joint, c.values});
+    out.push_back({link, body.model.tree.links.at(link).joint, c.values});
   }
+  return out;
 }
 
 WholeRecording converted(const recording::Recording& r, const WholeBody& body,
@@ -135,34 +138,28 @@ WholeRecording converted(const recording::Recording& r, const WholeBody& body,
     for (V3& gyro : out.imu_gyro) gyro = R * gyro;
   }
   out.gyro = !out.imu_gyro.empty();
-  set_joints(r, body, out);
+  out.q = positions(r, body);
   out.u = of_all_joints(r, body, "u:"), out.i = of_all_joints(r, body, "i:");
   out.commands = out.u.size() > 0 && of_all_joints(r, body, "q:").size() > 0;
   out.current = out.i.size() > 0;
-  set_feet(r, body, out);
+  out.feet = feet_of(r, body);
   return out;
 }
 
-void note_oddities(const WholeRecording& r, WholeData& data) {
-  if (r.piece.back() > 0)
-    data.notes.push_back(fmt::format("{}: {} gaps; the pieces between them are taken one by one",
-                                     r.file, r.piece.back()));
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < r.rows(); ++i) steps.push_back(r.t[i] - r.t[i - 1]);
-  const double jitter = robust_sigma(steps) / std::max(r.interval, 1e-12);
-  if (jitter > 0.1)
-    data.notes.push_back(fmt::format("{}: sampling varies by {:.0f} % of {:.3g} s", r.file,
-                                     100 * jitter, r.interval));
-}
-
-void note_unrecorded(const recording::Recording& r, const WholeBody& body, WholeData& data) {
+std::vector<std::string> legal_oddities(const recording::Recording& r, const WholeRecording& made,
+                                        const WholeBody& body) {
+  std::vector<std::string> notes;
+  if (made.piece.back() > 0)
+    notes.push_back(fmt::format("{}: {} gaps; the pieces between them are taken one by one", r.file,
+                                made.piece.back()));
+  const std::string uneven = gate::uneven_sampling(r.file, r.t);
+  if (!uneven.empty()) notes.push_back(uneven);
   const Unrecorded none = unrecorded_joints(r, body);
-  if (none.joints.empty()) return;
-  std::string names;
-  for (const std::string& name : none.joints) names += (names.empty() ? "" : ", ") + name;
-  data.notes.push_back(fmt::format(
+  if (none.joints.empty()) return notes;
+  notes.push_back(fmt::format(
       "{}: {} are not recorded and taken at rest at 0 ({:.1f} % of the mass is behind them)",
-      r.file, names, 100 * none.mass_share));
+      r.file, fmt::join(none.joints.begin(), none.joints.end(), ", "), 100 * none.mass_share));
+  return notes;
 }
 
 /// Size, clock but for its gaps, columns.
@@ -195,8 +192,7 @@ WholeData judge_whole(const std::vector<recording::Recording>& recordings, const
     if (defects.empty()) {
       WholeRecording made = converted(r, body, settings.gate);
       defects = check_base_agreement(r, made, body, settings);
-      note_oddities(made, data);
-      note_unrecorded(r, body, data);
+      for (std::string& note : legal_oddities(r, made, body)) data.notes.push_back(std::move(note));
       data.recordings.push_back(std::move(made));
     }
     data.defects.insert(data.defects.end(), defects.begin(), defects.end());
