@@ -53,9 +53,13 @@ bool alike(const Json& finding) {
   const auto elsewhere = [&](const Json& rival) { return rival.at("where") != finding["where"]; };
   const Json none = Json::array();
   const Json rivals = finding.value("rivals", none), names = finding.value("one_of", none);
+  const auto kilograms = [](const Json& name) {
+    const learn::KnownFigure* known =
+        name.is_string() ? learn::known_figure(name.get<std::string>()) : nullptr;
+    return known != nullptr && known->kilograms;
+  };
   return names.size() > 1 && std::none_of(rivals.begin(), rivals.end(), elsewhere) &&
-         std::all_of(names.begin(), names.end(),
-                     [](const Json& name) { return name == "link_mass" || name == "payload"; });
+         std::all_of(names.begin(), names.end(), kilograms);
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
-// One function an effect; whatever would leave physics (a negative mass) is refused, not clipped.
+// One line an effect; whatever would leave physics (a negative mass) is refused, not clipped.
 #include "host/learn/model/named_figures.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "shared/model/joints.h"
 
@@ -12,20 +14,56 @@ namespace {
 using model::BodyInertia;
 using model::ModelParameters;
 using model::ServoParameters;
-using Numbers = std::map<std::string, double>;
 
 double number(const Numbers& numbers, const char* name, double otherwise) {
   const auto at = numbers.find(name);
   return at == numbers.end() ? otherwise : at->second;
 }
 
-void scale(BodyInertia& body, double factor) {
-  body.mass *= factor;
-  for (double& i : body.inertia) i *= factor;
+bool possible(const ServoParameters& servo) {
+  return servo.stiffness > 0.0 && servo.damping >= 0.0 && servo.coulomb >= 0.0 &&
+         servo.armature >= 0.0;
 }
 
-/// A point at r in link axes becomes part of the body.
-void carry(BodyInertia& body, double mass, const double r[3]) {
+bool put_gain(ModelParameters& theta, int joint, const Numbers& n) {
+  theta.servo[joint].stiffness *= number(n, "gain", 1.0);
+  return possible(theta.servo[joint]);
+}
+
+bool put_damping(ModelParameters& theta, int joint, const Numbers& n) {
+  theta.servo[joint].damping += number(n, "viscous", 0.0);
+  return possible(theta.servo[joint]);
+}
+
+bool put_dry_friction(ModelParameters& theta, int joint, const Numbers& n) {
+  theta.servo[joint].coulomb += number(n, "coulomb", 0.0);
+  return possible(theta.servo[joint]);
+}
+
+bool put_rotor(ModelParameters& theta, int joint, const Numbers& n) {
+  theta.servo[joint].armature += number(n, "armature", 0.0);
+  return possible(theta.servo[joint]);
+}
+
+bool put_mass(ModelParameters& theta, int link, const Numbers& n) {
+  BodyInertia& body = theta.body[link];
+  const double factor = 1.0 + number(n, "share", 0.0);
+  body.mass *= factor;
+  for (double& i : body.inertia) i *= factor;
+  return body.mass > 0.0;
+}
+
+bool put_centre(ModelParameters& theta, int link, const Numbers& n) {
+  const char* const axes[3] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) theta.body[link].com[i] += number(n, axes[i], 0.0);
+  return theta.body[link].mass > 0.0;
+}
+
+/// A point at (x, y, z) in link axes becomes part of the body.
+bool put_payload(ModelParameters& theta, int link, const Numbers& n) {
+  BodyInertia& body = theta.body[link];
+  const double mass = number(n, "mass", 0.0);
+  const double r[3] = {number(n, "x", 0.0), number(n, "y", 0.0), number(n, "z", 0.0)};
   const double all = body.mass + mass;
   double d[3];
   for (int i = 0; i < 3; ++i) d[i] = r[i] - body.com[i];
@@ -37,34 +75,25 @@ void carry(BodyInertia& body, double mass, const double r[3]) {
   }
   for (int i = 0; i < 3; ++i) body.com[i] += mass / all * d[i];
   body.mass = all;
-}
-
-/// What an effect does to one servo; false: a figure that no servo has.
-bool put_servo(const std::string& effect, const Numbers& n, ServoParameters& servo) {
-  if (effect == "servo_p_gain") servo.stiffness *= number(n, "gain", 1.0);
-  if (effect == "viscous_friction") servo.damping += number(n, "viscous", 0.0);
-  if (effect == "coulomb_friction") servo.coulomb += number(n, "coulomb", 0.0);
-  if (effect == "rotor_inertia") servo.armature += number(n, "armature", 0.0);
-  return servo.stiffness > 0.0 && servo.damping >= 0.0 && servo.coulomb >= 0.0 &&
-         servo.armature >= 0.0;
-}
-
-bool put_body(const std::string& effect, const Numbers& n, BodyInertia& body) {
-  const double at[3] = {number(n, "x", 0.0), number(n, "y", 0.0), number(n, "z", 0.0)};
-  if (effect == "link_mass") scale(body, 1.0 + number(n, "share", 0.0));
-  if (effect == "link_com")
-    for (int i = 0; i < 3; ++i) body.com[i] += at[i];
-  if (effect == "payload") carry(body, number(n, "mass", 0.0), at);
   return body.mass > 0.0;
 }
 
-bool one_of(const std::string& effect, std::initializer_list<const char*> names) {
-  for (const char* name : names)
-    if (effect == name) return true;
-  return false;
+bool put_ground_friction(ModelParameters& theta, int /*ground*/, const Numbers& n) {
+  const double mu = number(n, "mu", theta.friction_forward);
+  // a foot that rolls has its own ratio of the two
+  theta.friction_sideways *= mu / theta.friction_forward;
+  theta.friction_forward = mu;
+  return mu > 0.0;
 }
 
-/// Places of the figure in `names`; empty: one of them is none.
+std::vector<std::string> joint_names() {
+  std::vector<std::string> out;
+  out.reserve(model::kJoints.size());
+  for (const model::JointInfo& joint : model::kJoints) out.emplace_back(joint.name);
+  return out;
+}
+
+/// Places of `where` in `names`; empty: one of them is none.
 std::vector<int> places(const std::vector<std::string>& where,
                         const std::vector<std::string>& names) {
   std::vector<int> out;
@@ -75,14 +104,37 @@ std::vector<int> places(const std::vector<std::string>& where,
   return out.size() == where.size() ? out : std::vector<int>{};
 }
 
-std::vector<std::string> joint_names() {
-  std::vector<std::string> out;
-  out.reserve(model::kJoints.size());
-  for (const model::JointInfo& joint : model::kJoints) out.emplace_back(joint.name);
-  return out;
+std::vector<int> places_of(FigurePlace kind, std::vector<std::string> where) {
+  if (kind == FigurePlace::ground) return {0};
+  if (kind == FigurePlace::joint) return places(where, joint_names());
+  for (std::string& link : where)  // the floating link has many names
+    if (link == "base" || link == "base_link" || link == "trunk") link = "body_link";
+  return places(where, body_names());
 }
 
 }  // namespace
+
+const std::vector<KnownFigure>& known_figures() {
+  using enum FigurePlace;
+  static const std::vector<KnownFigure> all{
+      {"servo_p_gain", joint, {"gain"}, false, put_gain},
+      {"viscous_friction", joint, {"viscous"}, false, put_damping},
+      {"coulomb_friction", joint, {"coulomb"}, false, put_dry_friction},
+      {"rotor_inertia", joint, {"armature"}, false, put_rotor},
+      {"link_mass", link, {"share"}, true, put_mass},
+      {"link_com", link, {"x", "y", "z"}, false, put_centre},
+      {"payload", link, {"mass", "x", "y", "z"}, true, put_payload},
+      {"contact_friction", ground, {"mu"}, false, put_ground_friction},
+  };
+  return all;
+}
+
+const KnownFigure* known_figure(std::string_view effect) {
+  const auto& all = known_figures();
+  const auto at = std::find_if(all.begin(), all.end(),
+                               [&](const KnownFigure& known) { return known.effect == effect; });
+  return at == all.end() ? nullptr : &*at;
+}
 
 std::vector<std::string> body_names() {
   std::vector<std::string> out{"body_link"};
@@ -93,32 +145,15 @@ std::vector<std::string> body_names() {
 std::string put_figure(const NamedFigure& figure, ModelParameters& theta) {
   for (const auto& entry : figure.parameters)
     if (!std::isfinite(entry.second)) return entry.first + " is no number";
+  const KnownFigure* known = known_figure(figure.effect);
+  if (known == nullptr) return "the planner's model has no figure for it";
+  const std::vector<int> at = places_of(known->place, figure.where);
+  if (at.empty())
+    return fmt::format("its place is no {} of the planner's model",
+                       known->place == FigurePlace::joint ? "joint" : "link");
   ModelParameters changed = theta;
-  bool fine = true;
-  if (one_of(figure.effect,
-             {"servo_p_gain", "viscous_friction", "coulomb_friction", "rotor_inertia"})) {
-    const std::vector<int> joints = places(figure.where, joint_names());
-    if (joints.empty()) return "its place is no joint of the planner's model";
-    for (const int j : joints)
-      fine = fine && put_servo(figure.effect, figure.parameters, changed.servo[j]);
-  } else if (one_of(figure.effect, {"link_mass", "link_com", "payload"})) {
-    std::vector<std::string> where = figure.where;
-    for (std::string& link : where)  // the floating link has many names
-      if (link == "base" || link == "base_link" || link == "trunk") link = "body_link";
-    const std::vector<int> bodies = places(where, body_names());
-    if (bodies.empty()) return "its place is no link of the planner's model";
-    for (const int b : bodies)
-      fine = fine && put_body(figure.effect, figure.parameters, changed.body[b]);
-  } else if (figure.effect == "contact_friction") {
-    const double mu = number(figure.parameters, "mu", theta.friction_forward);
-    // a foot that rolls has its own ratio of the two
-    changed.friction_sideways *= mu / theta.friction_forward;
-    changed.friction_forward = mu;
-    fine = mu > 0.0;
-  } else {
-    return "the planner's model has no figure for it";
-  }
-  if (!fine) return "the figure would leave physics";
+  for (const int place : at)
+    if (!known->put(changed, place, figure.parameters)) return "the figure would leave physics";
   theta = changed;
   return {};
 }

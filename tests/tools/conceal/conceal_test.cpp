@@ -14,6 +14,7 @@
 #include "tools/conceal/built.h"
 #include "tools/conceal/seal.h"
 #include "tools/conceal/severity.h"
+#include "tools/diagnose/effects/effect.h"
 #include "tools/plant/world_error.h"
 #include "tools/recording/csv_reader.h"
 
@@ -181,6 +182,14 @@ TEST(Severity, NuisancesAloneAreQuiet) {
   heavier.robot.links[0].mass *= 1.03;
   for (double& i : heavier.robot.links[0].inertia) i *= 1.03;
   EXPECT_LT(meter.ratio(heavier), 0.3);
+}
+
+TEST(Hideables, AreCalledAsTheLibraryCallsThem) {
+  for (const Hideable& h : hideables()) {
+    EXPECT_EQ(diagnose::find_effect(h.id) != nullptr, h.in_library) << h.id;
+    for (const std::string& twin : h.twins)
+      EXPECT_NE(diagnose::find_effect(twin), nullptr) << h.id << " and " << twin;
+  }
 }
 
 TEST(Hideables, EveryEffectCompilesAndChangesSomething) {
