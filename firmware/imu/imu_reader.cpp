@@ -78,10 +78,7 @@ void ImuReader::take(std::span<const std::uint8_t> report) {
     }
     if (whole) have_ |= bit_of(field.quantity);
   }
-  if (!known || !whole) {
-    ++bad_reports_;
-    return;
-  }
+  if (!known || !whole) return;
   if ((have_ & wanted_) != wanted_) return;
   have_ = 0;
   const bool oriented = (wanted_ & bit_of(HidQuantity::quaternion)) != 0;

@@ -21,7 +21,6 @@ class ImuReader {
 
   /// ok once the descriptor was understood and the sensor asked to report.
   Status status() const { return status_; }
-  std::uint32_t bad_reports() const { return bad_reports_; }
   /// Switches that the sensor refused; it may report all the same.
   std::uint32_t refused_features() const { return refused_features_; }
 
@@ -41,7 +40,6 @@ class ImuReader {
   math::Quat quat_world_sensor_ = math::quat_identity();
   unsigned wanted_ = 0;  // bit per quantity that a complete sample needs
   unsigned have_ = 0;    // bit per quantity since the last complete sample
-  std::uint32_t bad_reports_ = 0;
   std::uint32_t refused_features_ = 0;
 };
 

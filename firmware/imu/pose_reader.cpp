@@ -16,10 +16,7 @@ Status PoseReader::poll(Nanoseconds deadline) {
     if (!n.ok()) return n.status();
     if (*n == 0) break;
     const Result<PoseReport> report = decode_pose_report(std::span(bytes).first(*n));
-    if (!report.ok()) {
-      ++bad_reports_;
-      continue;
-    }
+    if (!report.ok()) continue;
     const auto& p = report->p_world_base;
     const auto& q = report->quat_world_base;
     const auto& v = report->v_base_in_world;

@@ -14,7 +14,6 @@ class PoseReader {
   /// Takes every report there is; waits for the first until `deadline`. Nothing happens without a
   /// source. Anything but ok: the source is gone and the call came back at once.
   Status poll(Nanoseconds deadline);
-  std::uint32_t bad_reports() const { return bad_reports_; }
   bool present() const { return source_ != nullptr; }
 
  private:
@@ -23,7 +22,6 @@ class PoseReader {
   board::Clock& clock_;
   Mailbox<PoseSample>& out_;
   std::uint32_t samples_ = 0;
-  std::uint32_t bad_reports_ = 0;
 };
 
 }  // namespace sanso::firmware

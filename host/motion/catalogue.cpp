@@ -188,13 +188,6 @@ const std::vector<std::pair<const char*, Maker>> kEntries = {{"stand", stand},
 
 }  // namespace
 
-std::vector<std::string> catalogue_names() {
-  std::vector<std::string> names;
-  names.reserve(kEntries.size());
-  for (const auto& [name, make] : kEntries) names.emplace_back(name);
-  return names;
-}
-
 Motion catalogue_entry(const std::string& name) {
   std::string known;
   for (const auto& [entry_name, make] : kEntries) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "host/motion/motion.h"
 
@@ -12,6 +11,5 @@ namespace sanso::motion {
 /// Everything of a shipped motion but its primitives, which the import makes from the clip.
 /// Throws MotionError naming the motions there are.
 Motion catalogue_entry(const std::string& name);
-std::vector<std::string> catalogue_names();
 
 }  // namespace sanso::motion

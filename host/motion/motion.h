@@ -56,8 +56,6 @@ struct Motion {
   double duration_s() const { return primitives.duration_s; }
   /// x_DMP at every 10 ms tick, first and last included.
   Trajectory reference() const;
-  /// The same at every upper period (60 ms).
-  std::vector<model::State> reference_per_upper_period() const;
 };
 
 /// Reads and writes a motion file (TOML, docs/motions.md). Reading refuses unknown keys and invalid

@@ -16,13 +16,6 @@ model::Ground Motion::ground() const {
 
 Trajectory Motion::reference() const { return play(primitives); }
 
-std::vector<model::State> Motion::reference_per_upper_period() const {
-  std::vector<model::State> states;
-  const Trajectory ticks = reference();
-  for (std::size_t k = 0; k < ticks.x.size(); k += kTicksPerUpper) states.push_back(ticks.x[k]);
-  return states;
-}
-
 std::filesystem::path installed_motions(const std::filesystem::path& program) {
   const std::filesystem::path bin = program.parent_path();
   const std::filesystem::path folder = bin.parent_path() / "share" / "sanso" / "motions";

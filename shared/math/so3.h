@@ -75,15 +75,8 @@ inline Vec3 quat_minus(const Quat& a, const Quat& b) {
   return quat_log(quat_multiply(quat_conjugate(b), a));
 }
 
-/// Right Jacobian of Exp: Exp(r + dr) = Exp(r) Exp(Jr(r) dr) + O(dr^2).   [Sola 2018, eq. 143]
-inline Mat3 right_jacobian(const Vec3& r) {
-  const double a2 = r.squaredNorm(), a = std::sqrt(a2);
-  const Mat3 S = skew(r);
-  if (a < 1e-4) return Mat3::Identity() - 0.5 * S + S * S / 6.0;
-  return Mat3::Identity() - (1 - std::cos(a)) / a2 * S + (a - std::sin(a)) / (a2 * a) * S * S;
-}
-
-/// Inverse of right_jacobian; valid for |r| < 2 pi.   [Sola 2018, eq. 144]
+/// Inverse of the right Jacobian Jr of Exp, Exp(r + dr) = Exp(r) Exp(Jr(r) dr) + O(dr^2); valid for
+/// |r| < 2 pi.   [Sola 2018, eq. 144]
 inline Mat3 right_jacobian_inverse(const Vec3& r) {
   const double a2 = r.squaredNorm(), a = std::sqrt(a2);
   const Mat3 S = skew(r);

@@ -33,8 +33,7 @@ class Writer {
   /// Closes the chunk, writes summary and footer. Nothing may follow.
   void finish();
 
-  std::uint64_t bytes() const { return bytes_; }         // given to the sink
-  std::size_t waiting() const { return chunk_.size(); }  // in the open chunk
+  std::uint64_t bytes() const { return bytes_; }  // given to the sink
   std::uint64_t messages() const { return messages_; }
 
  private:

@@ -115,6 +115,4 @@ double ground_slope(const Ground& ground, double x) {
   return std::tan(std::asin(end_sin(segment_at(ground, x), x)));
 }
 
-double ground_curvature(const Ground& ground, double x) { return segment_at(ground, x).curvature; }
-
 }  // namespace sanso::model

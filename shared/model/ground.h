@@ -49,7 +49,5 @@ GroundDefect make_profile(const GroundCorner* corners, int count, Ground& ground
 /// Height [m] and slope dz/dx at x: the plain scalar form for drivers, references and plots.
 double ground_height(const Ground& ground, double x);
 double ground_slope(const Ground& ground, double x);
-/// Curvature [1/m] at x, positive where it turns upwards.
-double ground_curvature(const Ground& ground, double x);
 
 }  // namespace sanso::model

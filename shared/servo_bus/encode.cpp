@@ -77,30 +77,12 @@ Status frame(PacketBuffer& out, std::uint8_t id, Instruction instruction, Body&&
   return finish(out, writer.ok());
 }
 
-Status addressed_write(PacketBuffer& out, std::uint8_t id, Instruction instruction,
-                       std::uint16_t address, std::span<const std::uint8_t> data) {
-  return frame(out, id, instruction, [&](StuffedWriter& w) {
-    w.put_u16(address);
-    w.put(data);
-  });
-}
-
 Status sync_request(PacketBuffer& out, Instruction instruction, std::uint16_t address,
                     std::uint16_t length, std::span<const std::uint8_t> ids) {
   return frame(out, kBroadcastId, instruction, [&](StuffedWriter& w) {
     w.put_u16(address);
     w.put_u16(length);
     w.put(ids);
-  });
-}
-
-Status bulk_request(PacketBuffer& out, Instruction instruction, std::span<const BulkRange> ranges) {
-  return frame(out, kBroadcastId, instruction, [&](StuffedWriter& w) {
-    for (const BulkRange& range : ranges) {
-      w.put(range.id);
-      w.put_u16(range.address);
-      w.put_u16(range.length);
-    }
   });
 }
 
@@ -117,9 +99,6 @@ Status encode_ping(PacketBuffer& out, std::uint8_t id) {
 Status encode_reboot(PacketBuffer& out, std::uint8_t id) {
   return encode(out, id, Instruction::reboot, {});
 }
-Status encode_action(PacketBuffer& out, std::uint8_t id) {
-  return encode(out, id, Instruction::action, {});
-}
 
 Status encode_read(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
                    std::uint16_t length) {
@@ -131,12 +110,10 @@ Status encode_read(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
 
 Status encode_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
                     std::span<const std::uint8_t> data) {
-  return addressed_write(out, id, Instruction::write, address, data);
-}
-
-Status encode_reg_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
-                        std::span<const std::uint8_t> data) {
-  return addressed_write(out, id, Instruction::reg_write, address, data);
+  return frame(out, id, Instruction::write, [&](StuffedWriter& w) {
+    w.put_u16(address);
+    w.put(data);
+  });
 }
 
 Status encode_sync_read(PacketBuffer& out, std::uint16_t address, std::uint16_t length,
@@ -159,32 +136,6 @@ Status encode_sync_write(PacketBuffer& out, std::uint16_t address, std::uint16_t
     for (std::size_t i = 0; i < ids.size(); ++i) {
       w.put(ids[i]);
       w.put(data.subspan(i * length, length));
-    }
-  });
-}
-
-Status encode_bulk_read(PacketBuffer& out, std::span<const BulkRange> ranges) {
-  return bulk_request(out, Instruction::bulk_read, ranges);
-}
-
-Status encode_fast_bulk_read(PacketBuffer& out, std::span<const BulkRange> ranges) {
-  return bulk_request(out, Instruction::fast_bulk_read, ranges);
-}
-
-Status encode_bulk_write(PacketBuffer& out, std::span<const BulkRange> ranges,
-                         std::span<const std::uint8_t> data) {
-  out.clear();
-  std::size_t total = 0;
-  for (const BulkRange& range : ranges) total += range.length;
-  if (data.size() != total) return Status::out_of_range;
-  return frame(out, kBroadcastId, Instruction::bulk_write, [&](StuffedWriter& w) {
-    std::size_t offset = 0;
-    for (const BulkRange& range : ranges) {
-      w.put(range.id);
-      w.put_u16(range.address);
-      w.put_u16(range.length);
-      w.put(data.subspan(offset, range.length));
-      offset += range.length;
     }
   });
 }

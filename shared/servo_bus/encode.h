@@ -16,12 +16,9 @@ Status encode(PacketBuffer& out, std::uint8_t id, Instruction instruction,
 
 Status encode_ping(PacketBuffer& out, std::uint8_t id);
 Status encode_reboot(PacketBuffer& out, std::uint8_t id);
-Status encode_action(PacketBuffer& out, std::uint8_t id);
 Status encode_read(PacketBuffer& out, std::uint8_t id, std::uint16_t address, std::uint16_t length);
 Status encode_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
                     std::span<const std::uint8_t> data);
-Status encode_reg_write(PacketBuffer& out, std::uint8_t id, std::uint16_t address,
-                        std::span<const std::uint8_t> data);
 
 /// One address and length, several ids; replies come in the order of `ids` (fast: merged into one
 /// packet).
@@ -33,17 +30,6 @@ Status encode_fast_sync_read(PacketBuffer& out, std::uint16_t address, std::uint
 /// `data` holds ids.size() blocks of `length` bytes, in the order of `ids`.
 Status encode_sync_write(PacketBuffer& out, std::uint16_t address, std::uint16_t length,
                          std::span<const std::uint8_t> ids, std::span<const std::uint8_t> data);
-
-struct BulkRange {
-  std::uint8_t id = 0;
-  std::uint16_t address = 0;
-  std::uint16_t length = 0;
-};
-Status encode_bulk_read(PacketBuffer& out, std::span<const BulkRange> ranges);
-Status encode_fast_bulk_read(PacketBuffer& out, std::span<const BulkRange> ranges);
-/// `data` holds the ranges' bytes one after another.
-Status encode_bulk_write(PacketBuffer& out, std::span<const BulkRange> ranges,
-                         std::span<const std::uint8_t> data);
 
 /// A device's answer: error byte (with alert bit) and data.
 Status encode_status(PacketBuffer& out, std::uint8_t id, std::uint8_t error,

@@ -187,14 +187,6 @@ inline constexpr std::array kRegisters{kModelNumber,
                                        kPresentTemperature,
                                        kBackupReady};
 
-/// The register that begins at `address`, nullptr when none does.
-constexpr const Register* register_at(std::uint16_t address) {
-  for (const Register& r : kRegisters) {
-    if (r.address == address) return &r;
-  }
-  return nullptr;
-}
-
 // Hardware Error Status (70) and Shutdown (63).
 inline constexpr std::uint8_t kErrorVoltage = 0x01, kErrorOverheat = 0x04, kErrorEncoder = 0x08,
                               kErrorShock = 0x10, kErrorOverload = 0x20;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/sensor_noise.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/model_folder/model_folder.h"
 #include "tools/diagnose/sim/simulator.h"

@@ -6,7 +6,6 @@
 
 namespace sanso::emulator {
 
-using servo_bus::BulkRange;
 using servo_bus::Instruction;
 using servo_bus::Packet;
 using servo_bus::PacketBuffer;

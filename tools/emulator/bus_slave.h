@@ -15,6 +15,13 @@
 
 namespace sanso::emulator {
 
+/// What a bulk instruction asks of one device.
+struct BulkRange {
+  std::uint8_t id = 0;
+  std::uint16_t address = 0;
+  std::uint16_t length = 0;
+};
+
 class BusSlave {
  public:
   /// Devices and faults are the caller's and must outlive this.
@@ -55,9 +62,9 @@ class BusSlave {
   void answer_ping(Nanoseconds now);
   void sync_write(std::span<const std::uint8_t> parameters, Nanoseconds now);
   void bulk_write(std::span<const std::uint8_t> parameters, Nanoseconds now);
-  void answer_reads(std::span<const servo_bus::BulkRange> ranges, bool merged, Nanoseconds now);
-  void answer_merged(std::span<const servo_bus::BulkRange> ranges, Nanoseconds now);
-  void write_each(std::span<const servo_bus::BulkRange> ranges, std::span<const std::uint8_t> data,
+  void answer_reads(std::span<const BulkRange> ranges, bool merged, Nanoseconds now);
+  void answer_merged(std::span<const BulkRange> ranges, Nanoseconds now);
+  void write_each(std::span<const BulkRange> ranges, std::span<const std::uint8_t> data,
                   Nanoseconds now);
   /// Sends one device's status; returns when its last byte has left.
   Nanoseconds reply(const BusDevice& device, servo_bus::StatusError error,

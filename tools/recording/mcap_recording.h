@@ -21,9 +21,6 @@ namespace sanso::recording {
 /// message. A file that was cut gives its complete rows (Recording::cut). Throws InputError.
 Recording read_mcap(const std::string& path, std::size_t max_values = 100'000'000);
 
-/// Writes what the topics above can hold; base_p and base_v are not among them and are left out.
-void write_mcap(const Recording& recording, const std::string& path);
-
 /// A recording of any kind, by the file's name: .mcap, .db3 (rosbag_db3.h), else CSV; with its
 /// sidecar.
 Recording read_recording(const std::string& path);

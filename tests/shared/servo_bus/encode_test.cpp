@@ -39,8 +39,9 @@ TEST(Encode, ManualExamples) {
             Status::ok);
   EXPECT_EQ(hex(out.view()),
             "FF FF FD 00 FE 11 00 83 74 00 04 00 01 96 00 00 00 02 AA 00 00 00 82 87");
-  const BulkRange ranges[] = {{1, 144, 2}, {2, 146, 1}};
-  ASSERT_EQ(encode_bulk_read(out, ranges), Status::ok);
+  ASSERT_EQ(
+      encode(out, kBroadcastId, Instruction::bulk_read, bytes("01 90 00 02 00 02 92 00 01 00")),
+      Status::ok);
   EXPECT_EQ(hex(out.view()), "FF FF FD 00 FE 0D 00 92 01 90 00 02 00 02 92 00 01 00 1A 05");
   ASSERT_EQ(encode_reboot(out, 7), Status::ok);
   EXPECT_EQ(hex(out.view()), "FF FF FD 00 07 03 00 08 2F 36");

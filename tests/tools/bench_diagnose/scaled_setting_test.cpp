@@ -41,6 +41,16 @@ TEST(ScaledSetting, SaysNameValueAndRangeOfWhatLeavesItsRange) {
   }
 }
 
+/// "group.name" of every setting, in the order of the settings page.
+std::vector<std::string> setting_names() {
+  std::vector<std::string> names;
+  Settings settings;
+  settings.visit([&](const std::string& group, auto& section) {
+    section.visit([&](const char* key, auto&&...) { names.push_back(group + "." + key); });
+  });
+  return names;
+}
+
 TEST(ScaledSetting, EverySettingCanBeHalvedAndDoubledByANameOfItsOwn) {
   const std::vector<std::string> names = setting_names();
   EXPECT_GT(names.size(), 40u);

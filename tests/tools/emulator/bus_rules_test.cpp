@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/emulator/master.h"
+#include "tests/tools/emulator/more_instructions.h"
 
 namespace sanso::emulator {
 namespace {
@@ -75,10 +76,8 @@ TEST(BaudRate, ServosAreSetUpForTheLinesRate) {
 }
 
 TEST_F(BusRules, BulkWriteReachesEachWithItsOwnRegisters) {
-  const servo_bus::BulkRange ranges[] = {{7, xm::kPositionPGain.address, 2},
-                                         {8, xm::kLed.address, 1}};
-  const std::uint8_t data[] = {0x2C, 0x01, 1};
-  servo_bus::encode_bulk_write(wire, ranges, data);
+  encode_bulk(wire, servo_bus::Instruction::bulk_write,
+              {{7, xm::kPositionPGain.address, 2, {0x2C, 0x01}}, {8, xm::kLed.address, 1, {1}}});
   EXPECT_TRUE(master.exchange(wire).empty()) << "nobody answers a broadcast";
   EXPECT_EQ(master.read(7, xm::kPositionPGain), 300);
   EXPECT_EQ(master.read(7, xm::kLed), 0);
@@ -86,9 +85,8 @@ TEST_F(BusRules, BulkWriteReachesEachWithItsOwnRegisters) {
 }
 
 TEST_F(BusRules, FastBulkReadIsOneFrame) {
-  const servo_bus::BulkRange ranges[] = {{7, xm::kPresentInputVoltage.address, 2},
-                                         {8, xm::kPositionPGain.address, 2}};
-  servo_bus::encode_fast_bulk_read(wire, ranges);
+  encode_bulk(wire, servo_bus::Instruction::fast_bulk_read,
+              {{7, xm::kPresentInputVoltage.address, 2}, {8, xm::kPositionPGain.address, 2}});
   ASSERT_EQ(master.exchange(wire).size(), 1u);
   servo_bus::FastReplyReader reader(master.frame());
   const auto first = reader.next(2), second = reader.next(2);
@@ -98,19 +96,18 @@ TEST_F(BusRules, FastBulkReadIsOneFrame) {
 }
 
 TEST_F(BusRules, HeldWritesWaitForTheBroadcastAction) {
-  const std::uint8_t on[] = {1};
   for (const std::uint8_t id : {7, 8}) {
-    servo_bus::encode_reg_write(wire, id, xm::kLed.address, on);
+    encode_reg_write(wire, id, xm::kLed.address, {1});
     ASSERT_TRUE(master.one(wire));
     EXPECT_EQ(master.read(id, xm::kRegisteredInstruction), 1);
   }
-  servo_bus::encode_action(wire, servo_bus::kBroadcastId);
+  encode_action(wire, servo_bus::kBroadcastId);
   EXPECT_TRUE(master.exchange(wire).empty());
   for (const int id : {7, 8}) {
     EXPECT_EQ(master.read(id, xm::kLed), 1);
     EXPECT_EQ(master.read(id, xm::kRegisteredInstruction), 0);
   }
-  servo_bus::encode_action(wire, 9);
+  encode_action(wire, 9);
   const auto nothing_held = master.one(wire);
   ASSERT_TRUE(nothing_held);
   EXPECT_EQ(nothing_held->status_error(), StatusError::result_fail);

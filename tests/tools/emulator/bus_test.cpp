@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/emulator/master.h"
+#include "tests/tools/emulator/more_instructions.h"
 
 namespace sanso::emulator {
 namespace {
@@ -72,19 +73,17 @@ TEST_F(Bus, FastSyncReadIsOneFrameWithABlockForEach) {
 
 TEST_F(Bus, BulkReadAndHeldWrites) {
   master.stand_by();
-  const servo_bus::BulkRange ranges[] = {{7, xm::kPresentInputVoltage.address, 2},
-                                         {8, xm::kPresentTemperature.address, 1}};
-  servo_bus::encode_bulk_read(wire, ranges);
+  encode_bulk(wire, servo_bus::Instruction::bulk_read,
+              {{7, xm::kPresentInputVoltage.address, 2}, {8, xm::kPresentTemperature.address, 1}});
   const auto replies = master.exchange(wire);
   ASSERT_EQ(replies.size(), 2u);
   EXPECT_EQ(servo_bus::get_u16(replies[0].parameters.view()), 120);
   EXPECT_EQ(replies[1].parameters.size(), 1u);
 
-  const std::uint8_t led[] = {1};
-  servo_bus::encode_reg_write(wire, 7, xm::kLed.address, led);
+  encode_reg_write(wire, 7, xm::kLed.address, {1});
   ASSERT_TRUE(master.one(wire));
   EXPECT_EQ(master.read(7, xm::kLed), 0);
-  servo_bus::encode_action(wire, 7);
+  encode_action(wire, 7);
   ASSERT_TRUE(master.one(wire));
   EXPECT_EQ(master.read(7, xm::kLed), 1);
 }

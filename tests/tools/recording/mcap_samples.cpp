@@ -6,9 +6,9 @@
 #include <string>
 
 #include "firmware/log/black_box.h"
+#include "tests/support/write_mcap.h"
 #include "tools/export/trial_mcap.h"
 #include "tools/recording/mcap_file.h"
-#include "tools/recording/mcap_recording.h"
 
 namespace {
 

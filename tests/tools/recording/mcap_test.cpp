@@ -10,6 +10,7 @@
 #include "shared/files/bytes.h"
 #include "shared/files/input_error.h"
 #include "shared/mcap/ros_messages.h"
+#include "tests/support/write_mcap.h"
 #include "tools/recording/csv_writer.h"
 #include "tools/recording/mcap_file.h"
 #include "tools/recording/mcap_recording.h"

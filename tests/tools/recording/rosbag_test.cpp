@@ -12,6 +12,7 @@
 
 #include "shared/files/input_error.h"
 #include "shared/mcap/ros_messages.h"
+#include "tests/support/write_mcap.h"
 #include "tools/recording/mcap_recording.h"
 #include "tools/recording/rosbag_db3.h"
 

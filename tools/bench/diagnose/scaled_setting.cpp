@@ -18,15 +18,6 @@ void scale(int& value, double factor) {
 
 }  // namespace
 
-std::vector<std::string> setting_names() {
-  std::vector<std::string> names;
-  diagnose::Settings settings;
-  settings.visit([&](const std::string& group, auto& section) {
-    section.visit([&](const char* key, auto&&...) { names.push_back(group + "." + key); });
-  });
-  return names;
-}
-
 diagnose::Settings scaled(diagnose::Settings settings, const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   const std::string name = assignment.substr(0, equals);

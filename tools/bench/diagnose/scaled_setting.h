@@ -3,14 +3,10 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "tools/diagnose/settings.h"
 
 namespace sanso::bench {
-
-/// "group.name" of every setting, in the order of the settings page.
-std::vector<std::string> setting_names();
 
 /// `settings` with one of them scaled: "decisions.family_wise=0.5" halves that level; whole numbers
 /// are rounded and stay at least 1. Throws std::invalid_argument when the name is unknown, the

@@ -197,10 +197,9 @@ struct Effect {
   /// The least that the first parameter can be at this joint or link; empty: its own bound.
   std::function<double(const SimParams&, std::size_t where)> lowest{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==
-  /// parameters.size().
+  /// parameters.size(). Empty: it shows on no fixed base.
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
 
-  bool testable_on_fixed_base() const { return (needs & (kGround | kImu)) == 0; }
   std::vector<double> null() const;
   /// Whether `sanso identify` fits parameter k at a joint with this actuator.
   bool fitted_by_identify(std::size_t k, Actuator actuator) const;

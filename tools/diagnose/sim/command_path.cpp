@@ -29,7 +29,7 @@ std::vector<double> altered(const std::vector<double>& command, const JointParam
 }  // namespace
 
 CommandPath::CommandPath(const SimParams& params, const Drive& drive, std::uint64_t random_seed)
-    : t_(drive.t), altered_(drive.joints.size()), cursor_(drive.joints.size(), kUnset) {
+    : t_(drive.t), altered_(drive.joints.size()) {
   std::mt19937_64 random(random_seed);
   for (std::size_t j = 0; j < drive.joints.size(); ++j) {
     const JointParams& joint = params.joints[j];

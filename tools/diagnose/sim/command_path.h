@@ -17,13 +17,8 @@ class CommandPath {
   CommandPath(const SimParams& params, const Drive& drive, std::uint64_t random_seed);
 
   using Command = CommandOf<double>;
-  /// The command of joint j that acts during [from, until]. Calls for one joint go forward in time
-  /// between rewinds.
-  Command over(std::size_t j, double from, double until) {
-    return over(j, from, until, cursor_[j]);
-  }
-  void rewind() { cursor_.assign(cursor_.size(), kUnset); }
-  /// The same for who keeps the place in the series himself; it begins as kUnset.
+  /// The command of joint j that acts during [from, until], s. `cursor` is the caller's place in the
+  /// series: it begins as kUnset, and later calls with it go forward in time.
   Command over(std::size_t j, double from, double until, std::size_t& cursor) const;
   static constexpr std::size_t kUnset = static_cast<std::size_t>(-1);
   /// Joint j's commands by row, after hold and loss, before the delay; null: it has none.
@@ -37,7 +32,6 @@ class CommandPath {
   std::vector<const std::vector<double>*> series_;  // by joint; null: no command (passive)
   std::vector<std::vector<double>> altered_;        // storage of series that hold or loss changes
   std::vector<double> delay_;                       // s
-  std::vector<std::size_t> cursor_;
 };
 
 }  // namespace sanso::diagnose

@@ -82,11 +82,7 @@ struct ReplayTorques {
 ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
                              const MeasuredMotion& motion, const SimOptions& options = {});
 
-/// Adds what the sensors add, in place: noise, reading jitter, encoder steps. Measured channels
-/// that a recording lacks stay.
-void add_sensor_noise(const SimParams& params, std::uint64_t seed, Prediction& prediction);
-
-/// Jitter alone: every reading of a position is taken a little early or late (JointParams::jitter),
+/// Jitter: every reading of a position is taken a little early or late (JointParams::jitter),
 /// in place.
 void add_reading_jitter(const SimParams& params, std::uint64_t seed, Prediction& prediction);
 

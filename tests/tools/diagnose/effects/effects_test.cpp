@@ -9,10 +9,10 @@
 
 #include "shared/files/input_error.h"
 #include "tests/support/small_world.h"
+#include "tests/tools/diagnose/effects/page_tables.h"
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/effects/from_model.h"
 #include "tools/diagnose/effects/joint_scale.h"
-#include "tools/diagnose/effects/table.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -101,8 +101,8 @@ TEST_P(EveryEffect, ChangesThePredictionAtEveryProbe) {
     auto changed = run(params, drive, motion);
     if (effect.id == "timing_jitter") {  // changes the scatter of readings, not their mean
       auto plain = nominal;
-      add_sensor_noise(params, 1, changed[0]);
-      add_sensor_noise(make_params(model), 1, plain[0]);
+      add_reading_jitter(params, 1, changed[0]);
+      add_reading_jitter(make_params(model), 1, plain[0]);
       EXPECT_NE(changed[0].q, plain[0].q);
     } else if (effect.id == "voltage_limit" && theta[1] < kOff) {
       continue;  // the torque-speed line is for actuators without a motor model
@@ -118,7 +118,7 @@ TEST_P(EveryEffect, ChangesThePredictionAtEveryProbe) {
 std::vector<std::string> testable_ids() {
   std::vector<std::string> ids;
   for (const Effect& e : library()) {
-    if (e.testable_on_fixed_base()) ids.emplace_back(e.id);
+    if (e.apply) ids.emplace_back(e.id);
   }
   return ids;
 }
@@ -131,7 +131,7 @@ TEST(Library, IsConsistent) {
   int simulated = 0;
   for (const Effect& e : library()) {
     EXPECT_TRUE(ids.insert(e.id).second) << e.id;
-    EXPECT_EQ(static_cast<bool>(e.apply), e.testable_on_fixed_base()) << e.id;
+    EXPECT_EQ(static_cast<bool>(e.apply), (e.needs & (kGround | kImu)) == 0) << e.id;
     simulated += e.apply ? 1 : 0;
     for (const EffectParameter& p : e.parameters) {
       EXPECT_LE(p.low, p.null) << e.id;

@@ -193,7 +193,7 @@ TEST(Formats, EveryEffectOfTheLibraryIsHeldOrSaidToBeLost) {
                                 test::two_links("actuator = \"position_pd\"\nkp = 10\n")};
   for (const auto& [format, write] : kWriters)
     for (const Effect& effect : library()) {
-      if (!effect.testable_on_fixed_base()) continue;
+      if (!effect.apply) continue;
       bool held = false, said = false;
       for (const ModelFolder& model : models) {
         const Exported plain = write(model);

@@ -1,5 +1,5 @@
 // One line of markdown an effect and a setting, straight from the declarations.
-#include "tools/diagnose/effects/table.h"
+#include "tests/tools/diagnose/effects/page_tables.h"
 
 #include <cmath>
 #include <cstdio>
