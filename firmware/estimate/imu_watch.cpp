@@ -10,7 +10,7 @@ namespace sanso::firmware {
 namespace {
 
 using math::Vec3;
-constexpr double kG = 9.81;
+constexpr double kG = firmware::kGravity;                      // not ImuWatch::kGravity, a reason
 constexpr double kForceWindow_s = 1.0, kForceTolerance = 3.0;  // m/s^2
 constexpr double kRateWindow_s = 0.2, kRateTolerance_rad = 0.2;
 // legs: only where both have turned the trunk noticeably, and by like amounts

@@ -6,11 +6,12 @@
 
 #include "firmware/exchange/samples.h"
 #include "firmware/imu/hid_items.h"
+#include "shared/model/joints.h"
 
 namespace sanso::firmware {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using model::kPi;
 
 constexpr std::uint32_t kSensorPage = 0x20;
 constexpr std::uint16_t kReportingState = 0x0316, kPowerState = 0x0319, kReportInterval = 0x030E;

@@ -9,11 +9,11 @@
 #include "shared/mcap/cdr.h"
 #include "shared/mcap/ros_messages.h"
 #include "shared/model/joints.h"
+#include "shared/servo_bus/units.h"
 
 namespace sanso::firmware {
 namespace {
 
-constexpr double kAmperePerCount = 2.69e-3;
 constexpr std::string_view kWorld = "world", kBase = "base_link";
 
 /// What every message with a header carries behind its own fields.
@@ -204,7 +204,8 @@ void TickMessages::write(const LogRecord& record, std::uint64_t lost) {
   const auto time = static_cast<std::uint64_t>(o.time);
   write_joints(commands_, o, o.u_out.data(), nullptr);
   std::array<double, model::kNumJoints> current{};
-  for (std::size_t j = 0; j < current.size(); ++j) current[j] = kAmperePerCount * o.current_raw[j];
+  for (std::size_t j = 0; j < current.size(); ++j)
+    current[j] = servo_bus::current_A(o.current_raw[j]);
   write_joints(currents_, o, current.data(), nullptr);
   out_.write(supply_, time,
              mcap::encode(mcap::JointState{

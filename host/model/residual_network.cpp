@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "host/model/softplus.h"
+
 namespace sanso::host {
 namespace {
 
 using model::kNumJoints;
-
-double softplus(double a) { return a > 0 ? a + std::log1p(std::exp(-a)) : std::log1p(std::exp(a)); }
-double softplus_slope(double a) { return 1.0 / (1.0 + std::exp(-a)); }
 
 // Turns the linear blocks of a tangent with R; the other blocks are already in body or joint
 // coordinates.
@@ -29,9 +28,9 @@ Activations activations(const ResidualNetwork& n, const Features& features) {
   const Features z =
       (features - n.feature_mean.cast<double>()).cwiseProduct(n.feature_scale.cast<double>());
   s.a1 = n.W1.cast<double>() * z + n.b1.cast<double>();
-  s.h1 = s.a1.unaryExpr(&softplus);
+  s.h1 = s.a1.unaryExpr(&softplus<double>);
   s.a2 = n.W2.cast<double>() * s.h1 + n.b2.cast<double>();
-  s.h2 = s.a2.unaryExpr(&softplus);
+  s.h2 = s.a2.unaryExpr(&softplus<double>);
   return s;
 }
 
@@ -60,8 +59,8 @@ model::Tangent residual_output(const ResidualNetwork& n, const Features& feature
 Eigen::Matrix<double, model::kNdx, kFeatures> residual_jacobian(const ResidualNetwork& n,
                                                                 const Features& features) {
   const Activations s = activations(n, features);
-  const Eigen::Matrix<double, kHidden, 1> d1 = s.a1.unaryExpr(&softplus_slope),
-                                          d2 = s.a2.unaryExpr(&softplus_slope);
+  const Eigen::Matrix<double, kHidden, 1> d1 = s.a1.unaryExpr(&softplus_slope<double>),
+                                          d2 = s.a2.unaryExpr(&softplus_slope<double>);
   const Eigen::Matrix<double, kHidden, kFeatures> J1 =
       d1.asDiagonal() * n.W1.cast<double>() * n.feature_scale.cast<double>().asDiagonal();
   const Eigen::Matrix<double, kHidden, kFeatures> J2 = d2.asDiagonal() * (n.W2.cast<double>() * J1);

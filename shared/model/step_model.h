@@ -20,6 +20,8 @@ struct ServoParameters {
   double torque_limit;  // N m, stall torque at full duty
 };
 
+inline constexpr double kGravity_m_s2 = 9.81;  // downwards
+
 /// theta: what identification may change. The geometry is fixed.
 struct ModelParameters {
   BodyInertia body[kNumBodies];

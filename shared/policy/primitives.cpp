@@ -6,10 +6,12 @@
 #include <cassert>
 #include <cmath>
 
+#include "shared/model/joints.h"
+
 namespace sanso::policy {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using model::kPi;
 constexpr double kInnerStep_s = 0.001;
 constexpr int kInnerSteps = 10;
 

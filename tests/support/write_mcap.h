@@ -96,8 +96,8 @@ class RowWriter {
   bool has_imu_ = false;
 };
 
-/// Writes what the topics of mcap_recording.h can hold; base_p and base_v are not among them and are
-/// left out.
+/// Writes what the topics of mcap_recording.h can hold; base_p and base_v are not among them and
+/// are left out.
 inline void write_mcap(const Recording& r, const std::string& path) {
   std::string file;
   mcap::Writer out([&](std::string_view bytes) { file += bytes; });

@@ -11,12 +11,6 @@ namespace sanso::bench {
 namespace bus = servo_bus;
 namespace {
 
-Nanoseconds thread_cpu() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<Nanoseconds>(t.tv_sec) * kSecond + t.tv_nsec;
-}
-
 class Stopwatch {
  public:
   explicit Stopwatch(Nanoseconds& total) : total_(total), begin_(thread_cpu()) {}
@@ -30,6 +24,12 @@ class Stopwatch {
 };
 
 }  // namespace
+
+Nanoseconds thread_cpu() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<Nanoseconds>(t.tv_sec) * kSecond + t.tv_nsec;
+}
 
 InstantBus::InstantBus() {
   for (int slot = 0; slot < firmware::kNumServos; ++slot) {

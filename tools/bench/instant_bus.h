@@ -12,6 +12,9 @@
 
 namespace sanso::bench {
 
+/// Processor time of the calling thread.
+Nanoseconds thread_cpu();
+
 class InstantBus : public board::SerialPort {
  public:
   InstantBus();

@@ -3,7 +3,6 @@
 #include "tools/bench/tick_rig.h"
 
 #include <cmath>
-#include <ctime>
 
 namespace sanso::bench {
 namespace {
@@ -29,11 +28,7 @@ void fill(policy::PrimitiveSet& set) {
 
 }  // namespace
 
-Nanoseconds RigClock::thread_cpu() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<Nanoseconds>(t.tv_sec) * kSecond + t.tv_nsec;
-}
+Nanoseconds RigClock::thread_cpu() { return bench::thread_cpu(); }
 
 TickRig::TickRig() : handover_(std::make_unique<firmware::Handover>()) {
   firmware::Settings settings;

@@ -8,12 +8,12 @@
 
 #include "host/learn/session/session.h"
 #include "host/motion/motion.h"
+#include "tools/campaign/bounds.h"
 #include "tools/inprocess/inprocess_access.h"
 
 namespace sanso::campaign {
 namespace {
 
-constexpr double kMaxStep_rad = 0.15 + 1e-9;  // 15 rad/s, one tick
 constexpr Nanoseconds kSignOfLife = 50 * kMillisecond;
 
 /// When trouble begins, in ticks of the trial: standing, on the way down, in mid-step.

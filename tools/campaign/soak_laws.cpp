@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/campaign/bounds.h"
+
 namespace sanso::campaign {
 namespace {
 
 using wire::SupervisorState;
-
-constexpr double kMaxStep_rad = 0.15 + 1e-9;
-constexpr double kLying_rad = 0.9;
-constexpr Nanoseconds kAfterFall = 5 * kSecond;
 
 /// One tick may take two steps of the table: what was asked, and what follows by itself.
 bool legal(SupervisorState from, SupervisorState to) {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/campaign/bounds.h"
+
 namespace sanso::campaign {
 namespace {
 
-constexpr double kLying_rad = 0.9;
 constexpr double kLow_m = 0.19, kUpright_rad = 0.5;  // down in the crouch, not fallen
-constexpr Nanoseconds kAfterFall = 5 * kSecond;
 constexpr Nanoseconds kAfterTorque = kSecond / 2;
 constexpr Nanoseconds kAfterTrouble = 8 * kSecond;  // lowering takes 3 s
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tools/conceal/hidden_world.h"
+
 namespace sanso::conceal {
 namespace {
 
@@ -16,7 +18,6 @@ std::vector<double> channel(const Recording& r, const std::string& name) {
 
 /// A signed 16-bit register logged as unsigned.
 void wrap16(Recording& r, const std::string& joint) {
-  constexpr double kCurrentQuantum = 2.69e-3;
   auto values = channel(r, "i:" + joint);
   for (double& x : values) x = x < 0 ? x + 65536 * kCurrentQuantum : x;
   r.set("i:" + joint, values);

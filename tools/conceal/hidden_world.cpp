@@ -15,7 +15,7 @@ namespace {
 constexpr double kStep_s = 0.0002;
 constexpr int kServoEvery = 5;     // steps: the servo's loop runs at 1 kHz
 constexpr double kSettle_s = 2.0;  // on the first command, before the recording begins
-constexpr double kCurrentQuantum = 2.69e-3, kVoltQuantum = 0.1;
+constexpr double kVoltQuantum = 0.1;
 
 /// The command as each servo gets it: delayed, held, sometimes lost.
 class CommandLine {

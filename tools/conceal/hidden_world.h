@@ -11,6 +11,8 @@
 
 namespace sanso::conceal {
 
+inline constexpr double kCurrentQuantum = 2.69e-3;  // A, of a recorded current
+
 /// A body that is on a link from an instant on, at the link's payload point.
 struct LatePayload {
   int link = -1;

@@ -24,7 +24,7 @@
 
 namespace sanso::emulator {
 
-inline constexpr int kNumServos = 20;  // index = servo id - 1
+using plant::kNumServos;  // index = servo id - 1
 inline constexpr Nanoseconds kNever = INT64_MAX;
 
 /// What really is, read from the physics. For tests, costs and reports; no controller may see it.

@@ -79,4 +79,9 @@ void InProcessAccess::add_measurements(learn::Episode& episode) {
   }
 }
 
+std::unique_ptr<InProcessAccess> access_for(const app::LearnOptions& options) {
+  return std::make_unique<InProcessAccess>(
+      options.world, settings_on(options.wheels, options.ground, options.target_rate_rad_s));
+}
+
 }  // namespace sanso::inprocess

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "host/app/learn_command.h"
 #include "host/learn/session/robot_access.h"
 #include "tools/inprocess/inprocess_robot.h"
 
@@ -44,5 +45,9 @@ class InProcessAccess : public learn::RobotAccess {
   std::unique_ptr<InProcessRobot> robot_;
   std::unique_ptr<link::RobotLink> link_;
 };
+
+/// For the session that these options ask for. Throws plant::WorldError when there is no such
+/// world.
+std::unique_ptr<InProcessAccess> access_for(const app::LearnOptions& options);
 
 }  // namespace sanso::inprocess

@@ -29,14 +29,6 @@ std::string list(const Numbers& numbers, std::size_t count) {
   return out + "]";
 }
 
-double rms(const model::Input& u) { return u.norm() / std::sqrt(double{model::kNumJoints}); }
-
-/// Of the command beyond the pose that is held anyway: what each layer adds and takes away.
-std::string layer_parts(const wire::Observation& o, const model::Input& rest) {
-  return fmt::format("[{:.4f},{:.4f},{:.4f}]", rms(o.u_upper), rms(o.u_middle),
-                     rms(o.u_lower - rest));
-}
-
 json trial_json(const learn::TrialSummary& t) {
   return {{"n", t.trial + 1},
           {"cost", t.cost},
@@ -213,14 +205,16 @@ std::string LivePage::frame(const wire::Observation& o, const FootLoads* loads,
   }
   const std::string forces =
       loads ? fmt::format("[[0,0,{:.2f}],[0,0,{:.2f}]]", (*loads)[0], (*loads)[1]) : "null";
+  const std::array<double, 3> parts = layer_parts(o, rest);
   const std::string update = known.update_ms > 0 ? fmt::format("{:.2f}", known.update_ms) : "null";
   return fmt::format(
       R"({{"t":{:.3f},"tick":{},"s":{},"f":{},"tt":{},"n":{},"x":{},"r":{},"F":{},"c":{},)"
       R"("lim":{},"u":{},"cost":{:.4f},"up":{},"bus":[{},{}],"late":{},"cpu":{},"V":{:.2f},)"
       R"("T":{:.1f},"paused":{}}})",
       to_seconds(o.time), o.tick, static_cast<int>(o.state), o.fault, o.trial_tick, o.trial_id,
-      list(o.x, kShown), reference, forces, o.contact, o.limits, layer_parts(o, rest), known.cost,
-      update, o.bus_lost, o.bus_corrupt, o.late_ticks, o.tick_cpu_ns / 1000, o.voltage_V,
+      list(o.x, kShown), reference, forces, o.contact, o.limits,
+      fmt::format("[{:.4f},{:.4f},{:.4f}]", parts[0], parts[1], parts[2]), known.cost, update,
+      o.bus_lost, o.bus_corrupt, o.late_ticks, o.tick_cpu_ns / 1000, o.voltage_V,
       o.max_temperature_C, paused_.load());
 }
 

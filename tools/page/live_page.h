@@ -17,6 +17,7 @@
 
 #include "host/learn/session/watcher.h"
 #include "shared/wire/messages.h"
+#include "tools/page/layer_parts.h"
 #include "tools/page/server.h"
 
 namespace sanso::page {
@@ -66,7 +67,6 @@ class LivePage : public learn::SessionWatcher {
   bool stopped_by_viewer() override;
 
  private:
-  static constexpr std::size_t kShown = 19;  // base position, quaternion, joint angles
   using Pose = std::array<float, kShown>;
   /// What the host knows of the trial under way.
   struct Known {

@@ -38,14 +38,8 @@ void open_browser(const std::string& address) {
     fmt::print(stderr, "--open: xdg-open is not there; open the address by hand\n");
 }
 
-std::unique_ptr<inprocess::InProcessAccess> in_process(const app::LearnOptions& options) {
-  return std::make_unique<inprocess::InProcessAccess>(
-      options.world,
-      inprocess::settings_on(options.wheels, options.ground, options.target_rate_rad_s));
-}
-
 std::unique_ptr<learn::RobotAccess> plain_robot(const app::LearnOptions& options) {
-  if (options.robot == "in-process") return in_process(options);
+  if (options.robot == "in-process") return inprocess::access_for(options);
   if (options.robot == "emulated")
     return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
   if (options.robot.find(':') == std::string::npos)
@@ -57,7 +51,7 @@ std::unique_ptr<learn::RobotAccess> plain_robot(const app::LearnOptions& options
 std::unique_ptr<learn::RobotAccess> watched_robot(const app::LearnOptions& options,
                                                   page::LivePage& page) {
   if (options.robot == "in-process")
-    return std::make_unique<WatchedRobot>(in_process(options), page);
+    return std::make_unique<WatchedRobot>(inprocess::access_for(options), page);
   if (options.robot == "emulated")
     return std::make_unique<WatchedRobot>(
         std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run"), page);

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "tools/page/embedded/markup.h"
+#include "tools/page/layer_parts.h"
 #include "tools/page/scene.h"
 #include "tools/plant/world_error.h"
 
@@ -21,10 +22,8 @@ namespace fs = std::filesystem;
 using learn::Episode;
 using nlohmann::json;
 
-constexpr std::size_t kShown = 19;
+using page::kShown;
 constexpr int kStride = 3;  // 30 ms: as smooth as a film
-
-double rms(const model::Input& u) { return u.norm() / std::sqrt(double{model::kNumJoints}); }
 
 ReplayRow row_of(const Episode& episode, std::size_t i) {
   const wire::Observation& o = episode.ticks[i];
@@ -42,8 +41,7 @@ ReplayRow row_of(const Episode& episode, std::size_t i) {
   std::size_t c = 2 * kShown;
   for (const std::size_t foot : {0, 1})
     row[c++] = seen ? static_cast<double>(episode.truth[i].foot_load_N[foot]) : 0.0;
-  for (const double part : {rms(o.u_upper), rms(o.u_middle), rms(o.u_lower - rest)})
-    row[c++] = part;
+  for (const double part : page::layer_parts(o, rest)) row[c++] = part;
   return row;
 }
 

@@ -28,12 +28,6 @@ SIGINT or SIGTERM to one rank ends the sweep after the trials under way; session
 same command. A stopped mpirun kills its ranks a second later, or after S seconds
 with --mca odls_base_sigkill_timeout S.)";
 
-std::unique_ptr<learn::RobotAccess> in_process(const app::LearnOptions& options) {
-  return std::make_unique<inprocess::InProcessAccess>(
-      options.world,
-      inprocess::settings_on(options.wheels, options.ground, options.target_rate_rad_s));
-}
-
 CLI::App* add_learn(CLI::App& app, SessionsOptions& o) {
   CLI::App* c = app.add_subcommand(
       "learn", "every combination of motions, worlds and seeds as a session of its own");
@@ -127,7 +121,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
     for (const fs::path& out : {sessions.out, identification.out, predictions.out, pushes.out})
       if (!out.empty()) fs::create_directories(out);
-    if (*learn) return run_sessions(ranks, sessions, in_process);
+    if (*learn) return run_sessions(ranks, sessions, inprocess::access_for);
     if (*predict) return run_predictions(predictions);
     if (*push) return run_pushes(ranks, pushes);
     return run_identification(ranks, identification);

@@ -52,8 +52,7 @@ Json states_json(const std::vector<model::State>& states, double from_s) {
 int run_predictions(const PredictionOptions& options) {
   const motion::Motion motion = motion::MotionLibrary().load(options.motion);
   const learn::Episode episode = learn::load_episode(options.episode);
-  constexpr int kSpan = learn::kPredictionSteps * learn::kTicksPerStep;
-  const auto windows = learn::windows_of(episode, kSpan);
+  const auto windows = learn::windows_of(episode, learn::kSpanTicks);
   if (windows.empty())
     throw std::runtime_error(options.episode.string() + ": no 0.72 s without a gap");
   Json recorded, models = Json::array();
@@ -65,8 +64,8 @@ int run_predictions(const PredictionOptions& options) {
     const host::AugmentedModel m = model_of(session, motion);
     Json stretches = Json::array();
     for (std::size_t i = 0; i < windows.size(); ++i) {
-      const double from = to_seconds(kTickPeriod) *
-                          (episode.ticks.front().trial_tick + static_cast<double>(i) * kSpan);
+      const double from = to_seconds(kTickPeriod) * (episode.ticks.front().trial_tick +
+                                                     static_cast<double>(i) * learn::kSpanTicks);
       stretches.push_back(states_json(
           learn::predicted(windows[i], m.analytical, m.ground, m.residual ? &*m.residual : nullptr),
           from));

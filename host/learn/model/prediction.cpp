@@ -99,12 +99,12 @@ std::vector<PredictionWindow> windows_of(const Episode& episode, int stride_tick
   for (const wire::Observation& o : episode.ticks) at[o.trial_tick] = &o;
   std::vector<PredictionWindow> windows;
   if (at.empty()) return windows;
-  constexpr int kSpan = kPredictionSteps * kTicksPerStep;
-  for (int start = at.begin()->first; start + kSpan <= at.rbegin()->first; start += stride_ticks) {
+  for (int start = at.begin()->first; start + kSpanTicks <= at.rbegin()->first;
+       start += stride_ticks) {
     PredictionWindow w;
     w.trial = episode.trial;
     bool whole = true;
-    for (int tick = start; tick <= start + kSpan && whole; ++tick) {
+    for (int tick = start; tick <= start + kSpanTicks && whole; ++tick) {
       const auto found = at.find(tick);
       whole = found != at.end();
       if (!whole) break;

@@ -13,6 +13,7 @@ namespace sanso::learn {
 
 inline constexpr int kPredictionSteps = 12;           // N
 inline constexpr int kTicksPerStep = kTicksPerUpper;  // one model step is 60 ms
+inline constexpr int kSpanTicks = kPredictionSteps * kTicksPerStep;
 inline constexpr double kStep_s = kTicksPerStep * kTick_s;
 
 /// A stretch of a recording: state, then what followed. x[0] is given, x[1..steps] are compared;

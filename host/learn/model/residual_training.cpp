@@ -10,6 +10,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "host/model/softplus.h"
+
 namespace sanso::learn {
 namespace {
 
@@ -50,9 +52,6 @@ void multiply_nn(int m, int n, int k, const float* A, const float* B, float* C) 
 void multiply_tn(int m, int n, int k, const float* A, const float* B, float* C) {
   cblas_sgemm(CblasRowMajor, CblasTrans, CblasNoTrans, m, n, k, 1.0F, A, m, B, n, 0.0F, C, n);
 }
-
-float softplus(float a) { return a > 0 ? a + std::log1p(std::exp(-a)) : std::log1p(std::exp(a)); }
-float softplus_slope(float a) { return 1.0F / (1.0F + std::exp(-a)); }
 
 struct Standardised {
   std::vector<float> z, y;  // (n x 46), (n x 36)
@@ -119,11 +118,11 @@ class Trainer {
     multiply_tn(kNdx, kHidden, n, error_.data(), h2_.data(), blocks_[4].gradient.data());
     column_sums(error_, kNdx, blocks_[5].gradient);
     multiply_nn(n, kHidden, kNdx, error_.data(), net_.W3.data(), d2_.data());
-    for (std::size_t i = 0; i < d2_.size(); ++i) d2_[i] *= softplus_slope(a2_[i]);
+    for (std::size_t i = 0; i < d2_.size(); ++i) d2_[i] *= host::softplus_slope(a2_[i]);
     multiply_tn(kHidden, kHidden, n, d2_.data(), h1_.data(), blocks_[2].gradient.data());
     column_sums(d2_, kHidden, blocks_[3].gradient);
     multiply_nn(n, kHidden, kHidden, d2_.data(), net_.W2.data(), d1_.data());
-    for (std::size_t i = 0; i < d1_.size(); ++i) d1_[i] *= softplus_slope(a1_[i]);
+    for (std::size_t i = 0; i < d1_.size(); ++i) d1_[i] *= host::softplus_slope(a1_[i]);
     multiply_tn(kHidden, kFeatures, n, d1_.data(), z_.data(), blocks_[0].gradient.data());
     column_sums(d1_, kHidden, blocks_[1].gradient);
   }
@@ -160,7 +159,7 @@ class Trainer {
       for (std::size_t j = 0; j < static_cast<std::size_t>(out); ++j) {
         float& value = a[r * out + j];
         value += b[j];
-        if (h != nullptr) (*h)[r * out + j] = softplus(value);
+        if (h != nullptr) (*h)[r * out + j] = host::softplus(value);
       }
     }
   }

@@ -10,6 +10,7 @@
 
 #include "shared/model/joints.h"
 #include "shared/model/op3_kinematics.h"
+#include "shared/model/step_model.h"
 
 namespace sanso::learn {
 namespace {
@@ -21,7 +22,6 @@ constexpr int kWays = 6;           // of the trunk above feet that stay
 constexpr int kSoleEquations = 5;  // two normals and a difference of heights
 constexpr int kEquations = kWays + kSoleEquations;
 constexpr int kTilts = 4;  // IMU roll, pitch; floor roll, pitch
-constexpr double kGravity = 9.81;
 
 /// What is not of the model itself, in its units.
 struct Placement {
@@ -76,7 +76,7 @@ Eigen::Matrix<double, kWays, 1> weight_along(
     const model::StepModel::Body& body = model.body[b];
     const Vec3 com(body.first_moment[0], body.first_moment[1], body.first_moment[2]);
     const Vec3 p = model::point_in_world(kin, b, com / body.mass);
-    rise += kGravity * body.mass * model::point_jacobian(kin, b, p).row(2);
+    rise += model::kGravity_m_s2 * body.mass * model::point_jacobian(kin, b, p).row(2);
   }
   return (rise.leftCols<kWays>() + rise.rightCols<model::kNumJoints>() * rates).transpose();
 }

@@ -5,17 +5,12 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
+
+#include "host/mpc/solver.h"
 
 namespace sanso::learn {
 namespace {
-
-Nanoseconds steady_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string minutes_seconds(double seconds) {
   const long s = std::lround(seconds);
@@ -29,7 +24,7 @@ Progress::Progress(std::FILE* out, std::string label, int total, int done_before
       label_(std::move(label)),
       total_(total),
       done_before_(done_before),
-      begin_(steady_now()),
+      begin_(mpc::steady_now()),
       terminal_(::isatty(::fileno(out)) != 0) {}
 
 Progress::~Progress() {
@@ -37,7 +32,7 @@ Progress::~Progress() {
 }
 
 void Progress::update(int done, const std::string& note) {
-  const double elapsed = to_seconds(steady_now() - begin_);
+  const double elapsed = to_seconds(mpc::steady_now() - begin_);
   const int here = done - done_before_;
   const std::string left = here > 0 ? minutes_seconds(elapsed / here * (total_ - done)) : "-:--";
   constexpr int kWidth = 24;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "host/motion/make/body_kinematics.h"
+#include "shared/model/step_model.h"
 
 namespace sanso::motion {
 
@@ -13,7 +14,7 @@ std::vector<double> com_for_zmp(const std::vector<double>& zmp, double com_heigh
   const std::size_t n = zmp.size();
   std::vector<double> c = zmp;
   if (n < 3) return c;
-  const double a = com_height_m / (kGravity * dt_s * dt_s);
+  const double a = com_height_m / (model::kGravity_m_s2 * dt_s * dt_s);
   std::vector<double> upper(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const double pivot = 1.0 + 2.0 * a + a * upper[i - 1];
@@ -42,11 +43,11 @@ std::vector<ZmpSample> zmp_of(const Trajectory& trajectory) {
       const math::Vec3 acceleration = (points[i + 1].p_world_com[b] - 2 * points[i].p_world_com[b] +
                                        points[i - 1].p_world_com[b]) /
                                       dt2;
-      const double vertical = mass * (acceleration.z() + kGravity);
+      const double vertical = mass * (acceleration.z() + model::kGravity_m_s2);
       moment_x += vertical * p.x() - mass * acceleration.x() * p.z();
       moment_y += vertical * p.y() - mass * acceleration.y() * p.z();
       force += vertical;
-      weight += mass * kGravity;
+      weight += mass * model::kGravity_m_s2;
     }
     zmp[k].load = force / weight;
     if (zmp[k].load > 0.1) {

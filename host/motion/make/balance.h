@@ -8,8 +8,6 @@
 
 namespace sanso::motion {
 
-inline constexpr double kGravity = 9.81;  // m/s^2
-
 /// Solves c_i - h / (g dt^2) (c_{i+1} - 2 c_i + c_{i-1}) = p_i for the CoM path c, at rest on p at
 /// both ends.
 /// `com_height_m` above the ground; one coordinate, same length as `zmp`.

@@ -9,6 +9,7 @@
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/footsteps.h"
 #include "host/motion/make/leg_ik.h"
+#include "host/motion/make/minimum_jerk.h"
 #include "shared/base/time.h"
 #include "shared/files/toml.h"
 
@@ -140,11 +141,6 @@ Composition read_composition(const TomlTable& root) {
   root.finish();
   if (c.end_s <= 0.0) root.fail("pose", "nothing moves", "", "at least one [[pose]] or [[step]]");
   return c;
-}
-
-double minimum_jerk(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * u * (10 - 15 * u + 6 * u * u);
 }
 
 /// On the way from one key pose to the next, at rest in each.

@@ -8,11 +8,12 @@
 #include "host/motion/make/leg_ik.h"
 #include "shared/base/time.h"
 #include "shared/model/op3_table.h"
+#include "shared/model/step_model.h"
 
 namespace sanso::motion {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
+using model::kGravity_m_s2;
 constexpr double kShift_s = 0.6;    // weight over the first foot, and back
 constexpr double kSettle_s = 0.03;  // a foot is level so long before it touches down
 

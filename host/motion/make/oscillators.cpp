@@ -12,7 +12,8 @@ namespace {
 
 using files::TomlTable;
 
-constexpr double kPi = 3.14159265358979323846, kDeg = kPi / 180.0;
+using model::kPi;
+constexpr double kDeg = kPi / 180.0;
 constexpr double kLimitCycleStep_s = 0.001;
 
 int joint_of(const TomlTable& table, const std::string& name) {

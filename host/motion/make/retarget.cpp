@@ -7,16 +7,12 @@
 
 #include "host/motion/make/footsteps.h"
 #include "host/motion/make/leg_ik.h"
+#include "host/motion/make/minimum_jerk.h"
 #include "host/motion/mocap/filter.h"
 #include "shared/base/time.h"
 
 namespace sanso::motion {
 namespace {
-
-double blend(double u) {
-  u = std::clamp(u, 0.0, 1.0);
-  return u * u * u * (10 - 15 * u + 6 * u * u);
-}
 
 double standing_height(const Recipe& recipe) {
   return recipe.kappa * LegGeometry::kLength + LegGeometry::kSoleBelowAnkle - LegGeometry::kHipZ;
@@ -64,7 +60,8 @@ BodyTarget in_place_target(const HumanMotion& human, const Recipe& recipe) {
   std::vector<double> y(n), z(n);
   for (int k = 0; k < n; ++k) {
     const HumanFrame& frame = human.frames[static_cast<std::size_t>(k)];
-    const double weight = blend(k * kTick_s / kFade_s) * blend((n - 1 - k) * kTick_s / kFade_s);
+    const double weight =
+        minimum_jerk(k * kTick_s / kFade_s) * minimum_jerk((n - 1 - k) * kTick_s / kFade_s);
     y[k] = weight * lateral * (hips_between_feet(frame) - mean_y);
     z[k] = weight * scale.length * recipe.kz * (frame.hips().z() - stand_z);
   }
@@ -96,8 +93,9 @@ BodyTarget one_leg_target(const HumanMotion& human, const Recipe& recipe) {
   for (int k = 0; k <= ticks; ++k) {
     const double t = k * kTick_s;
     const double shifted =
-        blend((t - recipe.stand_s) / kShift_s) - blend((t - down_end) / kShift_s);
-    const double lifted = blend((t - shift_end) / kLift_s) - blend((t - hold_end) / kLift_s);
+        minimum_jerk((t - recipe.stand_s) / kShift_s) - minimum_jerk((t - down_end) / kShift_s);
+    const double lifted =
+        minimum_jerk((t - shift_end) / kLift_s) - minimum_jerk((t - hold_end) / kLift_s);
     const double place = std::clamp((t - lift_end) / recipe.hold_s, 0.0, 1.0);
     const auto frame =
         static_cast<std::size_t>(place * static_cast<double>(human.frames.size() - 1));
@@ -130,8 +128,8 @@ BodyTarget gait_target(const HumanMotion& human, const Recipe& recipe) {
   for (int k = 0; k <= ticks; ++k) {
     const double t = k * kTick_s;
     const double bob = sample_at(hip_height, plan.clip_time(t) / walk.dt_s) - mean;
-    const double moving = blend((t - plan.swings.front().lift_s) / 0.5) *
-                          blend((plan.swings.back().land_s - t) / 0.5);
+    const double moving = minimum_jerk((t - plan.swings.front().lift_s) / 0.5) *
+                          minimum_jerk((plan.swings.back().land_s - t) / 0.5);
     push_tick(target, {plan.foot_at(kRight, t), plan.foot_at(kLeft, t)},
               {plan.carries(kRight, t), plan.carries(kLeft, t)},
               standing_height(recipe) + moving * scale.length * recipe.kz * bob,

@@ -14,6 +14,7 @@
 #include "shared/base/time.h"
 #include "shared/grounds/ground_file.h"
 #include "shared/model/foot_shape.h"
+#include "shared/model/step_model.h"
 
 namespace sanso::motion {
 namespace {
@@ -180,7 +181,8 @@ class Flight {
     velocity_ = v * Vec3(std::cos(take_off_), 0.0, std::sin(take_off_));
     const double level = ground_height(ground, lip + 1e-6) + posture[model::kXPos + 2];
     const double up = velocity_.z();
-    duration_ = (up + std::sqrt(up * up + 2 * kGravity * (from_.z() - level))) / kGravity;
+    duration_ = (up + std::sqrt(up * up + 2 * model::kGravity_m_s2 * (from_.z() - level))) /
+                model::kGravity_m_s2;
   }
   double duration_s() const { return duration_; }
   double speed() const { return velocity_.x(); }
@@ -189,7 +191,7 @@ class Flight {
     const double u = minimum_jerk(t / duration_);
     if (t < duration_) {
       Footing foot{{}, -take_off_ * (1.0 - u)};
-      const Vec3 base = from_ + t * velocity_ - Vec3(0, 0, 0.5 * kGravity * t * t);
+      const Vec3 base = from_ + t * velocity_ - Vec3(0, 0, 0.5 * model::kGravity_m_s2 * t * t);
       foot.p_world_middle = base - turned_by(foot.pitch) * model::base_position(posture_);
       return standing_on(posture_, foot, -take_off_ * (1.0 - (1.0 - kKept) * u));
     }
@@ -241,7 +243,7 @@ Trajectory roll(const Skate& skate, const model::Ground& ground) {
       if (t <= skate.push_s)
         v = skate.push_m_s * t / skate.push_s;
       else
-        v = std::max(0.0, v - kInner_s * kGravity * cosine * (slope + skate.rolling));
+        v = std::max(0.0, v - kInner_s * model::kGravity_m_s2 * cosine * (slope + skate.rolling));
       x += kInner_s * v * cosine;
       if (x >= lip) flight.emplace(x_posture, ground, lip, v);
     }

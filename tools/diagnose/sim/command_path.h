@@ -17,8 +17,8 @@ class CommandPath {
   CommandPath(const SimParams& params, const Drive& drive, std::uint64_t random_seed);
 
   using Command = CommandOf<double>;
-  /// The command of joint j that acts during [from, until], s. `cursor` is the caller's place in the
-  /// series: it begins as kUnset, and later calls with it go forward in time.
+  /// The command of joint j that acts during [from, until], s. `cursor`: the caller's place in the
+  /// series; it begins as kUnset, and later calls with it go forward in time.
   Command over(std::size_t j, double from, double until, std::size_t& cursor) const;
   static constexpr std::size_t kUnset = static_cast<std::size_t>(-1);
   /// Joint j's commands by row, after hold and loss, before the delay; null: it has none.

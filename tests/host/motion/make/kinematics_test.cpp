@@ -82,7 +82,7 @@ TEST(ComForZmp, IsTheInverseOfThePendulum) {
   const double h = 0.24, dt = 0.01;
   const std::vector<double> c = com_for_zmp(zmp, h, dt);
   for (std::size_t k = 1; k + 1 < c.size(); ++k) {
-    EXPECT_NEAR(c[k] - h / kGravity * (c[k + 1] - 2 * c[k] + c[k - 1]) / (dt * dt), zmp[k], 1e-9);
+    EXPECT_NEAR(c[k] - h / 9.81 * (c[k + 1] - 2 * c[k] + c[k - 1]) / (dt * dt), zmp[k], 1e-9);
   }
   EXPECT_DOUBLE_EQ(c.front(), 0.0);
   EXPECT_DOUBLE_EQ(c.back(), 0.02);
