@@ -118,7 +118,7 @@ bool make_devices(const firmware::DeviceConfig& config, const firmware::BusSetti
   if (const auto path = after(config.imu, "mip:")) {
     devices.mip = std::make_unique<ReconnectingSerial>(
         imu_name, std::make_unique<LinuxSerial>(*path, kMipBaud));
-  } else if (config.imu != "opencr") {  // that one is read by the tick
+  } else if (config.imu != firmware::kBoardImu) {  // that one is read by the tick
     auto imu = make_imu(config.imu, error);
     if (imu == nullptr) return false;
     devices.imu = std::make_unique<ReconnectingHid>(imu_name, std::move(imu));

@@ -50,7 +50,7 @@ void read_devices(const TomlTable& table, DeviceConfig& device) {
 
 void read_config(const TomlTable& root, ProgramConfig& config) {
   if (const auto table = root.table("device")) read_devices(*table, config.device);
-  config.settings.imu.from_board = config.device.imu == "opencr";
+  config.settings.imu.from_board = config.device.imu == kBoardImu;
   config.settings.visit([&](const char* section, auto& group) {
     const auto table = root.table(section);
     if (!table) return;

@@ -9,6 +9,9 @@
 
 namespace sanso::firmware {
 
+/// DeviceConfig::imu of a sensor on the OpenCR board, which is read over the servo bus.
+inline constexpr const char* kBoardImu = "opencr";
+
 struct DeviceConfig {
   std::string bus = "/dev/ttyUSB0";  // serial device of the servo bus
   std::string imu = "/dev/hidraw0";  // docs/howto/robot.md lists the forms

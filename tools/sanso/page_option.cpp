@@ -38,10 +38,27 @@ void open_browser(const std::string& address) {
     fmt::print(stderr, "--open: xdg-open is not there; open the address by hand\n");
 }
 
+/// What --robot names.
+enum class Robot { in_process, emulated, network };
+
+Robot kind_of(const std::string& robot) {
+  if (robot == "in-process") return Robot::in_process;
+  return robot == "emulated" ? Robot::emulated : Robot::network;
+}
+
+std::unique_ptr<EmulatedAccess> emulated(const app::LearnOptions& options) {
+  return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
+}
+
 std::unique_ptr<learn::RobotAccess> plain_robot(const app::LearnOptions& options) {
-  if (options.robot == "in-process") return inprocess::access_for(options);
-  if (options.robot == "emulated")
-    return std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run");
+  switch (kind_of(options.robot)) {
+    case Robot::in_process:
+      return inprocess::access_for(options);
+    case Robot::emulated:
+      return emulated(options);
+    case Robot::network:
+      break;
+  }
   if (options.robot.find(':') == std::string::npos)
     throw std::runtime_error("--robot " + options.robot +
                              ": expected in-process, emulated or HOST:PORT");
@@ -50,11 +67,14 @@ std::unique_ptr<learn::RobotAccess> plain_robot(const app::LearnOptions& options
 
 std::unique_ptr<learn::RobotAccess> watched_robot(const app::LearnOptions& options,
                                                   page::LivePage& page) {
-  if (options.robot == "in-process")
-    return std::make_unique<WatchedRobot>(inprocess::access_for(options), page);
-  if (options.robot == "emulated")
-    return std::make_unique<WatchedRobot>(
-        std::make_unique<EmulatedAccess>(options.world, options.seed, options.out / "run"), page);
+  switch (kind_of(options.robot)) {
+    case Robot::in_process:
+      return std::make_unique<WatchedRobot>(inprocess::access_for(options), page);
+    case Robot::emulated:
+      return std::make_unique<WatchedRobot>(emulated(options), page);
+    case Robot::network:
+      break;
+  }
   return std::make_unique<WatchedRobot>(plain_robot(options), page, options.robot,
                                         app::read_key(options.key));
 }
@@ -96,7 +116,7 @@ std::unique_ptr<page::LivePage> serve_page(const PageOptions& options, const std
     fmt::print(stderr, "no page: {}\n", page::kNoBundle);
     return nullptr;
   }
-  const bool emulated = robot == "in-process" || robot == "emulated";
+  const bool emulated = kind_of(robot) != Robot::network;
   page::LivePageSettings settings;
   settings.port = std::max(0, options.port);
   settings.control = options.control;

@@ -12,11 +12,22 @@ namespace sanso::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using diagnose::VerdictStatus;
 using nlohmann::json;
 using Names = std::vector<std::string>;
 
 Names names_at(const json& object, const char* key) {
   return object.contains(key) && object.at(key).is_array() ? object.at(key).get<Names>() : Names{};
+}
+
+/// Of a verdict or a finding.
+VerdictStatus status_at(const json& said) {
+  const auto word = said.at("status").get<std::string>();
+  const std::optional<VerdictStatus> status = diagnose::status_from_string(word);
+  if (!status)
+    throw files::InputError("verdict.json", 0, "status", "unknown status", word,
+                            "a verdict as `sanso diagnose` writes it");
+  return *status;
 }
 
 /// A number of an answer; 0 where it is missing or null: what a generator could not tell.
@@ -160,7 +171,8 @@ void judge_findings(const CaseAnswer& answer, const json& findings, CaseJudgemen
     const std::string name = f.at("effect").get<std::string>();
     const bool true_name = std::any_of(answer.effects.begin(), answer.effects.end(),
                                        [&](const TrueEffect& t) { return is_name_of(t, name); });
-    out.wrong_confirmed += f.value("status", "") == "CONFIRMED" && !true_name;
+    out.wrong_confirmed +=
+        f.contains("status") && status_at(f) == VerdictStatus::confirmed && !true_name;
     if (out.named.empty()) out.named_first = true_name;
     std::string places;
     for (const std::string& w : names_at(f, "where")) places += (places.empty() ? "" : ",") + w;
@@ -180,11 +192,11 @@ bool names_channel(const Names& channels, const std::string& said) {
 }
 
 bool right_answer(const CaseAnswer& answer, const json& findings, const CaseJudgement& j) {
-  if (answer.family == CaseFamily::clean) return !j.detected && j.status == "ABSENT";
+  if (answer.family == CaseFamily::clean) return !j.detected && j.status == VerdictStatus::absent;
   if (answer.family == CaseFamily::decoy) return j.refused;
   if (answer.family == CaseFamily::ambiguous) {
     const Names set = findings.empty() ? Names{} : set_of(findings.front());
-    return j.status == "ONE_OF" && j.place_right && findings.size() == 1 &&
+    return j.status == VerdictStatus::one_of && j.place_right && findings.size() == 1 &&
            std::all_of(answer.one_of.begin(), answer.one_of.end(),
                        [&](const std::string& id) { return contains(set, id); });
   }
@@ -229,16 +241,16 @@ CaseJudgement judge(const CaseAnswer& answer, const std::string& verdict) {
   CaseJudgement out;
   try {
     const json said = json::parse(verdict);
-    out.status = said.at("status").get<std::string>();
+    out.status = status_at(said);
     out.detected = said.at("mismatch").get<bool>();
     const json findings = said.value("findings", json::array());
     judge_findings(answer, findings, out);
     const json refusals = said.value("refused", json::array());
     for (const json& refused : refusals)
       out.refused =
-          out.refused || (out.status == "REFUSED" &&
+          out.refused || (out.status == VerdictStatus::refused &&
                           names_channel(answer.decoy_channels, refused.value("channel", "")));
-    out.unnamed = out.status == "PRESENT_UNNAMED" && out.wrong_confirmed == 0;
+    out.unnamed = out.status == VerdictStatus::present_unnamed && out.wrong_confirmed == 0;
     out.right = right_answer(answer, findings, out);
   } catch (const json::exception& error) {
     throw files::InputError("verdict.json", 0, "", error.what(), "",

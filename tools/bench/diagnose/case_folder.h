@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/bench/diagnose/case_family.h"
+#include "tools/diagnose/verdict/finding.h"
 
 namespace sanso::bench {
 
@@ -51,7 +52,7 @@ CaseAnswer parse_answer(const std::string& text, const std::string& file);
 
 /// What was said and how much of it is true. Fields that the family does not ask for stay false.
 struct CaseJudgement {
-  std::string status;
+  diagnose::VerdictStatus status = diagnose::VerdictStatus::absent;
   std::vector<std::string> named;  // effects of the findings, in order, "id@place"
   bool detected = false;           // a mismatch is said to be there
   bool named_first = false;        // the first finding is a true effect

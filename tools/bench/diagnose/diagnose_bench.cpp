@@ -35,7 +35,8 @@ struct Outcome {
   // the same by a search that knows the true effects only; 0: not asked
   double explained_by_truth = 0.0;
   ResidualNetworkScore network;
-  std::string without_status;  // verdict without the true effects in the library
+  // verdict without the true effects in the library
+  std::optional<diagnose::VerdictStatus> without_status;
   Names without_named;
 };
 
@@ -95,7 +96,7 @@ nlohmann::ordered_json json_of(const Outcome& o) {
           {"network_explained", o.network.explained},
           {"network_mismatch", o.network.mismatch},
           {"baselines", o.baselines},
-          {"without_status", o.without_status},
+          {"without_status", o.without_status ? to_string(*o.without_status) : ""},
           {"without_named", o.without_named},
           {"seconds", o.seconds}};
 }
@@ -150,7 +151,7 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
   if (options.leave_out && hidden) {
     task.without = out.score.truth;
     const diagnose::Verdict without = diagnose::diagnose(task, [](const std::string&) {}).verdict;
-    out.without_status = diagnose::to_string(without.status);
+    out.without_status = without.status;
     for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
   }
   // a run that is stopped keeps it
@@ -288,13 +289,13 @@ bool names_twin(const std::string& name, const std::vector<std::string>& truth) 
 void print_left_out(const std::vector<Outcome>& all) {
   Count right;
   for (const Outcome& o : all) {
-    if (o.without_status.empty() || o.score.ratio < 10.0) continue;
+    if (!o.without_status || o.score.ratio < 10.0) continue;
     const bool twins =
         !o.without_named.empty() &&
         std::all_of(o.without_named.begin(), o.without_named.end(),
                     [&](const std::string& n) { return names_twin(n, o.score.truth); });
-    right.add(o.without_status == "PRESENT_UNNAMED" || twins);
-    fmt::print("  without {}: {} {}\n", joined(o.score.truth), o.without_status,
+    right.add(o.without_status == diagnose::VerdictStatus::present_unnamed || twins);
+    fmt::print("  without {}: {} {}\n", joined(o.score.truth), to_string(*o.without_status),
                joined(o.without_named));
   }
   fmt::print("left out of the library, ratio 10 and more: unnamed or a documented twin {}\n",

@@ -114,8 +114,8 @@ int bench_folder(const FolderBenchOptions& options) {
     fmt::print(stderr,
                "[{}/{}] {}: {} {} ratio {:.1f}: {} -> {} {}: {}, {:.1f} s (processor {:.1f} s)\n",
                all.size(), cases.size(), o.name, in_answers(o.family), o.robot, o.ratio,
-               list(o.truth), o.said.status, list(o.said.named), o.said.right ? "right" : "wrong",
-               o.seconds, o.cpu_seconds);
+               list(o.truth), to_string(o.said.status), list(o.said.named),
+               o.said.right ? "right" : "wrong", o.seconds, o.cpu_seconds);
   }
   fmt::print("{}", options.json ? folder_json(all) : folder_table(all, options.ratio_bounds));
   return 0;

@@ -130,7 +130,7 @@ std::string wrong_answers(const std::vector<CaseOutcome>& all) {
   for (const CaseOutcome& o : all) {
     if (o.said.right) continue;
     out += fmt::format("  {}: {} {} ratio {:.1f}: {} -> {} {}\n", o.name, in_answers(o.family),
-                       o.robot, o.ratio, fmt::join(o.truth, " + "), o.said.status,
+                       o.robot, o.ratio, fmt::join(o.truth, " + "), to_string(o.said.status),
                        fmt::join(o.said.named, " + "));
   }
   return out;

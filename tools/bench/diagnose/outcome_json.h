@@ -8,6 +8,19 @@
 
 #include "tools/bench/diagnose/folder_bench.h"
 
+namespace sanso::diagnose {
+
+inline void to_json(nlohmann::json& out, VerdictStatus status) { out = to_string(status); }
+/// Throws std::out_of_range for a status that there is not.
+inline void from_json(const nlohmann::json& in, VerdictStatus& status) {
+  const auto word = in.get<std::string>();
+  const std::optional<VerdictStatus> known = status_from_string(word);
+  if (!known) throw std::out_of_range("unknown status \"" + word + "\"");
+  status = *known;
+}
+
+}  // namespace sanso::diagnose
+
 namespace sanso::bench {
 
 inline void to_json(nlohmann::json& out, CaseFamily family) { out = in_answers(family); }

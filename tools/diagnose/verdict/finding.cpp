@@ -173,6 +173,14 @@ const char* to_string(VerdictStatus status) {
   return "REFUSED";
 }
 
+std::optional<VerdictStatus> status_from_string(std::string_view word) {
+  using enum VerdictStatus;
+  for (const VerdictStatus status :
+       {confirmed, one_of, present_unnamed, absent, refused, unfinished})
+    if (word == to_string(status)) return status;
+  return std::nullopt;
+}
+
 std::string stopped_at_bounds(const Finding& finding) {
   std::string names;
   for (const auto& [name, parameter] : finding.parameters) {

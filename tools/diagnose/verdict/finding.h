@@ -3,7 +3,9 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/diagnose/explain/incidence.h"
@@ -14,6 +16,8 @@ namespace sanso::diagnose {
 /// `unfinished`: the search was interrupted; of a finding, accepted and not judged to the end.
 enum class VerdictStatus { confirmed, one_of, present_unnamed, absent, refused, unfinished };
 const char* to_string(VerdictStatus status);
+/// Of the word that verdict.json has; nothing: there is no such status.
+std::optional<VerdictStatus> status_from_string(std::string_view word);
 
 /// A fitted parameter with its 95 % interval.
 struct VerdictParameter {
