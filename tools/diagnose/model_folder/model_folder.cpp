@@ -1,8 +1,10 @@
 // Settings first, then the URDF, then the joints by the names that it gives.
 #include "tools/diagnose/model_folder/model_folder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <sstream>
 
@@ -17,6 +19,8 @@ namespace {
 
 using files::InputError;
 using files::TomlTable;
+constexpr GroundKind kGroundKinds[] = {GroundKind::plane, GroundKind::ramp, GroundKind::jump_ramp,
+                                       GroundKind::heights};
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
 void read_joint(const TomlTable& table, JointSettings& settings) {
@@ -49,10 +53,12 @@ void read_robot(const TomlTable& table, ModelFolder& model) {
 void read_ground(const TomlTable& table, ModelFolder& model) {
   // the last four are read by whole_body.cpp
   table.allow_only({"kind", "friction", "stiffness", "damping", "restitution", "height"});
-  model.ground_kind = table.string("kind").value_or(model.ground_kind);
-  if (model.ground_kind != "plane" && model.ground_kind != "ramp" &&
-      model.ground_kind != "jump_ramp" && model.ground_kind != "heights") {
-    table.fail("kind", "unknown ground", model.ground_kind, "plane, ramp, jump_ramp or heights");
+  if (const auto said = table.string("kind")) {
+    const auto kind = std::find_if(std::begin(kGroundKinds), std::end(kGroundKinds),
+                                   [&](GroundKind k) { return *said == to_string(k); });
+    if (kind == std::end(kGroundKinds))
+      table.fail("kind", "unknown ground", *said, "plane, ramp, jump_ramp or heights");
+    model.ground_kind = *kind;
   }
   model.ground_friction = table.number("friction", 0.0, 10.0).value_or(model.ground_friction);
 }
@@ -135,6 +141,20 @@ void append_joint(std::ostringstream& out, const JointSettings& settings,
 
 }  // namespace
 
+const char* to_string(GroundKind kind) {
+  switch (kind) {
+    case GroundKind::plane:
+      return "plane";
+    case GroundKind::ramp:
+      return "ramp";
+    case GroundKind::jump_ramp:
+      return "jump_ramp";
+    case GroundKind::heights:
+      return "heights";
+  }
+  return "plane";
+}
+
 ModelFolder parse_model(std::string_view toml, std::string_view urdf, const std::string& name) {
   const TomlTable top = TomlTable::parse(toml, name);
   ModelFolder model;
@@ -191,7 +211,7 @@ std::string robot_text(const ModelFolder& model) {
 }
 
 std::string ground_text(const ModelFolder& model) {
-  return "\n[ground]\nkind = " + files::toml_quoted(model.ground_kind) +
+  return "\n[ground]\nkind = " + files::toml_quoted(to_string(model.ground_kind)) +
          "\nfriction = " + files::toml_number(model.ground_friction) + "\n";
 }
 

@@ -33,6 +33,11 @@ struct AttachedBody {
   BodyInertia body;  // in the joint's frame
 };
 
+/// What a floating base stands on.
+enum class GroundKind { plane, ramp, jump_ramp, heights };
+/// As model.toml says it.
+const char* to_string(GroundKind kind);
+
 struct ModelFolder {
   std::string folder;                    // as the user named it; used in messages
   std::string urdf_file = "robot.urdf";  // beside model.toml
@@ -44,7 +49,7 @@ struct ModelFolder {
   double period_s = 0.01;
   JointSettings joint_default;
   std::vector<JointSettings> joints;  // resolved, one for every joint of `tree`, same order
-  std::string ground_kind = "plane";
+  GroundKind ground_kind = GroundKind::plane;
   double ground_friction = 0.8;
   std::vector<EffectEntry> effects;
   RobotTree tree;

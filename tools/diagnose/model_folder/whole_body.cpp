@@ -172,7 +172,7 @@ void append_material(std::ostringstream& out, const ContactMaterial& m) {
 std::string ground_lines(const WholeBody& body) {
   std::ostringstream out;
   const Ground& g = body.ground;
-  out << "\n[ground]\nkind = " << files::toml_quoted(body.model.ground_kind) << "\n";
+  out << "\n[ground]\nkind = " << files::toml_quoted(to_string(body.model.ground_kind)) << "\n";
   append_material(out, g.material);
   if (g.restitution) out << "restitution = " << files::toml_number(*g.restitution) << "\n";
   if (g.height) out << "height = " << files::toml_number(*g.height) << "  # m\n";

@@ -86,13 +86,18 @@ TEST(RoundTrip, NamesOfJointsMayBeAwkward) {
 }
 
 TEST(RoundTrip, AFloatingRobotKeepsItsGround) {
-  const ModelFolder m = parse_model(
-      "format = 1\n[robot]\nbase = \"floating\"\n[ground]\nkind = \"ramp\"\nfriction = 0.3\n",
-      kPendulumUrdf, "model.toml");
-  const ModelFolder back = parse_model(model_toml(m), m.urdf, "model.toml");
-  EXPECT_TRUE(back.floating);
-  EXPECT_EQ(back.ground_kind, "ramp");
-  EXPECT_EQ(back.ground_friction, 0.3);
+  for (const GroundKind kind :
+       {GroundKind::plane, GroundKind::ramp, GroundKind::jump_ramp, GroundKind::heights}) {
+    const ModelFolder m = parse_model(
+        std::string("format = 1\n[robot]\nbase = \"floating\"\n[ground]\nfriction = 0.3\n") +
+            "kind = \"" + to_string(kind) + "\"\n",
+        kPendulumUrdf, "model.toml");
+    EXPECT_EQ(m.ground_kind, kind);
+    const ModelFolder back = parse_model(model_toml(m), m.urdf, "model.toml");
+    EXPECT_TRUE(back.floating);
+    EXPECT_EQ(back.ground_kind, kind);
+    EXPECT_EQ(back.ground_friction, 0.3);
+  }
 }
 
 TEST(RoundTrip, AFolderOnDiskIsReplacedWholeAndLeavesNothingBeside) {
