@@ -82,9 +82,11 @@ inline constexpr std::array kTransitions{
 class Supervisor {
  public:
   SupervisorState state() const { return state_; }
+  /// What latched, with its detail (faults.h); none while nothing did.
   Fault fault() const { return fault_; }
   std::uint16_t fault_detail() const { return detail_; }
 
+  /// Whether the table has a way from here.
   bool allows(Event event) const { return find(event) != nullptr; }
   /// Goes where the table says; false (and unchanged) when it says nothing.
   bool apply(Event event) {

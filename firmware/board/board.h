@@ -22,6 +22,7 @@ using Buffer = std::span<std::uint8_t>;
 class Clock {
  public:
   virtual ~Clock() = default;
+  /// Since that moment; never goes back.
   virtual Nanoseconds now() SANSO_REALTIME = 0;
   /// CPU time that the calling thread has used. Virtual clocks say 0: results must not depend on
   /// the machine.
@@ -57,6 +58,7 @@ class HidSource {
   /// The report descriptor; empty while the device is not there. Its memory belongs to the source
   /// and stays valid until the device is lost.
   virtual Bytes descriptor() = 0;
+  /// Vendor and product, as far as the source knows them.
   virtual HidIdentity identity() { return {}; }
   /// Sends a feature report: report ID first, 0 for a device that does not number its reports.
   virtual Status set_feature(Bytes report) = 0;
@@ -73,6 +75,7 @@ class HidSource {
 class PoseSource {
  public:
   virtual ~PoseSource() = default;
+  /// The next report; waits until `deadline` at most. 0: none came. io_error: the source is gone.
   virtual Result<std::size_t> read(Buffer buffer, Nanoseconds deadline) = 0;
 };
 
@@ -87,6 +90,7 @@ struct Peer {
 class Datagram {
  public:
   virtual ~Datagram() = default;
+  /// One datagram, whole or not at all. Anything but ok: it was not taken, and is not kept.
   virtual Status send(Bytes data, const Peer& to) = 0;
   /// Bytes received and their sender; 0: none came.
   virtual Result<std::size_t> receive(Buffer buffer, Peer& from, Nanoseconds deadline) = 0;

@@ -45,10 +45,12 @@ class AxisFilter {
   /// This axis' share in correcting a sum over several axes, of which it adds h'x; `S`: variance of
   /// the whole innovation. The axes stay independent.
   void correct_share(const Vec4& h, double innovation, double S) { apply(P_ * h, innovation, S); }
+  /// Corrects with a measured value of h'x, noise sigma.
   void measure(const Vec4& h, double measured, double sigma) {
     correct(h, measured - h.dot(x_), sigma);
   }
 
+  /// Of the base along this axis of the world [m], [m/s].
   double position() const { return x_[kPosition]; }
   double velocity() const { return x_[kVelocity]; }
   /// What h'x may be wrong by.

@@ -30,6 +30,8 @@ class Estimator {
   void set_origin_here();
 
   bool ready() const { return ready_; }
+  /// As of the last update: base pose and velocity in the world, joints, in the order of
+  /// state_layout.h.
   const model::State& state() const { return x_; }
   /// Bit 0 right, bit 1 left sole believed loaded.
   std::uint8_t contact_bits() const {
@@ -49,6 +51,7 @@ class Estimator {
   double tilt() const;
   /// Ticks since the pose in use was new; 255 = none.
   std::uint8_t pose_age_ticks() const { return pose_age_ticks_; }
+  /// Finite numbers, within 100 m and 20 m/s.
   bool healthy() const;
 
  private:

@@ -18,23 +18,27 @@ class TimeHistogram {
  public:
   static constexpr std::size_t kPerOctave = 4, kBins = 16 * kPerOctave + 1;
 
+  /// By one thread; others may read meanwhile.
   void add(Nanoseconds duration) {
     bins_[bin_of(duration)].fetch_add(1, std::memory_order_relaxed);
     if (duration > longest_.load(std::memory_order_relaxed))
       longest_.store(duration, std::memory_order_relaxed);
   }
+  /// How many durations fell into a bin; below, into all.
   std::uint32_t count(std::size_t bin) const { return bins_[bin].load(std::memory_order_relaxed); }
   std::uint64_t count() const {
     std::uint64_t sum = 0;
     for (std::size_t bin = 0; bin < kBins; ++bin) sum += count(bin);
     return sum;
   }
+  /// Of all so far; 0: none.
   Nanoseconds longest() const { return longest_.load(std::memory_order_relaxed); }
 
   /// What is in `bin` took less than this.
   static constexpr Nanoseconds end_of(std::size_t bin) {
     return bin + 1 >= kBins ? INT64_MAX : begin_of(bin + 1);
   }
+  /// What is in `bin` took at least this.
   static constexpr Nanoseconds begin_of(std::size_t bin) {
     if (bin == 0) return 0;
     const std::size_t step = bin - 1;

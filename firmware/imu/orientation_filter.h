@@ -14,6 +14,7 @@ class OrientationFilter {
   /// `dt` seconds after the one before. The first sample sets the tilt, yaw 0.
   void update(const math::Vec3& gyro, const math::Vec3& accel, double dt);
 
+  /// Turns body components into world; z upwards, heading from where the filter began.
   const math::Quat& quat_world_body() const { return quat_; }
   /// What the gyro shows at rest [rad/s].
   const math::Vec3& bias() const { return bias_; }

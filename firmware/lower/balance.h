@@ -15,6 +15,7 @@ struct Lean {
   double roll = 0.0;   // to the right, about +x
 };
 
+/// Of the base at x, against world z.
 inline Lean lean_of(const model::State& x) {
   const math::Mat3 R_world_base = math::rotation_matrix(model::base_quat(x));
   return {std::atan2(-R_world_base(2, 0), R_world_base(2, 2)),

@@ -19,6 +19,7 @@ constexpr double minimum_jerk(double t) {
 /// A passage that began at `from`; its goal may move while it is under way.
 class PoseBlend {
  public:
+  /// Begins anew at `from` [rad]; the passage takes `duration_s`, at least one tick.
   void start(const model::Input& from, double duration_s) {
     from_ = from;
     tick_ = 0;
@@ -29,6 +30,7 @@ class PoseBlend {
     tick_ = std::min(tick_ + 1, ticks_);
     return from_ + fraction() * (goal - from_);
   }
+  /// Of the way, 0 to 1.
   double fraction() const { return minimum_jerk(static_cast<double>(tick_) / ticks_); }
   bool done() const { return tick_ >= ticks_; }
 

@@ -24,6 +24,7 @@ class DatagramChannel {
 class HostClock {
  public:
   virtual ~HostClock() = default;
+  /// Since a fixed moment; never goes back.
   virtual Nanoseconds now() = 0;
   /// Returns at `time`, or earlier when a datagram may have arrived.
   virtual void wait_until(Nanoseconds time) = 0;

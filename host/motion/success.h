@@ -50,6 +50,7 @@ struct Clause {
   std::string waived = {};
 };
 
+/// The bound is in the unit of the measure (measures.h).
 inline Clause at_least(const char* measure, double bound) { return {measure, bound, {}}; }
 inline Clause at_most(const char* measure, double bound) { return {measure, {}, bound}; }
 

@@ -12,6 +12,7 @@ struct Trajectory {
   double dt_s = 0.01;
   std::vector<model::State> x;  // sample k at k * dt_s
 
+  /// From the first sample to the last.
   double duration_s() const { return x.empty() ? 0.0 : dt_s * static_cast<double>(x.size() - 1); }
 };
 

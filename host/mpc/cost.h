@@ -26,11 +26,13 @@ struct CostWeights {
   }
 };
 
+/// (x ⊖ x_ref)' W (x ⊖ x_ref), of a knot.
 inline double state_cost(const CostWeights& w, const model::State& x, const model::State& x_ref) {
   const model::Tangent e = model::minus(x, x_ref);
   return e.dot(w.state.cwiseProduct(e));
 }
 
+/// u' W u of what the upper layer adds, rad.
 inline double input_cost(const CostWeights& w, const model::Input& u_upper) {
   return u_upper.dot(w.input.cwiseProduct(u_upper));
 }

@@ -23,6 +23,7 @@ struct alignas(64) LaneGroup {
 struct LaneTrajectories {
   LaneGroup group[kRollOutGroups];
 
+  /// Component i of state, input and costs of one lane, wherever its group keeps it.
   double& x(int knot, int i, int lane) { return of(lane).x[knot][i][lane % kRollOutLanes]; }
   double& u(int stage, int i, int lane) { return of(lane).u[stage][i][lane % kRollOutLanes]; }
   double& cost(int lane) { return of(lane).cost[lane % kRollOutLanes]; }

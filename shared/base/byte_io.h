@@ -45,6 +45,7 @@ class ByteWriter {
   template <class T>
   using Ref = const T&;
 
+  /// Numbers are written little-endian. `buffer` must outlive the writer.
   explicit ByteWriter(std::span<std::uint8_t> buffer) : buffer_(buffer) {}
 
   template <PlainNumber T>
@@ -58,6 +59,7 @@ class ByteWriter {
   template <class T>
   requires std::is_enum_v<T>
   void operator()(const T& value) { (*this)(static_cast<std::underlying_type_t<T>>(value)); }
+  /// All of them or nothing.
   void bytes(std::span<const std::uint8_t> data) {
     if (!claim(data.size())) return;
     if (!data.empty()) std::memcpy(buffer_.data() + size_, data.data(), data.size());
@@ -85,6 +87,7 @@ class ByteReader {
   template <class T>
   using Ref = T&;
 
+  /// `buffer` must outlive the reader and what bytes() returns.
   explicit ByteReader(std::span<const std::uint8_t> buffer) : buffer_(buffer) {}
 
   template <PlainNumber T>
@@ -115,6 +118,7 @@ class ByteReader {
     return buffer_.subspan(at_ - n, n);
   }
 
+  /// What was read makes no sense: ok() is false from now on.
   void reject() { ok_ = false; }
   /// Requires a property of what was read.
   void require(bool condition) { ok_ = ok_ && condition; }

@@ -18,6 +18,7 @@ using Quat = Eigen::Vector4d;
 inline Quat quat_identity() { return {1.0, 0.0, 0.0, 0.0}; }
 inline Quat quat_conjugate(const Quat& q) { return {q[0], -q[1], -q[2], -q[3]}; }
 
+/// Hamilton product: turns by b, then by a.
 inline Quat quat_multiply(const Quat& a, const Quat& b) {
   return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
           a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -67,6 +68,7 @@ inline Vec3 quat_log(const Quat& q_in) {
   return factor * u;
 }
 
+/// q ⊕ d: turned by the rotation vector d [rad] in its own axes, normalised.
 inline Quat quat_plus(const Quat& q, const Vec3& d) {
   return quat_normalized(quat_multiply(q, quat_exp(d)));
 }

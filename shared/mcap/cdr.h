@@ -31,16 +31,19 @@ class CdrReader {
     if (!s.empty() && s.back() == '\0') s.remove_suffix(1);
     return std::string(s);
   }
+  /// Length of a sequence; above kMaxCount 0, and no longer ok().
   std::uint32_t count() {
     const auto n = number<std::uint32_t>();
     if (n > kMaxCount) good_ = false;
     return good_ ? n : 0;
   }
+  /// An array of any length; empty where it is too long.
   std::vector<double> doubles() {
     std::vector<double> values;
     for (std::uint32_t k = count(); k > 0 && ok(); --k) values.push_back(number<double>());
     return values;
   }
+  /// Time of a message's header, s.
   double stamp() {
     const auto seconds = number<std::int32_t>();
     return seconds + 1e-9 * number<std::uint32_t>();

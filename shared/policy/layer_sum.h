@@ -89,6 +89,7 @@ struct LayerOutputs {
   model::Input middle = model::Input::Zero();
   model::Input lower = model::Input::Zero();  // primitives and reflex
   double weight = 0;                          // of the upper layer, 0..1
+  /// The target, rad, not yet limited by the guard.
   model::Input sum() const { return upper + middle + lower; }
 };
 

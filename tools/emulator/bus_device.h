@@ -29,9 +29,12 @@ class BusDevice {
   /// Top bit of every status packet's error byte.
   virtual bool alert() const = 0;
 
+  /// Bytes of the control table from `address` on; an error leaves `out` as it is.
   virtual servo_bus::StatusError read(std::uint16_t address, std::span<std::uint8_t> out) const = 0;
+  /// All of it or, with an error, nothing.
   virtual servo_bus::StatusError write(std::uint16_t address, std::span<const std::uint8_t> data,
                                        Nanoseconds now) = 0;
+  /// As the Reboot instruction does: volatile registers are the power-up values again.
   virtual void reboot(Nanoseconds now) = 0;
   /// An instruction for this device has arrived (feeds its bus watchdog).
   virtual void heard(Nanoseconds now) = 0;
@@ -41,6 +44,7 @@ class BusDevice {
     std::uint16_t address = 0;
     std::vector<std::uint8_t> data;
   };
+  /// One is kept; a later one takes its place.
   virtual void hold_write(HeldWrite write) = 0;
   virtual servo_bus::StatusError run_held_write(Nanoseconds now) = 0;
 };

@@ -18,8 +18,10 @@ struct Push {
 
 class Hand {
  public:
+  /// Holds the torso where it is from the first moment in which nobody else does.
   void lend(const Push& push) { push_ = push, there_ = true, gone_ = begun_ = caught_ = false; }
   bool there() const { return there_ && !gone_; }
+  /// Begins the push; nothing without a hand, or once it has begun.
   void push_off(Nanoseconds now) {
     if (there() && !begun_) begun_ = true, begin_ = now;
   }

@@ -29,9 +29,13 @@ class HidImu {
   /// fault switches.
   void update(Nanoseconds now, const ImuTruth& truth, bool silent, bool frozen);
 
+  /// The oldest input report that waits; 0: none.
   std::size_t read(std::span<std::uint8_t> out);
+  /// A feature report, its ID first; false: the sensor refuses it.
   bool set_feature(std::span<const std::uint8_t> report);
+  /// Bytes of the feature report, its ID first; 0: there is none of this ID.
   std::size_t get_feature(std::uint8_t report_id, std::span<std::uint8_t> out) const;
+  /// The report descriptor, as the sensor sends it.
   static std::span<const std::uint8_t> descriptor();
 
  private:

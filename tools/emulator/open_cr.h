@@ -15,7 +15,9 @@ class OpenCr final : public BusDevice {
  public:
   explicit OpenCr(std::uint64_t seed) : random_(seed) {}
   bool servo_power() const { return bytes_[servo_bus::opencr::kServoPower] != 0; }
+  /// Bits kButtonMode, kButtonStart, kButtonUser; until the next call.
   void press(std::uint8_t buttons);
+  /// What its register shows, in steps of 0.1 V.
   void set_voltage(double volt);
   /// Specific force [m/s^2] and rate [rad/s] in base axes; the board lies turned by half a turn
   /// about z, so that its x and y count the other way. Its tilt comes from the accelerometer alone.

@@ -18,9 +18,11 @@ class RegisterFile {
   /// Power-on values of the RAM area; with `eeprom` also the factory values of the EEPROM.
   void load_defaults(bool eeprom);
 
+  /// Raw value, sign extended where the register has one.
   std::int64_t get(const servo_bus::Register& r) const;
   void set(const servo_bus::Register& r, std::int64_t value_raw);
 
+  /// Through indirect entries too; an error when it ends beyond the table.
   servo_bus::StatusError read(std::uint16_t address, std::span<std::uint8_t> out) const;
 
   static constexpr std::size_t kMaxTouched = 64;

@@ -57,6 +57,7 @@ class Servo final : public BusDevice {
   void set_cable(bool connected) { connected_ = connected; }
 
   bool torque_on() const { return registers_.get(servo_bus::xm430::kTorqueEnable) != 0; }
+  /// Of the winding.
   double temperature_C() const { return temperature_C_; }
   const RegisterFile& registers() const { return registers_; }
 

@@ -55,6 +55,7 @@ class Plant {
     double z = 0;  // m
     Vec3 normal{0, 0, 1};
   };
+  /// World axes; the normal has length 1.
   Surface ground(double x_m, double y_m) const;
 
   /// At rest with these joint angles [rad], feet flat on the ground at (x, y), heading yaw.
@@ -66,14 +67,18 @@ class Plant {
   /// Wrench at the torso's origin, world axes, until changed.
   void set_push(const Vec3& force_in_world, const Vec3& torque_in_world);
 
+  /// Where the torso really is and how it moves (plant.h: BaseMotion).
   BaseMotion base() const;
+  /// By servo id - 1: rad and rad/s of the link, behind backlash and compliance.
   double link_angle(int servo) const;
   double link_rate(int servo) const;
   const GearTrain& gear(int servo) const;
+  /// As the servos have it, under their load.
   double supply_V() const;
   std::array<FootLoad, 2> feet() const;  // right, left
   int other_contacts() const;            // contacts of anything but feet
 
+  /// Of the whole robot with what it carries; the following serve the laws of physics in tests.
   double mass_kg() const;
   Vec3 center_of_mass() const;   // world
   Vec3 linear_momentum() const;  // world

@@ -26,6 +26,7 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
+/// Hamilton product: turns by b, then by a.
 inline Quat multiply(const Quat& a, const Quat& b) {
   return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
           a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -39,6 +40,7 @@ inline Vec3 rotate(const Quat& q, const Vec3& v) {
   const Vec3 t = 2.0 * cross(u, v);
   return v + q[0] * t + cross(u, t);
 }
+/// Rotation by |r| [rad] about r.
 inline Quat from_rotation_vector(const Vec3& r) {
   const double angle = norm(r);
   const double s = angle < 1e-9 ? 0.5 : std::sin(0.5 * angle) / angle;

@@ -82,12 +82,15 @@ struct LearningRound {
 
 class ModelLearner {
  public:
+  /// Begins with `initial`; `weights`: W_x, by which one-step errors are judged. One seed, one
+  /// result.
   ModelLearner(const host::AugmentedModel& initial, const model::Tangent& weights,
                const ModelLearningSettings& settings, std::uint64_t seed);
 
   /// The model to plan with now: the residual network with its trusted share, or without when that
   /// is zero.
   host::AugmentedModel current() const;
+  /// Noise amplitude of the next trials: falls as the model gets better.
   double sigma() const { return sigma_; }
   int rounds() const { return rounds_; }
   /// At least one window.

@@ -33,6 +33,7 @@ struct ParameterPrior {
 class ParameterMap {
  public:
   explicit ParameterMap(const model::ModelParameters& initial, const ParameterPrior& prior = {});
+  /// How many numbers a z has; each is in prior deviations, 0: as initially.
   Eigen::Index size() const { return static_cast<Eigen::Index>(names_.size()); }
   const std::vector<std::string>& names() const { return names_; }
   /// Physically consistent for every finite z.

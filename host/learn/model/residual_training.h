@@ -21,6 +21,7 @@ struct TransitionSet {
   std::vector<std::uint32_t> trial;
 
   std::size_t size() const { return trial.size(); }
+  /// Features not yet standardised, target in base axes (residual_network.h).
   void add(std::uint32_t trial_number, const host::Features& f, const model::Tangent& target);
 };
 

@@ -67,6 +67,7 @@ struct StaticBalance {
   Eigen::MatrixXd covariance;
   double friction_Nm = 0.0;  // as the scatter of the poses shows it
 
+  /// The part that a ParameterMap turns into parameters.
   Eigen::VectorXd z(const ParameterMap& map) const { return mean.head(map.size()); }
 };
 

@@ -18,6 +18,7 @@ struct BodyPoints {
   // joint origins down the leg, then the foot: for figures
   std::array<std::array<math::Vec3, 7>, 2> leg;
 
+  /// Of all bodies together, world axes, m.
   math::Vec3 centre_of_mass() const;
   /// Sole corners of a foot, world axes: front outer, back outer, back inner, front inner.
   std::array<math::Vec3, 4> sole_corners(int side) const;

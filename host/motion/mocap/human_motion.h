@@ -19,6 +19,7 @@ struct HumanLeg {
 
 struct HumanFrame {
   std::array<HumanLeg, 2> leg;  // right, left
+  /// Midway between the hip joints, world axes, m.
   Eigen::Vector3d hips() const { return 0.5 * (leg[kRight].hip + leg[kLeft].hip); }
 };
 

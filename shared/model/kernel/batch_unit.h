@@ -5,10 +5,12 @@
 
 namespace sanso::model::SANSO_ISA {
 
+/// W doubles from p on, aligned to W doubles.
 template <int W>
 inline Pack<W> load(const double* p) {
   return Pack<W>(*reinterpret_cast<const typename Pack<W>::Lanes*>(p));
 }
+/// To W doubles from p on, aligned.
 template <int W>
 inline void store(Pack<W> a, double* p) {
   *reinterpret_cast<typename Pack<W>::Lanes*>(p) = a.v;

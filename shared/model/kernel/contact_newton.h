@@ -69,6 +69,8 @@ struct CornerSet {
   T jump[3];    // change of impulse that sets the rows that are not free to their bounds
 };
 
+/// Of corner k of a foot with impulses `lambda` [N s], three a corner: touching where the normal
+/// would push, sticking inside the friction cone mu_forward x mu_sideways. Axes of the foot.
 template <class T>
 inline void corner_set(double mu_forward, double mu_sideways, double softness,
                        const FootContact<T>& foot, int k, const T* lambda, CornerSet<T>& set) {

@@ -64,6 +64,7 @@ inline void add_origin_cross(double side, const T* v, T* out) {
   }
 }
 
+/// out = a x b; `out` is neither of them.
 template <class T>
 inline void cross(const T* a, const T* b, T* out) {
   out[0] = a[1] * b[2] - a[2] * b[1];
@@ -131,11 +132,13 @@ struct Leg {
   Composite<T> composite;          // of the whole leg, base axes and origin
 };
 
+/// Of a link in its own axes: rate [rad/s], its derivative, acceleration of the origin [m/s^2].
 template <class T>
 struct LinkMotion {
   T w[3], alpha[3], a[3];
 };
 
+/// Motion of the link behind joint J from that of its parent. `side`: +1 left, -1 right.
 template <int J, class T>
 inline void link_motion(const Leg<T>& leg, double side, const LinkMotion<T>& parent,
                         LinkMotion<T>& child) {
@@ -156,6 +159,8 @@ inline void link_motion(const Leg<T>& leg, double side, const LinkMotion<T>& par
   child.w[K] += leg.rate[J];
 }
 
+/// Force and moment [N, N m] of the link behind joint J, in axes and about the origin of its
+/// parent.
 template <int J, class T>
 inline void wrench_to_parent(const Leg<T>& leg, double side, const Wrench<T>& child,
                              Wrench<T>& out) {
@@ -286,6 +291,8 @@ struct LegFrames {
   T R_base_foot[3][3];      // [column][component]: foot axes in base axes
 };
 
+/// Fills axis and origin of joint J and those below. R: columns of the parent's axes in base axes
+/// when called, of the foot's when it returns.
 template <int J, class T>
 inline void leg_frames(const Leg<T>& leg, double side, T (&R)[3][3], LegFrames<T>& out) {
   constexpr int K = axis_of(J), A = (K + 1) % 3, B = (K + 2) % 3;

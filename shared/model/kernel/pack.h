@@ -73,6 +73,7 @@ inline Pack<W> select_less(Pack<W> a, Pack<W> b, Pack<W> yes, Pack<W> no) {
   return Pack<W>(a.v < b.v ? yes.v : no.v);
 }
 
+// lane by lane
 inline double max_of(double a, double b) { return a < b ? b : a; }
 inline double min_of(double a, double b) { return b < a ? b : a; }
 inline double sqrt_of(double a) { return __builtin_sqrt(a); }

@@ -67,6 +67,8 @@ struct ServoTerms {
   T implicit;  // kg m^2, h D + h^2 K: adds to the diagonal
   T rhs;       // N m s
 };
+/// `sign`: of the joint's axis; error [rad] and rate [rad/s] as the servo has them; `bias` [N m]:
+/// what the motion asks of the joint; step h [s].
 template <class T>
 inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error, T rate, T bias,
                                  double h) {
@@ -78,6 +80,7 @@ inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error,
   return {implicit, h * (sign * stiffness * error - bias) - implicit * rate};
 }
 
+/// For all joints: adds to the legs' mass matrices, writes rhs_leg and rhs_base.
 template <class T>
 inline void servo(const StepModel& model, const T* x, const T* u, double h, StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l)

@@ -54,7 +54,9 @@ struct Nuisance {
   std::vector<double> null, direction;
   double tolerance = 1.0;
   std::function<void(SimParams&, int, std::span<const double>)> run;
+  /// The effect's parameters at a value in the unit of `tolerance`; 0: the null.
   std::vector<double> theta(double value) const;
+  /// The effect with theta(value) at all of `joints`.
   void apply(SimParams& params, double value) const;
 };
 

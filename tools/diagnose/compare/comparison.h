@@ -106,6 +106,7 @@ class MeasuredColumn {
       : values_(column(source.drive.joints[channel.joint], channel.signal)),
         command_(source.drive.joints[channel.joint].command),
         electrical_(channel.signal != Signal::q && channel.signal != Signal::dq) {}
+  /// In the channel's unit; NaN beyond the end, and of an actuator that is off.
   double at(std::size_t row) const {
     if (row >= values_.size()) return NAN;
     // an actuator that is off reports duty and current of its own convention

@@ -200,6 +200,7 @@ struct Effect {
   /// parameters.size(). Empty: it shows on no fixed base.
   std::function<void(SimParams&, int where, std::span<const double> theta)> apply{};
 
+  /// The values at which nothing changes, bit for bit, in library units.
   std::vector<double> null() const;
   /// Whether `sanso identify` fits parameter k at a joint with this actuator.
   bool fitted_by_identify(std::size_t k, Actuator actuator) const;
@@ -243,6 +244,7 @@ std::vector<std::string_view> documented_twins(std::string_view truth);
 struct JointScale {
   double torque = 1.0, speed = 1.0, inertia = 1.0, angle = 1.0, current = 1.0, length = 1.0;
   double reach = 1.0;  // how far from its joint a link's mass lies and others can be put on
+  /// What bounds, typical sizes and probes of this unit are multiplied by.
   double of(Unit unit) const;
 };
 

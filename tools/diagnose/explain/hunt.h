@@ -18,6 +18,7 @@ namespace sanso::diagnose {
 /// with p the family-wise level.
 struct Price {
   double first = 0.0, further = 0.0;
+  /// Of all losses together, sorted; rows that follow each other are a run.
   double of(const std::vector<LostCommand>& lost) const;
 };
 

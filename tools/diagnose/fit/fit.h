@@ -137,6 +137,7 @@ struct HeldoutGain {
   double whole = 0.0;          // bounded gain of a model that leaves nothing: a = 0
   double concentration = 0.0;  // share of the energy removed that the three best shots give
 
+  /// Squared noise levels on held-out shots.
   double removed() const { return energy.total; }
   bool beyond_chance() const {
     return energy.lower > 0.0 || bounded.lower > 0.0 || ranks.lower > 0.0;

@@ -31,6 +31,7 @@ struct Kind<Pack<W>> {
 template <class T>
 using MaskOf = typename Kind<T>::Mask;
 
+// Lane by lane, and the same for one double: no alignment is asked for.
 inline void store(double x, double* out) { *out = x; }
 template <int W>
 inline void store(Pack<W> x, double* out) {
@@ -84,6 +85,7 @@ inline bool any(MaskOf<Pack<4>> a) {
 }
 #endif
 
+/// yes where `which`, else no.
 inline double choose(bool which, double yes, double no) { return which ? yes : no; }
 template <int W>
 inline Pack<W> choose(MaskOf<Pack<W>> which, Pack<W> yes, Pack<W> no) {

@@ -9,6 +9,7 @@
 namespace sanso::diagnose::SANSO_ISA {
 
 inline bool is_none(const Ripple& r) { return r.sine == 0.0 && r.cosine == 0.0; }
+/// A setting of 0 is no limit.
 inline double limit_or_none(double setting) { return setting > 0.0 ? setting : kNone; }
 inline bool is_set(bool flag) { return flag; }
 template <int W>
@@ -97,6 +98,7 @@ inline double stated_gain(const JointParams& joint) {
   return joint.stated_gain > 0.0 ? joint.stated_gain : recording::loop_gain(joint.nominal);
 }
 
+/// Output before its limit, in the unit of the gains; moves the integral, which stops at `limit`.
 template <class T>
 inline T controller(const JointParams& joint, const Gains& gains, const ServoInputOf<T>& in,
                     const CommandOf<T>& goal, double limit, InnerStateOf<T>& inner) {
@@ -120,6 +122,7 @@ inline void stiff_unless(MaskOf<T> limited, ServoOutputOf<T>& out) {
   out.back_emf_damping = choose(limited, T(0.0), out.back_emf_damping);
 }
 
+/// What a winding that is `warming` [K] warmer leaves of its torque constant; at least 0.
 template <class T>
 inline T warm_share(const JointParams& joint, T warming) {
   return joint.derating == 0.0 ? T(1.0) : max_of(T(0.0), 1.0 - joint.derating * warming);

@@ -78,6 +78,8 @@ inline void slip_shares(double spread, double* shares) {
   shares[3] = two * two / total;
 }
 
+/// Torque [N m] of the slip elements as constant + slope y, for the speed y [rad/s] of a step h
+/// [s]: elements that would slip give their limit.
 template <class T>
 inline Elastic<T> maxwell(const JointParams& joint, T h, T y, const InnerStateOf<T>& inner) {
   Elastic<T> e;
@@ -94,6 +96,7 @@ inline Elastic<T> maxwell(const JointParams& joint, T h, T y, const InnerStateOf
   return e;
 }
 
+/// Stretches the elements by a step at speed y; those at their limit slip.
 template <class T>
 inline void advance_maxwell(const JointParams& joint, T h, T y, InnerStateOf<T>& inner) {
   const double stiffness = joint.slip_stiffness / kSlipElements;
@@ -257,6 +260,8 @@ inline void add_motor_mass(const JointParams& joint, const JointInstantOf<T>& at
   part.impulse = spring + P * (part.y0 - y) + P * part.coupling * at.dq;
 }
 
+/// The joint's part of one implicit step, before the links are solved: what its torque is, and how
+/// it answers to the link's change of speed.
 template <class T>
 inline JointPartOf<T> transmission_step(const JointParams& joint, const ServoOutputOf<T>& servo,
                                         const JointInstantOf<T>& at, const InnerStateOf<T>& inner,

@@ -35,6 +35,7 @@ inline void add(V3<T>& a, const V3<T>& b) {
   a[1] += b[1];
   a[2] += b[2];
 }
+/// R v, R stored row by row.
 template <class T>
 inline V3<T> times(const T* R, const V3<T>& v) {
   return {R[0] * v[0] + R[1] * v[1] + R[2] * v[2], R[3] * v[0] + R[4] * v[1] + R[5] * v[2],

@@ -32,6 +32,7 @@ std::vector<double> false_discovery_rate(std::span<const double> p);
 std::vector<double> step_down_max_t(std::span<const double> statistic, int draws,
                                     const std::function<void(int, std::span<double>)>& null_draw);
 
+/// In the order of x.
 inline double sum(const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); }
 
 /// Interval [low, high] of a statistic.

@@ -21,6 +21,7 @@ class EffortDesign {
 
   const EffortRows& rows() const { return *rows_; }
   const std::vector<EffortTerm>& terms() const { return terms_; }
+  /// Of a term's columns, which lie side by side.
   Eigen::Index first_column(std::size_t term) const { return first_column_[term]; }
   /// Value c of a term.
   double value(const EffortValues& x, std::size_t term, std::size_t c) const {

@@ -19,6 +19,7 @@ struct NeededEffort {
   double load = 0.0;      // M ddq + h of the links alone
   double external = 0.0;  // of `load`, what acts without acceleration, with the sign of a load: -h
   double joint = 0.0;     // rotor, friction, springs, ripple of the joint itself
+  /// What the motor gives: links and the joint's own part.
   double total() const { return load + joint; }
 };
 

@@ -54,6 +54,7 @@ class Horizon {
   static Horizon ahead(double seconds);
 
   bool runs_ahead() const { return seconds_ > 0.0; }
+  /// 0 along the recorded motion.
   double seconds() const { return seconds_; }
   /// "0.5", in s; "0" along the recorded motion.
   std::string text() const;

@@ -31,6 +31,7 @@ struct Outlook {
   double matters_from = 0.0;                      // RMS above which what is left matters
   bool matters = false;                           // what the patched model leaves
 
+  /// Error of the patched model in noise levels; 0 where no noise is known.
   double left_in_noise() const { return score.noise > 0.0 ? score.patched / score.noise : 0.0; }
 };
 

@@ -18,6 +18,7 @@ namespace sanso::diagnose {
 struct Samples {
   std::vector<double> value, weight;
   std::vector<std::size_t> group;
+  /// A value with its weight (1 / variance, but for a factor) and its group.
   void add(double v, double w, std::size_t g) {
     value.push_back(v), weight.push_back(w), group.push_back(g);
   }

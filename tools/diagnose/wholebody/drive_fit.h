@@ -16,6 +16,7 @@ struct Normal {
   double yy = 0.0;
   explicit Normal(Eigen::Index figures = 0)
       : G(Eigen::MatrixXd::Zero(figures, figures)), c(Eigen::VectorXd::Zero(figures)) {}
+  /// The other's rows as well, each so many times.
   void add(const Normal& other, double times = 1.0) {
     G += times * other.G, c += times * other.c, yy += times * other.yy;
   }

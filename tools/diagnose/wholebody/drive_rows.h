@@ -17,6 +17,7 @@ namespace sanso::diagnose {
 /// Places of the columns.
 struct DriveColumns {
   Eigen::Index joints = 0;
+  /// Of a figure of joint j; one unit of it is that of its effect.
   Eigen::Index joint(JointFigure what, Eigen::Index j) const {
     return static_cast<Eigen::Index>(what) * joints + j;
   }

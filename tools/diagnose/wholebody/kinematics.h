@@ -28,9 +28,12 @@ class BodyKinematics {
   /// tree).
   void set(const M3& R_base, const V3& p_base, const Eigen::VectorXd& q);
 
+  /// Of the link behind a joint, -1: the base. Link axes into world axes; origin in the world, m;
+  /// a point given in link axes, in the world.
   const M3& rotation(int joint) const { return R_[index(joint)]; }  // -1: the base
   const V3& origin(int joint) const { return p_[index(joint)]; }
   V3 at(int joint, const V3& p) const { return origin(joint) + rotation(joint) * p; }
+  /// Of the whole robot, kg; its centre of mass in the world, m.
   double mass() const { return mass_; }
   V3 com() const;
   /// Rotational inertia of the whole about its centre of mass, world axes.

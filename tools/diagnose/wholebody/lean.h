@@ -15,6 +15,7 @@ using V2 = Eigen::Vector2d;
 
 /// World axes along the ground: x ahead as far as it is horizontal, up, left of it.
 struct Level {
+  /// `up`: of length 1, world axes.
   explicit Level(const V3& up);
   V3 x, y, up;
   /// Of the base's x axis along the ground, rad.
