@@ -154,9 +154,12 @@ struct Tolerance {
 /// states the figure better.
 struct Law {
   double ToleranceSettings::*within = nullptr;  // null: every size is a finding
-  std::size_t parameter = 0;                    // that it limits; the others stay at their null
-  /// What one of the parameter is in the tolerance's unit; 0: at this joint nothing is tolerated.
-  std::function<double(const JointSettings&)> unit{};
+  // that it limits: one, or the components of an amplitude; all but those of `shape` stay at their
+  // null beside them
+  std::vector<std::size_t> parameters{};
+  std::vector<std::size_t> shape{};  // of any value: how, not how much
+  /// What one of the size is in the tolerance's unit; 0: at this joint nothing is tolerated.
+  std::function<double(const SimParams&, std::size_t joint)> unit{};
 };
 
 struct Effect {

@@ -214,7 +214,7 @@ Effect battery_drift() {
       .regimes = {"late", "voltage low"},
       .signature = "slow",
       .experiments = {kLogVoltage, kRaiseSupply},
-      .law = {&ToleranceSettings::gain, 0, [](const JointSettings&) { return 1.0; }},
+      .law = {&ToleranceSettings::gain, {0}},
       .apply =
           [](SimParams& p, int, Theta x) {
             p.supply_level += x[0];

@@ -98,6 +98,11 @@ inline auto as_stated(double JointSettings::*key) {
   };
 }
 
+/// 1 at a joint that turns: the tolerance is one of angles, and a slide has none.
+inline double where_it_turns(const SimParams& p, std::size_t j) {
+  return p.tree.joints[j].prismatic ? 0.0 : 1.0;
+}
+
 /// A tolerance of an effort: of what the model states, or (no key) of one.
 inline EffortTolerance within(int order, double ToleranceSettings::*deviation,
                               double JointSettings::*stated = nullptr) {

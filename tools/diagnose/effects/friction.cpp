@@ -18,6 +18,18 @@ std::vector<double> actuator_damping(const SimParams& p, std::size_t j) {
   return damping > 0.0 ? std::vector<double>{damping} : std::vector<double>{};
 }
 
+/// Dry friction that the model states, N m.
+double stated_friction(const SimParams& p, std::size_t j) { return p.joints[j].nominal.coulomb; }
+/// A newton metre as a share of that.
+double of_stated_friction(const SimParams& p, std::size_t j) {
+  const double stated = stated_friction(p, j);
+  return stated > 0.0 ? 1.0 / stated : 0.0;
+}
+
+double where_it_states_friction(const SimParams& p, std::size_t j) {
+  return stated_friction(p, j) > 0.0 ? 1.0 : 0.0;
+}
+
 Effect viscous_friction() {
   return friction({
       .id = "viscous_friction",
@@ -210,7 +222,7 @@ Effect presliding_friction() {
       .regimes = {"reversal", "standstill"},
       .signature = "a spring below half a degree, hysteresis that does not depend on speed",
       .experiments = {kAmplitudeSweep, kSlowRamps},
-      .law = {&ToleranceSettings::bend, 1, [](const JointSettings& s) { return s.coulomb; }},
+      .law = {&ToleranceSettings::bend, {1}, {}, stated_friction},
       .apply = adds(&JointParams::coulomb, &JointParams::presliding_compliance,
                     &JointParams::presliding_damping),
   });
@@ -233,8 +245,7 @@ Effect creeping_friction() {
       .experiments = {kHolds, kSlowRamps},
       // where a nominal model has dry friction its law at rest is anybody's: bristles, lubrication,
       // the regularised sign of a physics engine
-      .law = {&ToleranceSettings::creep, 0,
-              [](const JointSettings& s) { return s.coulomb > 0.0 ? 1.0 : 0.0; }},
+      .law = {&ToleranceSettings::creep, {0}, {}, where_it_states_friction},
       .apply = adds(&JointParams::creep_speed),
   });
 }
@@ -257,6 +268,8 @@ Effect maxwell_slip_friction() {
       .regimes = {"reversal", "standstill"},
       .signature = "hysteresis with non-local memory",
       .experiments = {kAmplitudeSweep},
+      // dry friction is stated to so much, and nobody states over which angle it builds up
+      .law = {&ToleranceSettings::friction, {0}, {1, 2}, of_stated_friction},
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] == 0.0) return;
@@ -283,6 +296,8 @@ Effect position_friction() {
       .regimes = {"low speed"},
       .signature = "periodic over the angle, dissipative",
       .experiments = {kSlowRamps, kFullRange},
+      // dry friction is stated to so much, and nobody states how it differs over the angle
+      .law = {&ToleranceSettings::friction, {0, 1}, {}, of_stated_friction},
       .effort =
           {.kind = EffortKind::ripple, .order = 2, .values = {0, 1}, .dry = DryFriction::ripples},
       .apply = ripples(&JointParams::friction_ripple),

@@ -11,11 +11,6 @@ Effect imu(Effect effect) {
   return of_chapter({Family::sensor, Port::sensor, Scope::robot, kR2 | kR6}, std::move(effect));
 }
 
-/// The tolerance is one of angles: a slide has none.
-double where_it_turns(const SimParams& p, std::size_t j) {
-  return p.tree.joints[j].prismatic ? 0.0 : 1.0;
-}
-
 Effect encoder_offset() {
   return encoder({
       .id = "encoder_offset",
@@ -57,6 +52,8 @@ Effect encoder_nonlinearity() {
       .regimes = {"standstill", "low speed"},
       .signature = "once per turn, no torque",
       .experiments = {kOutsideSensor, kFullRange},
+      // a zero that is known to so much is known so at every angle
+      .law = {&ToleranceSettings::zero, {0, 1}, {}, where_it_turns},
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] != 0.0 || x[1] != 0.0) joint(p, j).encoder_error = {x[0], x[1], 1.0};

@@ -80,6 +80,7 @@ Effect gear_kinematic_error() {
       .regimes = {"low speed"},
       .signature = "order lines over the angle",
       .experiments = {kFullRange, kOutsideSensor},
+      .law = {&ToleranceSettings::zero, {0, 1}, {}, where_it_turns},
       .apply = ripples(&JointParams::gear_error),
   });
 }

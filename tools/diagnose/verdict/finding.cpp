@@ -134,25 +134,6 @@ double distance(const VerdictParameter& p, double from) {
   return std::max({0.0, p.low - from, from - p.high});
 }
 
-/// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
-bool is_tolerated(const Finding& finding, const Candidate& candidate,
-                  const Comparison& comparison) {
-  const Law& law = find_effect(candidate.effect)->law;
-  if (law.within == nullptr) return false;
-  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
-    const CandidateParameter& p = candidate.parameters[k];
-    const bool free = k != law.parameter && !p.structural;
-    if (free && distance(finding.parameters.at(p.name), p.null) > 0.0) return false;
-  }
-  const CandidateParameter& size = candidate.parameters[law.parameter];
-  const double beyond = distance(finding.parameters.at(size.name), size.null);
-  const SimParams& nominal = comparison.sources.front().nominal;
-  return std::all_of(candidate.joints.begin(), candidate.joints.end(), [&](std::size_t j) {
-    const double unit = law.unit(nominal.joints[j].nominal);
-    return unit > 0.0 && beyond * unit <= comparison.settings.tolerances.*law.within;
-  });
-}
-
 }  // namespace
 
 const char* to_string(VerdictStatus status) {
@@ -238,6 +219,27 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
   return asked;
 }
 
+bool is_tolerated(const Finding& finding, const Candidate& candidate, const SimParams& nominal,
+                  const ToleranceSettings& tolerances) {
+  const Law& law = find_effect(candidate.effect)->law;
+  if (law.within == nullptr) return false;
+  const auto is_of = [](const std::vector<std::size_t>& some, std::size_t k) {
+    return std::find(some.begin(), some.end(), k) != some.end();
+  };
+  double beyond = 0.0;
+  for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
+    const CandidateParameter& p = candidate.parameters[k];
+    if (p.structural || is_of(law.shape, k)) continue;
+    const double off = distance(finding.parameters.at(p.name), p.null);
+    if (!is_of(law.parameters, k) && off > 0.0) return false;
+    beyond = std::hypot(beyond, off);
+  }
+  return std::all_of(candidate.joints.begin(), candidate.joints.end(), [&](std::size_t j) {
+    const double unit = law.unit(nominal, j);
+    return unit > 0.0 && beyond * unit <= tolerances.*law.within;
+  });
+}
+
 std::vector<Finding> accepted_so_far(const Library& library, const Selection& selection) {
   std::vector<Finding> out;
   const std::vector<double> sigma = parameter_sigmas(selection.final, library);
@@ -266,14 +268,15 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
                                  const Regimes& regimes) {
   std::vector<Finding> out;
   std::vector<const Candidate*> candidates;  // by finding
+  const SimParams& nominal = selection.around->problem->sources.front().nominal;
+  const ToleranceSettings& tolerances = selection.around->settings().tolerances;
   for (std::size_t i = 0; i < selection.accepted.size(); ++i) {
     if (!selection.accepted[i].contradicted.empty()) continue;
     candidates.push_back(&library[selection.accepted[i].candidate]);
     out.push_back(finding_of(library, selection, regimes, i));
-    out.back().tolerated = is_tolerated(out.back(), *candidates.back(), *selection.around->problem);
+    out.back().tolerated = is_tolerated(out.back(), *candidates.back(), nominal, tolerances);
   }
-  out = with_terms(std::move(out), candidates,
-                   selection.around->problem->sources.front().nominal.tree.joints);
+  out = with_terms(std::move(out), candidates, nominal.tree.joints);
   for (Finding& f : out) f.status = status_of(f);
   return out;
 }

@@ -92,4 +92,10 @@ unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree
 bool spans_null(const Candidate& candidate,
                 const std::map<std::string, VerdictParameter>& parameters);
 
+/// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
+/// An amplitude is as small as the nearest point of its components' intervals: its phase is free,
+/// so that no component alone says how large it is.
+bool is_tolerated(const Finding& finding, const Candidate& candidate, const SimParams& nominal,
+                  const ToleranceSettings& tolerances);
+
 }  // namespace sanso::diagnose

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "tools/diagnose/effects/effect.h"
 
@@ -63,6 +65,91 @@ TEST(StoppedAtBounds, NamesEveryParameterThatIs) {
   f.parameters["order"] = {1, 1, 1, "-", true};
   EXPECT_EQ(stopped_at_bounds(f), "order, width ends at a bound of the library");
   EXPECT_EQ(stopped_at_bounds(Finding{}), "");
+}
+
+/// An effect with a tolerated size at a joint that turns and states dry friction of 0.1 N m.
+struct SmallEffect {
+  explicit SmallEffect(const std::string& effect) {
+    candidate.effect = effect;
+    candidate.joints = {0};
+    for (const EffectParameter& p : find_effect(effect)->parameters) {
+      CandidateParameter here;
+      here.name = p.name, here.null = p.null, here.structural = p.structural;
+      candidate.parameters.push_back(here);
+    }
+    nominal.tree.joints.resize(1);
+    nominal.joints.resize(1);
+    nominal.joints[0].nominal.coulomb = 0.1;
+  }
+  /// Sine and cosine at this phase, each known to `half`.
+  Finding at(double amplitude, double phase, double half) const {
+    Finding f;
+    for (const CandidateParameter& p : candidate.parameters)
+      f.parameters[p.name] = {p.null, p.null, p.null, "", false};
+    const auto set = [&](const char* name, double value) {
+      f.parameters[name] = {value, value - half, value + half, "", false};
+    };
+    set("sine", amplitude * std::sin(phase)), set("cosine", amplitude * std::cos(phase));
+    return f;
+  }
+  bool tolerated(const Finding& f) const {
+    return is_tolerated(f, candidate, nominal, ToleranceSettings{});
+  }
+  Candidate candidate;
+  SimParams nominal;
+};
+
+TEST(Tolerated, AnAmplitudeIsWhateverItsPhase) {
+  const ToleranceSettings within;
+  const struct {
+    const char* effect;
+    double size;
+  } ripples[] = {{"gear_kinematic_error", within.zero},
+                 {"encoder_nonlinearity", within.zero},
+                 {"position_friction", 0.1 * within.friction}};
+  for (const auto& [effect, size] : ripples) {
+    const SmallEffect ripple(effect);
+    for (int k = 0; k < 16; ++k) {
+      const double phase = k * std::numbers::pi / 8;
+      EXPECT_TRUE(ripple.tolerated(ripple.at(0.95 * size, phase, 0.01 * size))) << effect << k;
+      EXPECT_FALSE(ripple.tolerated(ripple.at(1.1 * size, phase, 0.01 * size))) << effect << k;
+      EXPECT_TRUE(ripple.tolerated(ripple.at(2.0 * size, phase, 1.2 * size))) << effect << k;
+    }
+  }
+}
+
+TEST(Tolerated, NothingElseOfTheEffectMayStandBesideIt) {
+  const SmallEffect ripple("encoder_nonlinearity");
+  Finding f = ripple.at(0.0005, 1.0, 0.0001);
+  EXPECT_TRUE(ripple.tolerated(f));
+  f.parameters["scale"] = {0.01, 0.008, 0.012, "-", false};
+  EXPECT_FALSE(ripple.tolerated(f)) << "a scale is no ripple";
+}
+
+TEST(Tolerated, HysteresisOfLittleTorqueWhateverItsShape) {
+  const SmallEffect slip("maxwell_slip_friction");
+  Finding f = slip.at(0.0, 0.0, 0.0);
+  f.parameters["stiffness"] = {300, 290, 310, "N m/rad", false};
+  f.parameters["spread"] = {2, 1.9, 2.1, "-", false};
+  const double size = 0.1 * ToleranceSettings{}.friction;
+  f.parameters["torque"] = {size, 0.8 * size, 1.2 * size, "N m", false};
+  EXPECT_TRUE(slip.tolerated(f));
+  f.parameters["torque"] = {1.5 * size, 1.2 * size, 1.8 * size, "N m", false};
+  EXPECT_FALSE(slip.tolerated(f));
+}
+
+TEST(Tolerated, WithoutStatedFrictionNoSmallEffectItIs) {
+  SmallEffect ripple("position_friction");
+  ripple.nominal.joints[0].nominal.coulomb = 0.0;
+  EXPECT_FALSE(ripple.tolerated(ripple.at(1e-6, 1.0, 1e-7)));
+}
+
+TEST(Tolerated, ASlideHasNoAngle) {
+  SmallEffect ripple("gear_kinematic_error");
+  const Finding f = ripple.at(1e-4, 1.0, 1e-6);
+  EXPECT_TRUE(ripple.tolerated(f));
+  ripple.nominal.tree.joints[0].prismatic = true;
+  EXPECT_FALSE(ripple.tolerated(f));
 }
 
 IncidenceRow row(Signal signal, const char* regime, double low, double high) {
