@@ -89,6 +89,21 @@ FitResult freed(const Surroundings& around, FitResult found) {
   return resume(around, std::move(again), fitting.iterations - fitting.first_iterations);
 }
 
+/// Numbers that the alternative's fit really chose: what no row of the data shows (a centre of mass
+/// along its joint's axis) has no covariance but the prior's whisper.
+int numbers_chosen(const Library& library, const Alternative& a) {
+  constexpr double kUnseen = 1e5;  // of the 1e6 of a parameter that moves nothing
+  const Candidate& c = library[a.candidate];
+  int out = free_parameters(c);
+  if (a.fit.covariance.rows() == 0) return out;
+  Eigen::Index at = a.fit.parameters - static_cast<Eigen::Index>(c.parameters.size());
+  for (const CandidateParameter& p : c.parameters) {
+    if (!p.structural && a.fit.covariance(at, at) > kUnseen) --out;
+    ++at;
+  }
+  return out;
+}
+
 /// Parameters of effect `i` of a fit: f(parameter, value, sigma, held at a bound) until it returns
 /// true.
 template <class F>
@@ -108,8 +123,11 @@ bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, 
 }  // namespace
 
 int free_parameters(const Candidate& c) {
-  return static_cast<int>(std::count_if(c.parameters.begin(), c.parameters.end(),
-                                        [](const CandidateParameter& p) { return !p.structural; }));
+  return static_cast<int>(
+      std::count_if(c.parameters.begin(), c.parameters.end(), [](const CandidateParameter& p) {
+        // orders, places and instants are searched: as good as fitted
+        return !p.structural || p.role != Role::size;
+      }));
 }
 
 bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical) {
@@ -254,9 +272,7 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
     // a name with more parameters has to be better beyond chance, by something that matters
     const bool close =
         !all[i].far_behind && !beaten(decisions, all[i].behind, practical_energy(*problem));
-    if (close &&
-        free_parameters(library[all[i].candidate]) < free_parameters(library[all[pick].candidate]))
-      pick = i;
+    if (close && numbers_chosen(library, all[i]) < numbers_chosen(library, all[pick])) pick = i;
   }
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
               all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);

@@ -262,6 +262,33 @@ TEST(Rank, TheSimplerNameIsKeptWithinNoise) {
   EXPECT_EQ(names.winner(c.problem, -10.0, 1.0), 1U) << "simpler and better";
 }
 
+TEST(Rank, WhatNoRowShowsIsNoNumberAndWhatIsSearchedIsOne) {
+  const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 42);
+  Library library;
+  library.candidates.resize(2);
+  for (Candidate& candidate : library.candidates) candidate.parameters.resize(3);
+  const auto winner = [&](double unseen_variance) {
+    std::vector<Alternative> all(2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      all[i].candidate = i;
+      all[i].fit.parameters = 3;
+      all[i].fit.covariance = Eigen::MatrixXd::Identity(4, 4);
+      all[i].heldout = Eigen::VectorXd::Constant(60, 100.0 + static_cast<double>(i));
+    }
+    all[1].fit.covariance(1, 1) = unseen_variance;
+    rank(library, c.problem, all);
+    return all.front().candidate;
+  };
+  EXPECT_EQ(winner(1.0), 0U) << "as many numbers, and it predicts a little better";
+  EXPECT_EQ(winner(1e6), 1U) << "the same with a number fewer";
+  Candidate ripple;
+  ripple.parameters.resize(3);
+  ripple.parameters[2].structural = true;
+  EXPECT_EQ(free_parameters(ripple), 2);
+  ripple.parameters[2].role = Role::order;
+  EXPECT_EQ(free_parameters(ripple), 3) << "an order that was searched";
+}
+
 TEST(Beaten, NeedsToBeSureAndToMatter) {
   const DecisionSettings decisions;
   HeldoutGain behind;
