@@ -244,8 +244,11 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
       best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);
   parallel_for(which.size(), [&](std::size_t i) {
     Alternative& a = out[i];
-    if (a.far_behind) return;
+    const bool as_before = a.far_behind;
     a.far_behind = a.fit.objective > near;
+    if (as_before && a.far_behind) return;
+    // what was far behind where channels and shots were weighed otherwise
+    if (as_before) a.fit = fit(around, a.fit.model, around.settings().fitting.first_iterations);
     if (!a.fit.converged && !a.far_behind)
       a.fit =
           resume(around, std::move(a.fit),

@@ -101,8 +101,11 @@ bool swap_for_better(SearchState& state) {
     const std::vector<std::size_t> which =
         replacements(state.decisions(), state.library, found.first, found.final.model,
                      entry.candidate, entry.alternatives);
+    // far behind is told by what the effect itself removes: by what the best of the others gains
+    // over it, all but that one were
     std::vector<Alternative> tried =
-        fit_all(*found.around, base, found.final.objective, which, found.first, entry.alternatives);
+        fit_all(*found.around, base, state.without(i).objective, which, found.first,
+                entry.alternatives, found.final.objective);
     parallel_for(tried.size(), [&](std::size_t k) { fit_from_its_prediction(state, i, tried[k]); });
     const Alternative self{entry.candidate, found.final, found.final_heldout};
     tried.push_back(self);

@@ -209,6 +209,22 @@ TEST(Swap, TheRightNameStays) {
         << s.c.library[a.candidate].title();
 }
 
+TEST(Swap, WhatRemovesNearlyAsMuchIsFittedToTheEnd) {
+  const Names tried{"coulomb_friction", "stribeck_friction", "presliding_friction",
+                    "maxwell_slip_friction", "viscous_friction"};
+  Standing s({kRubbing}, {"coulomb_friction"}, tried);
+  swap_for_better(s.state);
+  const double is = s.state.found.final.objective, without = s.state.without(0).objective;
+  const double nearly = is + 0.9 * s.c.problem->settings.fitting.polish_share * (without - is);
+  int near = 0;
+  for (const Alternative& a : s.state.found.accepted[0].alternatives) {
+    if (a.fit.objective > nearly) continue;
+    ++near;
+    EXPECT_FALSE(a.far_behind) << s.c.library[a.candidate].title();
+  }
+  EXPECT_GE(near, 2) << "frictions that slide alike";
+}
+
 TEST(Swap, WhatPredictsTheSameIsNotBehind) {
   // servo and readings late: one motion, and fits without a group end where they happen to
   Standing s({hidden("command_delay", "a", {{"delay", 0.02}})}, {"command_delay"},
