@@ -107,43 +107,104 @@ Eigen::VectorXd by_shot(const Comparison& comparison, const Eigen::VectorXd& wei
 }
 
 /// Overdispersion after the strongest few signatures are taken out, one after the other (orthogonal
-/// matching pursuit):
-/// the error level of a model large enough, as in ordinary regression.
+/// matching pursuit): the error level of a model large enough, as in ordinary regression.
+class Pursuit {
+ public:
+  /// `known`: nuisances, and what else is no choice. `wanted`: 1 for the entries of the channels
+  /// that the model has to be large enough for, else 0.
+  Pursuit(const Surroundings& around, const Eigen::MatrixXd& known, const Eigen::MatrixXf& columns,
+          const Eigen::VectorXd& weights, const Eigen::VectorXd& wanted)
+      : around_(around),
+        columns_(columns),
+        weights_(weights),
+        wanted_(wanted),
+        nuisances_(known.cols()),
+        count_(columns.cols() - known.cols() - 1),
+        taken_(known),
+        r_(columns.rightCols(1).cast<double>()) {}
+
+  std::vector<double> overdispersion() {
+    std::vector<double> energy(static_cast<std::size_t>(count_)), score(energy.size());
+    parallel_for(energy.size(), [&](std::size_t c) {
+      const Eigen::VectorXd one = signature(static_cast<Eigen::Index>(c)).cwiseProduct(wanted_);
+      energy[c] = around_.starts.energy_by_shot(one).dot(weights_);
+    });
+    std::vector<std::ptrdiff_t> chosen;
+    const int pursuit = around_.settings().fitting.pursuit;
+    for (int round = 0;; ++round) {
+      const Eigen::VectorXd left = left_by_taken();
+      if (round == pursuit || count_ == 0) return diagnose::overdispersion(*around_.problem, left);
+      const Eigen::VectorXd weighted =
+          by_shot(*around_.problem, weights_, left).cwiseProduct(wanted_);
+      parallel_for(energy.size(), [&](std::size_t c) {
+        const double b = signature(static_cast<Eigen::Index>(c)).dot(weighted);
+        score[c] = b * b / std::max(energy[c], 1e-12);
+      });
+      const auto best = std::max_element(score.begin(), score.end()) - score.begin();
+      if (std::find(chosen.begin(), chosen.end(), best) != chosen.end())
+        return diagnose::overdispersion(*around_.problem, left);
+      chosen.push_back(best);
+      taken_.conservativeResize(Eigen::NoChange, taken_.cols() + 1);
+      taken_.rightCols(1) = signature(best);
+    }
+  }
+
+ private:
+  Eigen::VectorXd signature(Eigen::Index c) const {
+    return columns_.col(nuisances_ + c).cast<double>();
+  }
+  /// M times what the nuisances and the signatures taken out so far leave.
+  Eigen::VectorXd left_by_taken() const {
+    Eigen::MatrixXd both(r_.size(), taken_.cols() + 1);
+    both << taken_, r_;
+    const Eigen::Index n = taken_.cols();
+    const Eigen::MatrixXd gram =
+        wanted_.minCoeff() > 0.0 ? around_.starts.gram(both, weights_) : gram_of_wanted(both);
+    Eigen::MatrixXd H = gram.topLeftCorner(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      H(i, i) += i < nuisances_ ? around_.settings().tolerances.precision : 1e-9 * (1.0 + H(i, i));
+    return around_.starts.project(r_ - taken_ * H.ldlt().solve(gram.topRightCorner(n, 1)));
+  }
+  /// Inner products of what the starts leave of the columns, over the entries that are wanted.
+  Eigen::MatrixXd gram_of_wanted(Eigen::MatrixXd columns) const {
+    const Eigen::VectorXd root = weights_.cwiseSqrt();
+    parallel_for(static_cast<std::size_t>(columns.cols()), [&](std::size_t k) {
+      auto column = columns.col(static_cast<Eigen::Index>(k));
+      column = by_shot(*around_.problem, root, around_.starts.project(column))
+                   .cwiseProduct(wanted_)
+                   .eval();
+    });
+    return columns.transpose() * columns;
+  }
+
+  const Surroundings& around_;
+  const Eigen::MatrixXf& columns_;
+  const Eigen::VectorXd &weights_, &wanted_;
+  Eigen::Index nuisances_, count_;
+  Eigen::MatrixXd taken_;
+  Eigen::VectorXd r_;
+};
+
+/// Error levels of models large enough for the positions, and for all channels: the lower one of
+/// every channel. Efforts are many and loud in units of their floors; where they alone choose what
+/// is taken out, positions keep an error that names could remove, and count for little from then
+/// on.
 std::vector<double> saturated_overdispersion(const Surroundings& around,
                                              const Eigen::MatrixXd& known,
                                              const Eigen::MatrixXf& columns,
                                              const Eigen::VectorXd& weights) {
-  const Eigen::Index a = known.cols(), k = columns.cols() - a - 1;
-  std::vector<double> energy(k), score(energy.size());
-  parallel_for(k, [&](std::size_t c) {
-    energy[c] = around.starts.energy_by_shot(columns.col(a + c).cast<double>()).dot(weights);
-  });
-  const Eigen::VectorXd r = columns.rightCols(1).cast<double>();
-  Eigen::MatrixXd taken = known;  // nuisances and the signatures taken out so far
-  Eigen::VectorXd left;           // M times what they leave
-  std::vector<Eigen::Index> chosen;
-  const int pursuit = around.settings().fitting.pursuit;
-  for (int round = 0; round <= pursuit; ++round) {
-    Eigen::MatrixXd with_error(r.size(), taken.cols() + 1);
-    with_error << taken, r;
-    const Eigen::MatrixXd gram = around.starts.gram(with_error, weights);
-    Eigen::MatrixXd H = gram.topLeftCorner(taken.cols(), taken.cols());
-    for (Eigen::Index i = 0; i < H.rows(); ++i)
-      H(i, i) += i < a ? around.settings().tolerances.precision : 1e-9 * (1.0 + H(i, i));
-    left = around.starts.project(r - taken * H.ldlt().solve(gram.topRightCorner(taken.cols(), 1)));
-    if (round == pursuit) break;
-    const Eigen::VectorXd weighted = by_shot(*around.problem, weights, left);
-    parallel_for(k, [&](std::size_t c) {
-      const double b = columns.col(a + c).cast<double>().dot(weighted);
-      score[c] = b * b / std::max(energy[c], 1e-12);
-    });
-    const auto best = std::max_element(score.begin(), score.end()) - score.begin();
-    if (k == 0 || std::find(chosen.begin(), chosen.end(), best) != chosen.end()) break;
-    chosen.push_back(best);
-    taken.conservativeResize(Eigen::NoChange, taken.cols() + 1);
-    taken.rightCols(1) = columns.col(a + best).cast<double>();
+  const Comparison& comparison = *around.problem;
+  Eigen::VectorXd all = Eigen::VectorXd::Ones(columns.rows()), positions = all;
+  for (const Shot& shot : comparison.shots) {
+    for (std::size_t c = 0; c < comparison.channels.size(); ++c)
+      if (comparison.channels[c].signal != Signal::q) rows_of(positions, shot, c).setZero();
   }
-  return overdispersion(*around.problem, left);
+  std::vector<double> out = Pursuit(around, known, columns, weights, all).overdispersion();
+  if (positions == all) return out;
+  const std::vector<double> alone =
+      Pursuit(around, known, columns, weights, positions).overdispersion();
+  for (std::size_t c = 0; c < out.size(); ++c) out[c] = std::min(out[c], alone[c]);
+  return out;
 }
 
 /// Signatures told in `from` (by channel), told in `to`.

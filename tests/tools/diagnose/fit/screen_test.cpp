@@ -112,5 +112,28 @@ TEST_F(OneScreening, ChannelsAreNeverTakenForBetterThanTheirFloor) {
     EXPECT_GE(s_.screening.scales.sigma[c], s_.c.problem->channels[c].floor * (1 - 1e-9));
 }
 
+/// The level of the positions of a rubbing pendulum whose servo is stiffer than it says.
+double level_of_positions(bool duty) {
+  const ModelFolder model = pendulum(kNoisyServo);
+  const ModelFolder world = hiding(model, {hidden("servo_p_gain", "a", {{"gain", 1.4}}),
+                                           hidden("coulomb_friction", "a", {{"coulomb", 0.03}}),
+                                           hidden("encoder_offset", "a", {{"offset", 0.01}})});
+  std::vector<recording::Recording> recordings;
+  for (int k = 0; k < 2; ++k) {
+    const Drive drive =
+        make_test_drive(world, 4.0, 0.01, [k](int j, double t) { return wave(k, j, t); });
+    recordings.push_back(record(world, drive,
+                                {.file = "rec_" + std::to_string(k) + ".csv",
+                                 .duty = duty,
+                                 .noise_seed = 91 + static_cast<std::uint64_t>(k)}));
+  }
+  const Screened s(SmallComparison(model, recordings, noise_of(model), {}));
+  return s.screening.scales.sigma[0];
+}
+
+TEST(Screen, WhatElseIsRecordedMakesNoPositionLessTrusted) {
+  EXPECT_LT(level_of_positions(true), 1.1 * level_of_positions(false));
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
