@@ -70,6 +70,7 @@ bool go_forward(SearchState& state, int& step) {
 /// took another's place.
 bool settle(SearchState& state) {
   one_for_two(state);
+  two_for_one(state);
   const bool swapped = swap_for_better(state);
   drop_refuted(state);
   describe_what_going_on_beats(state);

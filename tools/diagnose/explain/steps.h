@@ -35,6 +35,10 @@ void untie(SearchState& state);
 /// no more numbers, and the two do not predict better.
 void one_for_two(SearchState& state);
 
+/// Two effects in the place of one that has at least two numbers more than both, where it does not
+/// predict better.
+void two_for_one(SearchState& state);
+
 /// Every accepted effect against its rivals, everything else refitted; the better one stays, the
 /// others are kept as rivals. True: one was replaced.
 bool swap_for_better(SearchState& state);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "tools/diagnose/effects/effect.h"
 
@@ -113,6 +114,28 @@ std::vector<CandidatePair> promising_pairs(const Settings& settings, const Libra
     ++a, ++b;
     out.push_back(pair);
   }
+  return out;
+}
+
+std::vector<CandidatePair> pairs_in_place_of(
+    const Settings& settings, const Library& library, const Screening& screening,
+    std::size_t candidate, const std::function<bool(const Candidate&, const Candidate&)>& allowed) {
+  std::vector<CandidatePair> out;
+  const ProbeScore* own = screening.best(candidate);
+  if (own == nullptr) return out;
+  const double nearly = settings.decisions.nearly_strongest * own->score;
+  for (auto& [which, pair] : look_at_all(library, screening, settings.decisions).best) {
+    const std::size_t a = which.first, b = which.second;
+    if (a == candidate || b == candidate || !allowed(library[a], library[b])) continue;
+    const double single = std::max(screening.best(a)->score, screening.best(b)->score);
+    const double more = pair.promise - single * single;
+    if (pair.promise > nearly * nearly && more > screening.critical * screening.critical)
+      out.push_back(pair);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const auto& x, const auto& y) { return x.promise > y.promise; });
+  if (std::cmp_less(settings.decisions.pairs, out.size()))
+    out.resize(static_cast<std::size_t>(settings.decisions.pairs));
   return out;
 }
 

@@ -2,6 +2,7 @@
 // take up half of the other, and neither is accepted for what it does by itself.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "tools/diagnose/fit/screen.h"
@@ -35,5 +36,12 @@ TogetherPromise promise_together(double za, double zb, double rho, bool a_signed
 /// (critical^2). None promises less than `least_energy` (times linear_reach).
 std::vector<CandidatePair> promising_pairs(const Settings& settings, const Library& library,
                                            const Screening& screening, double least_energy);
+
+/// Pairs that promise, by the same linear law, nearly what `candidate` does alone, and more than
+/// either of theirs does by more than chance; strongest first, at most `pairs` of the settings.
+/// `allowed`: which pairs are asked.
+std::vector<CandidatePair> pairs_in_place_of(
+    const Settings& settings, const Library& library, const Screening& screening,
+    std::size_t candidate, const std::function<bool(const Candidate&, const Candidate&)>& allowed);
 
 }  // namespace sanso::diagnose

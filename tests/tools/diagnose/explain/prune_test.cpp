@@ -150,6 +150,28 @@ TEST(OneForTwo, TwoThatAreBothThereStay) {
   EXPECT_EQ(s.names(), (Names{"load_friction", "coulomb_friction"}));
 }
 
+const std::vector<std::string> kOfWeight{"payload", "link_mass", "encoder_offset"};
+
+TEST(TwoForOne, AMassAndAZeroTakeThePlaceOfAPayload) {
+  Standing s({hidden("link_mass", "arm", {{"share", 0.3}}),
+              hidden("encoder_offset", "a", {{"offset", 0.06}})},
+             {"payload"}, kOfWeight);
+  const double before = s.state.found.final_heldout.sum();
+  two_for_one(s.state);
+  Names names = s.names();
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (Names{"encoder_offset", "link_mass"}));
+  EXPECT_TRUE(s.said("in the place of payload"));
+  EXPECT_LT(s.state.found.final_heldout.sum(), 1.05 * before) << "it cost no prediction";
+}
+
+TEST(TwoForOne, APayloadStays) {
+  Standing s({hidden("payload", "arm", {{"mass", 0.2}, {"x", 0.08}, {"z", 0.05}})}, {"payload"},
+             kOfWeight);
+  two_for_one(s.state);
+  EXPECT_EQ(s.names(), Names{"payload"});
+}
+
 TEST(Gate, TheLuckiestOfManyIsNoFinding) {
   // a gain that one candidate alone would prove, and the best of a dozen has by chance
   Standing s({}, {});
