@@ -63,6 +63,7 @@ struct StanceSettings {
   double drive_share = 0.05;
   double force_noise = 0.2;
   double held_friction = 0.3;
+  double stiction = 1.5;
   double acceleration_noise = 0.5;
   double acceleration = 0.3;
   double acc_bias = 0.1;
@@ -90,6 +91,7 @@ struct StanceSettings {
   double pushed = 5.0;
   double jump = 0.1;
   double carries = 0.02;
+  double lifted = 0.006;
   double flat = 0.003;
   double eased = 0.5;
   int maximum_terms = 6;
@@ -105,6 +107,8 @@ struct StanceSettings {
     field("force_noise", force_noise, "N", 0.001, 10.0, "the same of the base");
     field("held_friction", held_friction, "N m", 0.001, 10.0,
           "that a joint which stands still may be held by");
+    field("stiction", stiction, "factor", 0.5, 10.0,
+          "times the dry friction of a moving joint, as soon as that is known: holds it, no more");
     field("acceleration_noise", acceleration_noise, "rad/s^2", 0.001, 100.0,
           "of a joint's acceleration over a window");
     field("acceleration", acceleration, "share", 0.0, 2.0,
@@ -140,6 +144,8 @@ struct StanceSettings {
           "by which a foot's force changes from row to row where it comes down or off");
     field("carries", carries, "share of the weight", 0.001, 0.5,
           "of a foot's force: less is what a sensor reads in the air");
+    field("lifted", lifted, "m", 0.0005, 0.1,
+          "that a sole without a sensor is above the lowest one when it is surely in the air");
     field("flat", flat, "rad", 0.0001, 0.1,
           "by which two soles that stand on one floor lean apart: rubber, and loads at an edge");
     field("eased", eased, "share", 0.0, 1.0,

@@ -274,7 +274,7 @@ class Chooser {
     out.terms = std::move(terms);
     out.adequate = adequate(taken_, asking_.stance.torn);
     const Eliminated::Fit fit = all_->fit(taken_);
-    out.figures = fit.figures, out.farthest = fit.farthest;
+    out.figures = fit.figures, out.named = fit.named, out.farthest = fit.farthest;
     out.eased = 1.0 - fit.strained / std::max(all_->fit({}).strained, 1e-300);
     log_.push_back(left_in_words());
     out.log = log_;
@@ -378,22 +378,6 @@ std::string in_words(const DriveTerm& term) {
   std::string places;
   for (const std::string& w : term.where) places += (places.empty() ? "" : ", ") + w;
   return term.effect + " at " + places;
-}
-
-DriveBalance balance_drives(const Asking& asking) {
-  DriveBalance out{drive_rows(asking), {}};
-  if (!out.rows.why_not.empty()) return out;
-  out.choice = choose_drive_terms(asking, out.rows);
-  const std::string delay(effect_of(JointFigure::lag)->id);
-  const auto bends = [&](const JudgedDriveTerm& j) {
-    return j.term.inverse || j.term.effect == delay;
-  };
-  if (out.choice.farthest <= asking.stance.strained &&
-      std::none_of(out.choice.terms.begin(), out.choice.terms.end(), bends))
-    return out;
-  out.rows = drive_rows(asking, guess_of(out.rows, out.choice.figures));
-  out.choice = choose_drive_terms(asking, out.rows);
-  return out;
 }
 
 }  // namespace sanso::diagnose

@@ -28,21 +28,13 @@ struct DriveChoice {
   // RMS left on left-out rows, deviations: by the nominal model as it is, with the terms alone, and
   // with all that a nominal model may be wrong by as well
   double before = 0.0, after = 0.0, least = 0.0;
-  Eigen::VectorXd figures;  // of the fit, nuisances too
+  Eigen::VectorXd figures, named;  // of the fit with nuisances; of the terms alone
   std::vector<std::string> log;
 };
 
 /// The terms that rows need, forward and backward, with the weights that what is left suggests.
 /// Needs at least one row (`why_not` empty).
 DriveChoice choose_drive_terms(const Asking& asking, const DriveRows& rows);
-
-struct DriveBalance {
-  DriveRows rows;
-  DriveChoice choice;  // nothing where rows say why not
-};
-/// Rows and the terms they need; both again where those scale the torques, or shift the goals, that
-/// rows were made with.
-DriveBalance balance_drives(const Asking& asking);
 
 /// Whether its size is beyond the tolerance, and not by chance.
 bool surely_there(const Asking& asking, const JudgedDriveTerm& term);

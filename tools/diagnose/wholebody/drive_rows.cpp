@@ -48,12 +48,13 @@ class Builder {
     // goals from before the recording began act in its first rows
     const auto late = static_cast<std::size_t>(std::ceil(lags.maxCoeff() / r.interval));
     for (std::size_t a = 1 + late; a + step <= r.rows(); a += step) {
-      if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, step)) continue;
+      if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, a + step)) continue;
       const WindowMeans w = window_of(asking_, track, a, a + step);
       if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
       piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
       recording_ = recording;
-      out_.windows.push_back({recording, r.t[a], r.t[a + step - 1]});
+      out_.windows.push_back(
+          {recording, r.t[a], r.t[a + step - 1], w.motion.q, w.motion.dq, w.error, given(w)});
       if (out_.current) add_loops(w);
       add_motion(w);
       for (std::size_t i = 1; i < w.stands.size(); ++i)
@@ -66,6 +67,7 @@ class Builder {
     out_.X.resize(rows, out_.columns.count());
     out_.y.resize(rows);
     out_.unknown.resize(rows, 3 + n_);
+    out_.loop = Eigen::Map<const Vector>(loop_.data(), rows);
     for (Eigen::Index k = 0; k < rows; ++k) {
       const Vector& row = rows_[static_cast<std::size_t>(k)];
       out_.X.row(k) = row.head(out_.columns.count());
@@ -78,16 +80,6 @@ class Builder {
   }
 
  private:
-  /// A foot comes down or off in the window or beside it: smoothing spreads what an impact does,
-  /// and neither accelerations nor torques are what a mean says of them.
-  static bool impact_near(const Track& track, std::size_t a, std::size_t step) {
-    if (track.weight.empty()) return false;
-    const auto from = track.weight.begin() + static_cast<std::ptrdiff_t>(a - std::min(a, step));
-    const std::size_t end = std::min(track.weight.size(), a + 2 * step);
-    return std::any_of(from, track.weight.begin() + static_cast<std::ptrdiff_t>(end),
-                       [](double weight) { return !std::isfinite(weight); });
-  }
-
   /// Of what is no joint's loop; what the feet carry comes after it, then how soles lie.
   std::size_t motion_channel() const { return out_.current ? static_cast<std::size_t>(n_) : 0; }
   std::size_t sole_channel() const { return motion_channel() + (out_.weighed ? 2 : 1); }
@@ -108,8 +100,8 @@ class Builder {
     return std::hypot(s.torque_noise, s.drive_share * torque, s.drive_share * law(j).damping * dq);
   }
 
-  void put(const Vector& row, std::size_t channel) {
-    rows_.push_back(row), out_.channel.push_back(channel);
+  void put(const Vector& row, std::size_t channel, double loop = 0.0) {
+    rows_.push_back(row), out_.channel.push_back(channel), loop_.push_back(loop);
     out_.recording.push_back(recording_), out_.piece.push_back(piece_);
     out_.window.push_back(out_.windows.size() - 1);
   }
@@ -132,7 +124,8 @@ class Builder {
       row[c.joint(JointFigure::torque, j)] = -l.stiffness * error_of(w, j);
       row[c.back_emf()] = -w.motion.dq[j];
       row[c.count()] = torque - l.stiffness * error_of(w, j) + l.damping * w.motion.dq[j];
-      put(row / deviation(j, torque, w.motion.dq[j]), static_cast<std::size_t>(j));
+      const double off = deviation(j, torque, w.motion.dq[j]);
+      put(row / off, static_cast<std::size_t>(j), 1.0 / off);
     }
   }
 
@@ -149,6 +142,14 @@ class Builder {
     return J;
   }
 
+  /// Friction that a joint which stands still may be held by, N m.
+  double may_hold(Eigen::Index j, double torque) const {
+    const StanceSettings& s = asking_.stance;
+    if (guess_.dry.size() == 0) return s.held_friction;
+    return std::min(s.held_friction,
+                    s.stiction * (guess_.dry[j] + guess_.load[j] * std::abs(torque)));
+  }
+
   /// Spreads of readings, of friction of what stands still, of accelerations (every joint's by
   /// itself):
   ///
@@ -160,7 +161,7 @@ class Builder {
     for (Eigen::Index j = 0; j < n_; ++j)
       noise[6 + j] = std::pow(deviation(j, needed[6 + j], w.motion.dq[j]), 2);
     for (Eigen::Index j = 0; j < n_; ++j) {
-      const double held = s.held_friction * (1.0 - std::abs(w.sign[j]));
+      const double held = may_hold(j, needed[6 + j]) * (1.0 - std::abs(w.sign[j]));
       noise[6 + j] += held * held;
     }
     Matrix V = noise.asDiagonal();
@@ -351,6 +352,7 @@ class Builder {
   Eigen::Index n_;
   std::vector<int> soles_, carrying_;  // joints; those that may carry in a window
   std::vector<Vector> rows_;
+  std::vector<double> loop_;
   std::size_t recording_ = 0, piece_ = 0;
 };
 
@@ -382,17 +384,6 @@ DriveRows drive_rows(const Asking& asking, const DriveGuess& guess) {
   for (std::size_t r = 0; r < asking.recordings.size(); ++r) builder.add(r);
   builder.finish();
   if (out.y.size() == 0) out.why_not = "no stretch without a foot that comes down or off";
-  return out;
-}
-
-DriveGuess guess_of(const DriveRows& rows, const Eigen::VectorXd& figures) {
-  const JointFigure figure = rows.current ? JointFigure::torque : JointFigure::gain;
-  DriveGuess out{Vector(rows.columns.joints), Vector(rows.columns.joints)};
-  for (Eigen::Index j = 0; j < rows.columns.joints; ++j) {
-    out.scales[j] = 1.0 / std::max(1.0 - figures[rows.columns.joint(figure, j)], 1e-9);
-    const double law = rows.laws[static_cast<std::size_t>(j)].lag;
-    out.lags[j] = std::max(-law, figures[rows.columns.joint(JointFigure::lag, j)]);
-  }
   return out;
 }
 

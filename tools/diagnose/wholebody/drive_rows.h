@@ -34,6 +34,8 @@ struct DriveColumns {
 struct StanceWindow {
   std::size_t recording = 0;
   double from = 0.0, to = 0.0;  // s
+  // by joint, means: rad, rad/s, goal that acts less position, N m that the drive gave as measured
+  Eigen::VectorXd q, dq, error, given;
 };
 
 struct DriveRows {
@@ -50,6 +52,7 @@ struct DriveRows {
   // what a newton on the base's centre of mass (three, base axes) and a newton metre at each joint,
   // of whatever, would add to y
   Eigen::MatrixXd unknown;
+  Eigen::VectorXd loop;  // what a newton metre more of a joint's current adds to y; 0: no such row
   std::size_t channels = 0;
   bool weighed = false;  // the feet's forces are recorded
   std::string why_not;   // not empty: nothing can be asked, and why
@@ -61,10 +64,9 @@ struct DriveGuess {
   // press against each other, nothing else.
   Eigen::VectorXd scales;
   Eigen::VectorXd lags;  // by joint, s beyond the model's: goals are shifted by it
+  // by joint, of one that moves: N m at most, share of the load. Says what may hold one that stands
+  Eigen::VectorXd dry, load;
 };
 DriveRows drive_rows(const Asking& asking, const DriveGuess& guess = {});
-
-/// Such a guess by the figures of a fit.
-DriveGuess guess_of(const DriveRows& rows, const Eigen::VectorXd& figures);
 
 }  // namespace sanso::diagnose

@@ -11,6 +11,7 @@
 #include "tools/diagnose/compare/measured_motion.h"
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/stats/smoother.h"
+#include "tools/diagnose/wholebody/lifted_feet.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -110,16 +111,34 @@ Track track_of(const Asking& asking, const WholeRecording& r, const Vector& lags
     if (r.attitude) out.up.push_back(r.R[k].transpose() * V3::UnitZ());
     if (!r.feet.empty()) out.weight.push_back(weight_at(asking, r, k));
   }
-  out.feet = r.feet;
+  out.feet = r.feet, out.lifted = lifted_feet(asking, r);
+  for (std::size_t k = 0; k < r.rows(); ++k) {
+    const bool lost = !out.weight.empty() && !std::isfinite(out.weight[k]);
+    const bool stepped = k > 0 && !out.lifted.empty() && out.lifted[k] != out.lifted[k - 1];
+    out.impact.push_back(lost || stepped ? 1 : 0);
+  }
   return out;
 }
 
 namespace {
 
-/// Joints of feet whose force is never more than what a sensor reads in the air; and feet that
-/// stand, with a share of the weight that a swinging foot has never.
+/// Joints of feet that are in the air in all of these rows.
+std::vector<int> lifted_in(const Track& track, std::size_t a, std::size_t b) {
+  if (track.lifted.empty()) return {};
+  std::vector<int> out = track.lifted[a];
+  for (std::size_t k = a + 1; k < b; ++k)
+    std::erase_if(out, [&](int joint) {
+      return std::find(track.lifted[k].begin(), track.lifted[k].end(), joint) ==
+             track.lifted[k].end();
+    });
+  return out;
+}
+
+/// Joints of feet whose force is never more than what a sensor reads in the air, or that geometry
+/// has there; and feet that stand, with a share of the weight that a swinging foot has never.
 void sort_feet(const Asking& asking, const Track& track, std::size_t a, std::size_t b,
                WindowMeans& out) {
+  out.in_air = lifted_in(track, a, b);
   const double weight = asking.body.mass() * eigen(asking.body.model.gravity).norm();
   for (std::size_t f = 0; f < track.feet.size(); ++f) {
     const std::vector<double>& fz = track.feet[f].fz;
@@ -134,6 +153,14 @@ void sort_feet(const Asking& asking, const Track& track, std::size_t a, std::siz
 }
 
 }  // namespace
+
+bool impact_near(const Track& track, std::size_t a, std::size_t b) {
+  const std::size_t width = b - a, first = a - std::min(a, width),
+                    last = std::min(track.impact.size(), b + width);
+  return std::any_of(track.impact.begin() + static_cast<std::ptrdiff_t>(first),
+                     track.impact.begin() + static_cast<std::ptrdiff_t>(last),
+                     [](char impact) { return impact != 0; });
+}
 
 WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b) {
   // slower, a joint's direction is a part of one

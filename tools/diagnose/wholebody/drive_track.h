@@ -24,6 +24,8 @@ struct Track {
   std::vector<V3> up;          // the vertical in base axes; empty: no attitude
   std::vector<double> weight;  // sum of all feet's forces, N; empty: none was recorded
   std::vector<FootForce> feet;
+  std::vector<std::vector<int>> lifted;  // joints of feet in the air (lifted_feet.h)
+  std::vector<char> impact;              // a foot comes down or off
 };
 
 /// The recording must have every joint's goal and position, and the accelerometer. A weight is NaN
@@ -41,6 +43,10 @@ struct WindowMeans {
   std::vector<int> in_air;          // joints of feet that carry nothing all the time
   std::vector<std::size_t> stands;  // feet of the track that carry a good part all the time
 };
+
+/// A foot comes down or off in rows [a, b) or within their number beside them: smoothing spreads
+/// what an impact does, and neither accelerations nor torques are what a mean says of them.
+bool impact_near(const Track& track, std::size_t a, std::size_t b);
 
 /// Means over rows [a, b) of the track.
 WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b);

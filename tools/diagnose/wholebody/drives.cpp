@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include "tools/diagnose/wholebody/drive_choice.h"
+#include "tools/diagnose/wholebody/drive_balance.h"
 #include "tools/diagnose/wholebody/questions.h"
 #include "tools/diagnose/wholebody/stance_left.h"
 

@@ -118,7 +118,7 @@ DriveRows without(const DriveRows& rows, const std::vector<Push>& pushes) {
     out.piece.push_back(rows.piece[i]), out.window.push_back(rows.window[i]);
   }
   out.X = rows.X(kept, Eigen::all), out.y = rows.y(kept);
-  out.unknown = rows.unknown(kept, Eigen::all);
+  out.unknown = rows.unknown(kept, Eigen::all), out.loop = rows.loop(kept);
   return out;
 }
 

@@ -12,7 +12,7 @@
 #include "shared/model/step_model.h"
 #include "tools/diagnose/run/planner_model.h"
 #include "tools/diagnose/stats/random.h"
-#include "tools/diagnose/wholebody/drive_choice.h"
+#include "tools/diagnose/wholebody/drive_balance.h"
 #include "tools/diagnose/wholebody/floating_tree.h"
 
 namespace sanso::diagnose::test {
@@ -31,6 +31,8 @@ struct Stance {
   double reading_noise = 2e-5;  // rad
   unsigned long seed = 3;
   std::function<TrueDrive(int joint)> drive = [](int) { return TrueDrive{}; };
+  // share of the drawn motion: 0 stands still
+  std::function<double(int recording)> moves = [](int) { return 1.0; };
   std::function<void(WholeBody&)> links = [](WholeBody&) {};  // what they really weigh
   // newtons on the base's origin, base axes
   std::function<V3(int recording, double t)> push = [](int, double) { return V3(V3::Zero()); };
@@ -39,11 +41,12 @@ struct Stance {
 /// Two sines a joint, slow enough for a smoother.
 struct DrawnMotion {
   std::vector<std::array<double, 6>> waves;  // by joint: amplitude, rad/s, phase, twice
-  explicit DrawnMotion(int joints, Random& random) {
+  DrawnMotion(int joints, double share, Random& random) {
     for (int j = 0; j < joints; ++j)
       waves.push_back({0.10 + 0.05 * random.uniform(), 1.5 + random.uniform(),
                        2 * std::numbers::pi * random.uniform(), 0.04, 3.0 + random.uniform(),
                        2 * std::numbers::pi * random.uniform()});
+    for (auto& wave : waves) wave[0] *= share, wave[3] *= share;
   }
   FloatingMotion at(double t) const {
     const auto n = static_cast<Eigen::Index>(waves.size());
@@ -89,7 +92,7 @@ class MovedRobot {
         real_(body),
         s_(s),
         number_(number),
-        motion_(static_cast<int>(body.model.tree.size()), random) {
+        motion_(static_cast<int>(body.model.tree.size()), s.moves(number), random) {
     s.links(real_);
     soles_ = soles_of(body);
     tree_.emplace(real_);
@@ -130,7 +133,9 @@ inline WholeRecording recorded(const WholeBody& body, const Stance& s, int numbe
   WholeRecording r;
   r.file = r.name = "stance " + std::to_string(number);
   r.interval = s.interval;
-  r.attitude = r.acc = r.gyro = r.commands = true, r.current = s.current;
+  // joints are drawn, and soles are where they take them: no attitude, from which one would hang in
+  // the air
+  r.acc = r.gyro = r.commands = true, r.current = s.current;
   r.q.resize(n, rows), r.u = r.i = r.q;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const double t = s.interval * static_cast<double>(k);
