@@ -324,6 +324,13 @@ class Chooser {
     std::set<std::string> names;
     std::vector<std::string> places;  // of the same name
   };
+  /// With these a figure of the nominal model is still off by what has no name, and with what was
+  /// taken none is off by what would be looked for.
+  bool leaves_more(const Terms& other) const {
+    return all_->fit(taken_).farthest <= asking_.stance.strained &&
+           all_->fit(other).farthest > asking_.stance.torn;
+  }
+
   /// What takes the place of t and is not beyond chance worse, and does most of what t does.
   Others others_for(const DriveTerm& t) const {
     const Terms rest = without(taken_, &t);
@@ -339,7 +346,8 @@ class Chooser {
       if (does < asking_.decisions.stand_in_share * (all - none) || !plausible(other, r)) return;
       // what a nominal model would have to be off by counts as well as what left-out rows say
       const double sure = asking_.chance().deviations();
-      if (all - none - does > asking_.stance.surely_worse * sure * sure) return;
+      if (all - none - does > asking_.stance.surely_worse * sure * sure || leaves_more(other))
+        return;
       found[i] = gain(other, taken_).low <= 0.0 ? 1 : 0;
     });
     Others out;
