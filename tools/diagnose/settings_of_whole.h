@@ -208,6 +208,7 @@ struct WholeSettings {
   double restitution = 0.05;
   double friction = 0.1;
   double scale = 0.005;
+  double sinking = 0.0005;
   int least_groups = 4;
   int imu_groups = 6;
   int draws = 999;
@@ -300,6 +301,9 @@ struct WholeSettings {
     field("restitution", restitution, "-", 0.001, 0.5, "within which it is stated");
     field("friction", friction, "relative", 0.001, 0.9, "within which it is stated");
     field("scale", scale, "relative", 0.0001, 0.2, "within which a tracker knows lengths");
+    field(
+        "sinking", sinking, "m", 0.00001, 0.1,
+        "of one sole against the other when all weight changes feet: links bend, vertical is off");
   }
 };
 

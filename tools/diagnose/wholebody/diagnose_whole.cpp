@@ -45,9 +45,10 @@ std::string answer_of(const WholeAnswers& answers) {
 /// What no recording of positions can show without forces or commands, said once.
 WholeAnswers limits_of(const WholeData& data, const WholeBody& body) {
   WholeAnswers answers;
-  answers.cannot(WholeFigure::compliance,
-                 "a touchdown lasts as long as a few samples: stiffness is not asked for");
-  if (body.model.tree.size() > 0)
+  if (body.model.tree.size() == 0)
+    answers.cannot(WholeFigure::compliance,
+                   "a touchdown lasts as long as a few samples: stiffness is not asked for");
+  else
     answers.cannot(WholeFigure::sole_shape, "no pressure under the soles was recorded");
   answers.cannot(WholeFigure::rolling, "wheels only");
   const bool weighed = std::any_of(data.recordings.begin(), data.recordings.end(),
@@ -143,6 +144,10 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   found.take(ask_hits(asking()));
   progress("asks: do the feet carry what it weighs?");
   found.take(ask_weight(asking()));
+  if (body.model.tree.size() > 0) {
+    progress("asks: do soles sink under a load?");
+    found.take(ask_sinking(asking()));
+  }
   progress("asks: does the IMU read what the base does?");
   found.take(ask_imu(asking()));
   progress("asks: do standing soles lie flat, and stay?");

@@ -70,6 +70,8 @@ Answered ask_free_fall(const Asking& asking);
 Answered ask_hits(const Asking& asking);
 /// The feet's vertical forces against weight and inertia of the whole.
 Answered ask_weight(const Asking& asking);
+/// Soles that sink under a load: stiffness of the contact.
+Answered ask_sinking(const Asking& asking);
 /// The IMU against the base's motion: how it is mounted, what it adds.
 Answered ask_imu(const Asking& asking);
 /// How the vertical that the IMU feels leans in the axes of the poses; nothing without an
