@@ -59,6 +59,7 @@ KEPT = {
     ("torque/bounded_least_squares.cpp", "kRidge"): "of rounding: moves nothing that data determine",
     ("torque/effort_terms.cpp", "kAngleStep"): "step of a difference quotient",
     ("torque/effort_terms.cpp", "kLengthStep"): "step of a difference quotient of what is linear",
+    ("verdict/plain_words.cpp", "kListed"): "places that a sentence tells",
     ("verdict/plain_words.cpp", "kTold"): "sentences that a page tells",
     ("verdict/remains.cpp", "kTorqueStream"): "names a stream of random draws",
     ("verdict/remains.cpp", "kVelocityStream"): "names a stream of random draws",

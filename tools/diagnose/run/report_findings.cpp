@@ -21,6 +21,7 @@ void add_parameters(report::HtmlPage& page, const Finding& f) {
 }
 
 void add_promises(report::HtmlPage& page, const Finding& f) {
+  if (f.incidence.empty()) return;
   report::Table promised{
       {"what it promised to change", "size, noise levels", "share that happened", "95 % interval"},
       {}};

@@ -24,6 +24,15 @@ void tell_finding(report::HtmlPage& page, const Finding& f);
 /// The missing torque against what the joint was doing, before and after the patch.
 void tell_curves(report::HtmlPage& page, const Diagnosis& d);
 
+/// One joint's missing torque against one quantity, nominal and patched.
+report::LineChart curve_chart(const std::string& joint, bool slides, const ShapeCurve& before,
+                              const std::vector<ShapeCurve>& all_after);
+
+/// Of a base that floats: where, when and how drives and motion disagree, three pictures. Slower
+/// than `creeping` a joint stands still.
+void tell_stance(report::HtmlPage& page, const Verdict& v, const RobotTree& tree,
+                 const StanceShown& shown, double creeping);
+
 /// Scores and roll-outs on data that were not fitted.
 void tell_proof(report::HtmlPage& page, const Diagnosis& d);
 

@@ -80,7 +80,8 @@ void add_curve(report::LineChart& chart, const ShapeCurve& curve, const std::str
   chart.ribbons.push_back(std::move(band));
 }
 
-/// One joint's missing torque against one quantity, nominal and patched.
+}  // namespace
+
 report::LineChart curve_chart(const std::string& joint, bool slides, const ShapeCurve& before,
                               const std::vector<ShapeCurve>& all_after) {
   report::LineChart chart{joint + ": " + at_joint("missing torque", slides) + " against " +
@@ -94,8 +95,6 @@ report::LineChart curve_chart(const std::string& joint, bool slides, const Shape
   }
   return chart;
 }
-
-}  // namespace
 
 void tell_where(report::HtmlPage& page, const Diagnosis& d) {
   page.heading("Where simulation and recording part");

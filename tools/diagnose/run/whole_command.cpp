@@ -50,19 +50,19 @@ void tell_scores(report::HtmlPage& page, const Verdict& v) {
   page.table(table);
 }
 
-std::string page_of(const WholeDiagnosis& d) {
+std::string page_of(const WholeDiagnosis& d, double creeping) {
   const Verdict& v = d.verdict;
   report::HtmlPage page("Diagnosis of the whole robot");
-  page.paragraph("Question: what do pose, IMU and feet say that the model does not?");
+  page.paragraph(v.summary);
   page.answer(fmt::format("{}: {}", to_string(v.status), v.answer),
               v.status == VerdictStatus::absent);
-  page.paragraph(v.summary);
   if (v.status == VerdictStatus::refused) {
     tell_refusal(page, v);
     return page.finish();
   }
   if (d.nominal && d.patched)
     tell_robot(page, v, d.patched->model, shown_motions(d.recordings, *d.nominal, *d.patched));
+  if (d.nominal && d.stance) tell_stance(page, v, d.nominal->model.tree, *d.stance, creeping);
   for (const Finding& f : v.findings) tell_finding(page, f);
   tell_scores(page, v);
   tell_limits(page, v);
@@ -74,10 +74,10 @@ std::string page_of(const WholeDiagnosis& d) {
   return page.finish();
 }
 
-Ending ending_of(WholeDiagnosis d) {
+Ending ending_of(WholeDiagnosis d, double creeping) {
   Ending out;
   out.text = whole_text(d.verdict);
-  out.report = page_of(d);
+  out.report = page_of(d, creeping);
   out.verdict = std::move(d.verdict);
   out.patched_body = std::move(d.patched);
   return out;
@@ -90,7 +90,7 @@ Ending ended_early(double seconds) {
   d.verdict.unfinished = Unfinished{"what do pose, IMU and feet say?", seconds, 0.0};
   d.verdict.answer = fmt::format("Unfinished after {:.0f} s.", seconds);
   d.verdict.summary = plain_words(d.verdict);
-  return ending_of(std::move(d));
+  return ending_of(std::move(d), 0.0);
 }
 
 }  // namespace
@@ -98,7 +98,8 @@ Ending ended_early(double seconds) {
 int run_diagnose_whole(const DiagnoseOptions& options) {
   const WholeOptions whole = whole_options(options);
   return run_command(options, {[&](const Progress& progress) {
-                                 return ending_of(diagnose_whole(whole, progress));
+                                 return ending_of(diagnose_whole(whole, progress),
+                                                  whole.settings.stance.creeping);
                                },
                                ended_early});
 }

@@ -63,14 +63,21 @@ std::string size_of(const Finding& f) {
   const auto* size = telling(f);
   if (size == nullptr || size->second.low == size->second.high) return text;
   const VerdictParameter& p = size->second;
-  return text + fmt::format(", {} {:.3g} {} ({:.3g} to {:.3g})", size->first, p.value, p.unit,
-                            p.low, p.high);
+  return text + fmt::format(", {} {:.3g}{} ({:.3g} to {:.3g})", size->first, p.value,
+                            p.unit == "-" ? "" : " " + p.unit, p.low, p.high);
+}
+
+/// Many places by their number and ends.
+std::string in_short(const std::vector<std::string>& where) {
+  constexpr std::size_t kListed = 4;
+  if (where.size() <= kListed) return places(where);
+  return fmt::format("{} places, {} to {}", where.size(), where.front(), where.back());
 }
 
 std::string finding_in_words(const Finding& f) {
   const bool set = f.status == VerdictStatus::one_of;
   std::string text = any_of(set ? f.one_of : std::vector<std::string>{f.effect});
-  text += " at " + places(f.where);
+  text += " at " + in_short(f.where);
   const std::string size = size_of(f);
   text += set && !size.empty() ? " (if it is " + name_of(f.effect) + size + ")" : size;
   switch (f.status) {

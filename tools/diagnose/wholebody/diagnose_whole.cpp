@@ -58,6 +58,18 @@ WholeAnswers limits_of(const WholeData& data, const WholeBody& body) {
   return answers;
 }
 
+/// What names are worth on data that they were not fitted to.
+std::string proof_of(const WholeAnswers& answers) {
+  const auto stance = answers.scores.find(kStanceBalance);
+  if (answers.findings.empty() || stance == answers.scores.end()) return {};
+  const FitScore& s = stance->second;
+  if (!(s.patched < s.nominal)) return {};
+  return fmt::format(
+      " Where it was not fitted, drives and motion disagree by {:.3g} deviations of what is known "
+      "beforehand, and by {:.3g} with what was found.",
+      s.nominal, s.patched);
+}
+
 Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned long seed) {
   Verdict v;
   v.findings = answers.findings;
@@ -83,7 +95,7 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
   v.notes.insert(v.notes.end(), answers.notes.begin(), answers.notes.end());
   v.data_hash = data.hashes;
   v.seed = seed;
-  v.summary = plain_words(v);
+  v.summary = plain_words(v) + proof_of(answers);
   return v;
 }
 
@@ -164,7 +176,7 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   WholeDiagnosis out;
   out.verdict = verdict_of(answers, data, options.seed);
   out.nominal = body, out.patched = patched(body, patch);
-  out.log = answers.log;
+  out.log = answers.log, out.stance = std::move(found.shown);
   return out;
 }
 

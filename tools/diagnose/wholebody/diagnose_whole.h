@@ -24,6 +24,7 @@ struct WholeDiagnosis {
   std::optional<WholeBody> nominal, patched;
   std::vector<std::string> log;
   std::vector<WholeRecording> recordings;  // what was asked; of the method that reads files
+  std::optional<StanceShown> stance;       // where drives and links were asked
 };
 
 /// Whether this model's base floats; a folder that cannot be read has none.

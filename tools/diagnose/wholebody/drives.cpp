@@ -164,6 +164,7 @@ Answered ask_drives(const Asking& asking) {
   for (const JudgedDriveTerm& j : choice.spare)
     out.answers.notes.push_back(text_of(j) + ": described, not named");
   out.answers.take(judge_pushes(asking, pushes, alone));
+  out.shown = stance_shown(rows, choice.named);
   out.weighed = alone && weighed_by(choice);
   if (alone) return out;
   out.answers.notes.push_back(

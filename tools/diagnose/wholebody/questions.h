@@ -7,6 +7,7 @@
 #include "tools/diagnose/wholebody/answers.h"
 #include "tools/diagnose/wholebody/contacts.h"
 #include "tools/diagnose/wholebody/lean.h"
+#include "tools/diagnose/wholebody/stance_shown.h"
 
 namespace sanso::diagnose {
 
@@ -56,6 +57,7 @@ struct Answered {
   Patch patch;
   // torques tell a heavier link from sensors that read too much, which the feet's sum does not
   bool weighed = false;
+  std::optional<StanceShown> shown;  // what drives and links leave
   /// What a later question came to; where it weighed, in place of what the feet's sum said.
   void take(Answered later);
 };

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 
 #include "host/learn/session/session.h"
 #include "host/motion/make/body_kinematics.h"
@@ -266,23 +267,30 @@ const Finding* drive_finding(const Verdict& v) {
   return nullptr;
 }
 
-/// What four squats of a robot say whose servos are not what the planner believes.
-Verdict of_squats(const fs::path& folder, const fs::path& out, const std::string& servo) {
+/// Trials of a robot whose servos are not what the planner believes.
+DiagnoseOptions trials_of(const std::string& name, int trials, const fs::path& folder,
+                          const fs::path& out, const std::string& servo) {
   const fs::path world = folder.parent_path() / "hidden.toml";
   std::ofstream(world) << "name = \"hidden\"\n[servo]\nviscous_Nms_rad = 0.15\n" << servo;
-  const motion::Motion squat = motion::MotionLibrary().load("squat");
+  const motion::Motion motion = motion::MotionLibrary().load(name);
   inprocess::InProcessAccess robot(world.string());
   mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
   learn::SessionSettings settings;
-  settings.iterations = 4;
+  settings.iterations = trials;
   settings.out = folder;
   settings.world = "hidden";
   settings.bring_up.on = false;
-  learn::Session session({"squat", squat.primitives, squat.weights, {}}, settings, robot, upper);
+  learn::Session session({name, motion.primitives, motion.weights, {}}, settings, robot, upper);
   session.run([](const learn::TrialSummary&) {});
   DiagnoseOptions options;
   options.out = out.string(), options.quiet = true;
   use_session(folder, options);
+  return options;
+}
+
+/// What four squats of it say.
+Verdict of_squats(const fs::path& folder, const fs::path& out, const std::string& servo) {
+  const DiagnoseOptions options = trials_of("squat", 4, folder, out, servo);
   WholeOptions whole;
   whole.model = options.model, whole.recordings = options.recordings;
   return diagnose_whole(whole, [](const std::string&) {}).verdict;
@@ -310,6 +318,33 @@ TEST_F(Session, NamesDryFrictionAndNoTurnedImu) {
   EXPECT_EQ(v.findings.size(), 1u) << v.answer;
   EXPECT_EQ(f->effect, "coulomb_friction");
   EXPECT_NEAR(f->parameters.at("coulomb").value, 0.3, 0.03);
+}
+
+std::size_t times(const std::string& text, const std::string& word) {
+  std::size_t out = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+    ++out;
+  return out;
+}
+
+TEST_F(Session, OfWalkingNamesADriveThatIsSofterOnAPageForPeople) {
+  const DiagnoseOptions options = trials_of("walk_forward", 3, folder, out, "p_divisor = 170.0\n");
+  EXPECT_EQ(run_diagnose(options), 1);
+  std::ifstream in(out / "verdict.json");
+  const json verdict = json::parse(in);
+  ASSERT_EQ(verdict.at("findings").size(), 1u) << verdict.at("answer");
+  const json& f = verdict["findings"][0];
+  EXPECT_EQ(f.at("effect"), "servo_p_gain");
+  EXPECT_EQ(f.at("where").size(), static_cast<std::size_t>(model::kNumJoints));
+  EXPECT_NEAR(f.at("parameters").at("gain").at("value").get<double>(), 128.0 / 170.0, 0.03);
+  std::ostringstream text;
+  text << std::ifstream(out / "report.html").rdbuf();
+  const std::string page = text.str();
+  EXPECT_EQ(times(page, "<svg"), 3u) << "where, when, how";
+  const std::size_t words = page.find(verdict.at("summary").get<std::string>().substr(0, 40));
+  ASSERT_NE(words, std::string::npos);
+  EXPECT_LT(words, page.find("CONFIRMED")) << "plain words come first";
+  EXPECT_LT(page.find("CONFIRMED"), page.find("<svg"));
 }
 
 TEST_F(Session, IsDiagnosedAsItIs) {
