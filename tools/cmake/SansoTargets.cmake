@@ -113,8 +113,8 @@ list(APPEND SANSO_NUMBERS tests/tools/bench_diagnose tests/tools/conceal)
 # sanso_test(name SOURCES ... LINK ... [LABELS ...] [TIMEOUT s] [COST s]): one GoogleTest program, one ctest entry.
 # Labels: slow (left out under sanitizers), threads (run under the thread sanitizer), tree (reads the sources, runs none
 # of them, so that one run is enough).
-# numbers (below): arithmetic on containers of values, without bytes, threads or pointers of its own; the largest part of a
-# build under sanitizers. `cmake --build build/asan-ubsan && ctest --preset asan-ubsan -L numbers` runs them as well.
+# numbers (below): arithmetic on containers of values, without bytes, threads or pointers of its own, and the commands that
+# need all of it; the largest part of a build under sanitizers. `cmake --build build/asan-ubsan && ctest --preset asan-ubsan -L numbers` runs them as well.
 add_custom_target(threaded_tests)
 add_custom_target(sanitized_tests)
 function(sanso_test name)
