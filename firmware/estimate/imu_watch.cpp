@@ -10,7 +10,6 @@ namespace sanso::firmware {
 namespace {
 
 using math::Vec3;
-constexpr double kG = firmware::kGravity;                      // not ImuWatch::kGravity, a reason
 constexpr double kForceWindow_s = 1.0, kForceTolerance = 3.0;  // m/s^2
 constexpr double kRateWindow_s = 0.2, kRateTolerance_rad = 0.2;
 // legs: only where both have turned the trunk noticeably, and by like amounts
@@ -60,7 +59,7 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
   }
   heard_s_ += dt;
   reason_ = kPlausible;
-  if (gravity_wrong(dt, imu)) reason_ = kGravity;
+  if (gravity_wrong(dt, imu)) reason_ = kOtherGravity;
   if (rate_wrong(dt, imu)) reason_ = kRate;
   if (!standing) lean_ = Lean{}, rocked_ = false;
   if (estimator.on_wheels()) {  // a foot turns with the ground under its wheels
@@ -76,9 +75,9 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
 bool ImuWatch::gravity_wrong(double dt, const ImuSample& imu) {
   const Vec3 force_in_world =
       math::rotation_matrix(math::quat_normalized(imu.quat_world_base)) * imu.accel;
-  if (heard_s_ <= dt) mean_force_in_world_ = Vec3(0, 0, kG);
+  if (heard_s_ <= dt) mean_force_in_world_ = Vec3(0, 0, kGravity);
   mean_force_in_world_ += (force_in_world - mean_force_in_world_) * (dt / kForceWindow_s);
-  return (mean_force_in_world_ - Vec3(0, 0, kG)).norm() > kForceTolerance;
+  return (mean_force_in_world_ - Vec3(0, 0, kGravity)).norm() > kForceTolerance;
 }
 
 bool ImuWatch::rate_wrong(double dt, const ImuSample& imu) {

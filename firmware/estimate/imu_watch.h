@@ -14,9 +14,9 @@ class ImuWatch {
  public:
   enum Reason : std::uint8_t {
     kPlausible = 0,
-    kGravity = 1,     // the mean specific force is not 9.81 m/s^2 upwards
-    kRate = 2,        // the orientation does not turn as the gyro says
-    kAgainstLegs = 3  // the trunk turns another way than the legs on the ground turn it
+    kOtherGravity = 1,  // the mean specific force is not 9.81 m/s^2 upwards
+    kRate = 2,          // the orientation does not turn as the gyro says
+    kAgainstLegs = 3    // the trunk turns another way than the legs on the ground turn it
   };
 
   explicit ImuWatch(const ImuSettings& settings) : settings_(settings) {}

@@ -140,7 +140,7 @@ TEST(ImuWatch, OtherUnitsOfForceAreFound) {
   for (const double one_g : {1.0, 981.0, 4.905}) {
     Sensor s;
     s.sample.accel = {0, 0, one_g};
-    EXPECT_EQ(s.run(200), ImuWatch::kGravity) << one_g;
+    EXPECT_EQ(s.run(200), ImuWatch::kOtherGravity) << one_g;
   }
   Sensor good;
   EXPECT_EQ(good.run(500), ImuWatch::kPlausible);
