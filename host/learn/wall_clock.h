@@ -1,4 +1,4 @@
-// Wall time, for what a summary says of its own cost: never a part of an answer.
+// Wall time, for what a run says of its own cost: never a part of an answer.
 #pragma once
 
 #include <chrono>

@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "host/mpc/solver.h"
+#include "host/learn/wall_clock.h"
 
 namespace sanso::learn {
 namespace {
@@ -24,7 +24,7 @@ Progress::Progress(std::FILE* out, std::string label, int total, int done_before
       label_(std::move(label)),
       total_(total),
       done_before_(done_before),
-      begin_(mpc::steady_now()),
+      begin_s_(wall_s()),
       terminal_(::isatty(::fileno(out)) != 0) {}
 
 Progress::~Progress() {
@@ -32,9 +32,9 @@ Progress::~Progress() {
 }
 
 void Progress::update(int done, const std::string& note) {
-  const double elapsed = to_seconds(mpc::steady_now() - begin_);
+  const double elapsed_s = wall_s() - begin_s_;
   const int here = done - done_before_;
-  const std::string left = here > 0 ? minutes_seconds(elapsed / here * (total_ - done)) : "-:--";
+  const std::string left = here > 0 ? minutes_seconds(elapsed_s / here * (total_ - done)) : "-:--";
   constexpr int kWidth = 24;
   const int filled = total_ > 0 ? kWidth * done / total_ : kWidth;
   const std::string line =

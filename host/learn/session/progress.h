@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <string>
 
-#include "shared/base/time.h"
-
 namespace sanso::learn {
 
 class Progress {
@@ -24,7 +22,7 @@ class Progress {
   std::FILE* out_;
   std::string label_;
   int total_, done_before_;
-  Nanoseconds begin_;
+  double begin_s_;
   bool terminal_, line_open_ = false;
 };
 

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <iterator>
 #include <memory>
 
+#include "host/learn/wall_clock.h"
 #include "shared/policy/layer_sum.h"
 #include "shared/policy/policy_bytes.h"
 
@@ -16,11 +16,6 @@ namespace sanso::learn {
 namespace {
 
 using wire::SupervisorState;
-
-double wall_ms() {
-  using namespace std::chrono;
-  return duration<double, std::milli>(steady_clock::now().time_since_epoch()).count();
-}
 
 void require(Status status, const char* what, const link::RobotLink& robot) {
   if (status == Status::ok) return;
@@ -183,7 +178,7 @@ const policy::UpperPolicy* Trial::policy_in_use(const wire::Observation& o) cons
 
 void Trial::plan_from(const wire::Observation& o) {
   const Nanoseconds begin = robot_.clock().now();
-  const double wall_begin = wall_ms();
+  const double wall_begin_s = wall_s();
   mpc::PlanRequest request;
   request.observed_tick = o.trial_tick;
   request.x_observed = o.x;
@@ -198,7 +193,8 @@ void Trial::plan_from(const wire::Observation& o) {
   if (plan_->status != Status::ok) return;
   // what is predicted from next time is what the controller executes
   policy::round_to_wire(plan_->policy);
-  const double planned_ms = wall_ms() - wall_begin;  // before a virtual clock lets its world run on
+  // before a virtual clock lets its world run on
+  const double planned_ms = 1e3 * (wall_s() - wall_begin_s);
   robot_.clock().finish_computation(begin, from_seconds(settings_.modelled_planning_s));
   robot_.send_policy(plan_->policy);
   if (settings_.watcher) settings_.watcher->planned(planned_ms);
