@@ -80,6 +80,7 @@ struct DecisionSettings {
   double shot_outlier = 3.0;
   int tolerance_draws = 12;
   double nearly_strongest = 0.8;
+  double unseen = 0.1;
   double known_first = 0.5;
   double promised = 5.0;
   double promised_share = 0.02;
@@ -138,6 +139,8 @@ struct DecisionSettings {
     field(
         "nearly_strongest", nearly_strongest, "share", 0.1, 2.0,
         "of the score of its cluster's strongest: the simplest member that has it speaks for all");
+    field("unseen", unseen, "share", 0.0001, 1.0,
+          "of the variance that a number keeps which moves no row: above it the fit chose none");
     field("known_first", known_first, "correlation", 0.0, 2.0,
           "that a documented look-alike counts for more when replacements are chosen");
     field("promised", promised, "noise levels", 0.5, 100.0,

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/fit/start.h"
 
 namespace sanso::diagnose {
@@ -91,14 +92,13 @@ FitResult freed(const Surroundings& around, FitResult found) {
 
 /// Numbers that the alternative's fit really chose: what no row of the data shows (a centre of mass
 /// along its joint's axis) has no covariance but the prior's whisper.
-int numbers_chosen(const Library& library, const Alternative& a) {
-  constexpr double kUnseen = 1e5;  // of the 1e6 of a parameter that moves nothing
+int numbers_chosen(const DecisionSettings& settings, const Library& library, const Alternative& a) {
   const Candidate& c = library[a.candidate];
   int out = free_parameters(c);
   if (a.fit.covariance.rows() == 0) return out;
   Eigen::Index at = a.fit.parameters - static_cast<Eigen::Index>(c.parameters.size());
   for (const CandidateParameter& p : c.parameters) {
-    if (!p.structural && a.fit.covariance(at, at) > kUnseen) --out;
+    if (!p.structural && a.fit.covariance(at, at) * kWhisper > settings.unseen) --out;
     ++at;
   }
   return out;
@@ -275,7 +275,9 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
     // a name with more parameters has to be better beyond chance, by something that matters
     const bool close =
         !all[i].far_behind && !beaten(decisions, all[i].behind, practical_energy(*problem));
-    if (close && numbers_chosen(library, all[i]) < numbers_chosen(library, all[pick])) pick = i;
+    if (close &&
+        numbers_chosen(decisions, library, all[i]) < numbers_chosen(decisions, library, all[pick]))
+      pick = i;
   }
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
               all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);

@@ -8,10 +8,12 @@
 
 namespace sanso::diagnose {
 
-/// Prior precision: nothing on effects (beyond a whisper that keeps the matrix regular), the
-/// tolerance on nuisances.
+/// Prior precision of what has none: keeps the matrix regular where a number moves nothing.
+inline constexpr double kWhisper = 1e-6;
+
+/// Prior precision: nothing on effects (beyond a whisper), the tolerance on nuisances.
 inline double prior(const Surroundings& around, Eigen::Index effects, Eigen::Index i) {
-  return i < effects ? 1e-6 : around.settings().tolerances.precision;
+  return i < effects ? kWhisper : around.settings().tolerances.precision;
 }
 
 /// [J r]: the error as one more column, so that one Gram matrix holds both sides.

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "tests/support/small_comparison.h"
 #include "tools/diagnose/fit/imitate.h"
+#include "tools/diagnose/fit/normal_equations.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -141,6 +143,38 @@ TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
   const Surroundings around = make_surroundings(b.problem, b.library, Model{});
   const Screening seen = screen(around, Model{}, fit(around, Model{}, 3).r, b.all(), Random(1));
   EXPECT_TRUE(rivals(Settings{}, b.library, seen, 1e12).empty());
+}
+
+TEST(Rivals, ANumberThatNoRowShowsWasNotChosen) {
+  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction", "cable_spring"});
+  const std::size_t spring = b.of("cable_spring"), damper = b.of("viscous_friction");
+  ASSERT_EQ(free_parameters(b.library[spring]), 2);
+  ASSERT_EQ(free_parameters(b.library[damper]), 1);
+  // two that explain the same; of the second number of the spring the data leave this variance,
+  // of what a number has that moves nothing
+  const auto winner = [&](double left, double unseen) {
+    Comparison judged = *b.problem;
+    judged.settings.decisions.unseen = unseen;
+    std::vector<Alternative> all(2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      all[i].candidate = i == 0 ? spring : damper;
+      all[i].fit.parameters = free_parameters(b.library[all[i].candidate]);
+      all[i].fit.covariance =
+          Eigen::MatrixXd::Identity(all[i].fit.parameters, all[i].fit.parameters);
+      all[i].heldout = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(b.problem->shots.size()),
+                                                 i == 0 ? 1.0 : 1.0 + 1e-9);
+    }
+    all[0].fit.covariance(1, 1) = left / kWhisper;
+    rank(b.library,
+         {std::make_shared<const Comparison>(std::move(judged)), b.problem.scales,
+          b.problem.correction},
+         all);
+    return all.front().candidate;
+  };
+  const double usual = DecisionSettings{}.unseen;
+  EXPECT_EQ(winner(0.5 * usual, usual), damper) << "two numbers against one";
+  EXPECT_EQ(winner(2.0 * usual, usual), spring) << "one against one: what explains more";
+  EXPECT_EQ(winner(2.0 * usual, 4.0 * usual), damper) << "the setting decides";
 }
 
 }  // namespace
