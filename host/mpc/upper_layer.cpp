@@ -131,8 +131,6 @@ void UpperLayer::begin_trial(const TrialContext& context) {
   impl_->has_last = false;
 }
 
-const MpcSettings& UpperLayer::settings() const { return impl_->settings; }
-
 void UpperLayer::plan(const PlanRequest& request, PlanResult& result) {
   Impl& s = *impl_;
   const Nanoseconds start = steady_now();

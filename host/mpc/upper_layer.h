@@ -30,8 +30,6 @@ class UpperLayer {
   /// input.
   void plan(const PlanRequest& request, PlanResult& result);
 
-  const MpcSettings& settings() const;
-
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

@@ -73,7 +73,6 @@ TomlTable TomlTable::read(const std::string& path) {
   return parse(text, path);
 }
 
-const std::string& TomlTable::file() const { return node_->file; }
 int TomlTable::line() const { return line_at(*node_->table); }
 int TomlTable::line_of(std::string_view key) const {
   const toml::node* n = node_->table->get(key);

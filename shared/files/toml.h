@@ -19,7 +19,6 @@ class TomlTable {
   static TomlTable parse(std::string_view text, const std::string& file);
   static TomlTable read(const std::string& path);
 
-  const std::string& file() const;
   const std::string& path() const { return path_; }  // "joint.l_knee"; empty at the top
   int line() const;
   int line_of(std::string_view key) const;

@@ -304,7 +304,6 @@ void EmulatedRobot::begin_rested(const plant::Condition& before) {
 
 void EmulatedRobot::press(std::uint8_t buttons) { impl_->board.press(buttons); }
 FaultPlan& EmulatedRobot::faults() { return impl_->faults; }
-const plant::World& EmulatedRobot::world() const { return impl_->world; }
 
 Truth EmulatedRobot::truth() const {
   const plant::Plant& body = impl_->body;

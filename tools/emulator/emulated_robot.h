@@ -143,7 +143,6 @@ class EmulatedRobot {
 
   FaultPlan& faults();
   Truth truth() const;
-  const plant::World& world() const;
 
  private:
   struct Impl;

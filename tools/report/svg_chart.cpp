@@ -297,42 +297,6 @@ std::string svg(const LineChart& chart, ChartSize size) {
   return out + vertical_label(chart.y_label, size) + "</svg>\n";
 }
 
-std::string svg(const BarChart& chart, ChartSize size) {
-  Range ys;
-  for (const Bar& bar : chart.bars) {
-    for (double v : {bar.value, bar.low.value_or(bar.value), bar.high.value_or(bar.value)})
-      if (!chart.log_y || v > 0) ys.include(v);
-  }
-  if (!chart.log_y) ys.include(0.0);  // bars of a linear axis start at zero
-  Range yr = ys.drawable();
-  if (chart.log_y) yr.include(0.5 * yr.low());
-  const Axis y = vertical_axis(yr, chart.log_y, size);
-  const double base = chart.log_y ? y.pixel_low : y.pixel(0.0);
-  const double slot = static_cast<double>(size.width - kLeft - kRight) /
-                      std::max<std::size_t>(chart.bars.size(), 1);
-
-  std::string out = open_svg(chart.title, size) + horizontal_grid(y, size) + frame(size);
-  for (std::size_t i = 0; i < chart.bars.size(); ++i) {
-    const Bar& bar = chart.bars[i];
-    const double centre = kLeft + (static_cast<double>(i) + 0.5) * slot;
-    if (std::isfinite(bar.value)) {
-      const double py = y.pixel(bar.value);
-      out += fmt::format("<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}'/>\n",
-                         centre - 0.32 * slot, std::min(py, base), 0.64 * slot, std::abs(base - py),
-                         kPalette[0]);
-      out += text_at(centre, std::min(py, base) - 4, tick_label(bar.value), "middle", 10);
-    }
-    if (bar.low && bar.high) {
-      out += fmt::format(
-          "<line x1='{0:.1f}' x2='{0:.1f}' y1='{1:.1f}' y2='{2:.1f}' stroke='#000000'/>\n", centre,
-          y.pixel(*bar.low), y.pixel(*bar.high));
-    }
-    out += text_at(centre, size.height - kBottom + 16, bar.name, "middle", 11);
-  }
-  return out + level_lines(chart.levels, y, size) + vertical_label(chart.y_label, size) +
-         "</svg>\n";
-}
-
 std::string svg(const HeatMap& map, ChartSize size) {
   Range seen;
   for (const auto& row : map.values)

@@ -1,4 +1,4 @@
-// Charts as SVG text: lines, bars, heat map. Values in, markup out; no state, no files. Colours are
+// Charts as SVG text: lines, heat map. Values in, markup out; no state, no files. Colours are
 // the Okabe-Ito palette, which colour-blind readers can tell apart. NaN breaks a line or leaves a
 // cell empty.
 #pragma once
@@ -50,19 +50,6 @@ struct LineChart {
   bool log_y = false;
 };
 
-struct Bar {
-  std::string name;
-  double value = 0.0;
-  std::optional<double> low = {}, high = {};  // whisker
-};
-
-struct BarChart {
-  std::string title, y_label;
-  std::vector<Bar> bars;
-  std::vector<Level> levels = {};
-  bool log_y = false;
-};
-
 /// values[row][column]; the colour runs from white (low) to dark blue (high), or blue - white - red
 /// when `diverging`.
 struct HeatMap {
@@ -74,7 +61,6 @@ struct HeatMap {
 };
 
 std::string svg(const LineChart& chart, ChartSize size = {});
-std::string svg(const BarChart& chart, ChartSize size = {});
 std::string svg(const HeatMap& map, ChartSize size = {});
 
 /// Text with &, <, >, " made safe for markup. Also used by the HTML page.

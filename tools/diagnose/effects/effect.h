@@ -31,7 +31,6 @@ enum class Port {
 };
 enum class Scope { joint, link, robot };  // what `where` names: joints, links, nothing
 std::string_view to_string(Family family);
-std::string_view to_string(Port port);
 std::string_view to_string(Scope scope);
 
 /// Bounds and typical sizes in the library are those of an XM430-W350 (4.1 N m, 4.8 rad/s). For

@@ -13,12 +13,6 @@ std::string_view to_string(Family family) {
       "friction", "transmission", "mass", "electrical", "timing", "sensor", "contact", "external"};
   return names[static_cast<std::size_t>(family)];
 }
-std::string_view to_string(Port port) {
-  constexpr std::array<std::string_view, 9> names{"clock",      "command path", "firmware",
-                                                  "electrical", "transmission", "rigid body",
-                                                  "contact",    "external",     "sensor"};
-  return names[static_cast<std::size_t>(port)];
-}
 std::string_view to_string(Scope scope) {
   constexpr std::array<std::string_view, 3> names{"joint", "link", "robot"};
   return names[static_cast<std::size_t>(scope)];
