@@ -1,5 +1,4 @@
-// Features, forward pass and Jacobian by the chain rule, in double precision: the reference for
-// the lanes of host/mpc.
+// Features and forward pass in double precision: the reference for the lanes of host/mpc.
 #include "host/model/residual_network.h"
 
 #include <cmath>
@@ -10,6 +9,7 @@ namespace sanso::host {
 namespace {
 
 using model::kNumJoints;
+using Hidden = Eigen::Matrix<double, kHidden, 1>;
 
 // Turns the linear blocks of a tangent with R; the other blocks are already in body or joint
 // coordinates.
@@ -17,21 +17,6 @@ model::Tangent with_linear_blocks_turned(const math::Mat3& R, model::Tangent d) 
   d.segment<3>(model::kDPos) = (R * d.segment<3>(model::kDPos)).eval();
   d.segment<3>(model::kDVel) = (R * d.segment<3>(model::kDVel)).eval();
   return d;
-}
-
-struct Activations {
-  Eigen::Matrix<double, kHidden, 1> a1, h1, a2, h2;
-};
-
-Activations activations(const ResidualNetwork& n, const Features& features) {
-  Activations s;
-  const Features z =
-      (features - n.feature_mean.cast<double>()).cwiseProduct(n.feature_scale.cast<double>());
-  s.a1 = n.W1.cast<double>() * z + n.b1.cast<double>();
-  s.h1 = s.a1.unaryExpr(&softplus<double>);
-  s.a2 = n.W2.cast<double>() * s.h1 + n.b2.cast<double>();
-  s.h2 = s.a2.unaryExpr(&softplus<double>);
-  return s;
 }
 
 }  // namespace
@@ -51,20 +36,14 @@ Features residual_features(const model::State& x, const model::Input& u) {
 }
 
 model::Tangent residual_output(const ResidualNetwork& n, const Features& features) {
-  const Activations s = activations(n, features);
-  const model::Tangent y = n.W3.cast<double>() * s.h2 + n.b3.cast<double>();
+  const Features z =
+      (features - n.feature_mean.cast<double>()).cwiseProduct(n.feature_scale.cast<double>());
+  const Hidden a1 = n.W1.cast<double>() * z + n.b1.cast<double>();
+  const Hidden h1 = a1.unaryExpr(&softplus<double>);
+  const Hidden a2 = n.W2.cast<double>() * h1 + n.b2.cast<double>();
+  const Hidden h2 = a2.unaryExpr(&softplus<double>);
+  const model::Tangent y = n.W3.cast<double>() * h2 + n.b3.cast<double>();
   return n.output_mean.cast<double>() + y.cwiseProduct(n.output_scale.cast<double>());
-}
-
-Eigen::Matrix<double, model::kNdx, kFeatures> residual_jacobian(const ResidualNetwork& n,
-                                                                const Features& features) {
-  const Activations s = activations(n, features);
-  const Eigen::Matrix<double, kHidden, 1> d1 = s.a1.unaryExpr(&softplus_slope<double>),
-                                          d2 = s.a2.unaryExpr(&softplus_slope<double>);
-  const Eigen::Matrix<double, kHidden, kFeatures> J1 =
-      d1.asDiagonal() * n.W1.cast<double>() * n.feature_scale.cast<double>().asDiagonal();
-  const Eigen::Matrix<double, kHidden, kFeatures> J2 = d2.asDiagonal() * (n.W2.cast<double>() * J1);
-  return n.output_scale.cast<double>().asDiagonal() * (n.W3.cast<double>() * J2);
 }
 
 model::Tangent residual_tangent(const ResidualNetwork& n, const model::State& x,

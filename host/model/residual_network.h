@@ -45,10 +45,6 @@ Features residual_features(const model::State& x, const model::Input& u);
 /// Output in base axes, double precision throughout: the reference for the lanes and for training.
 model::Tangent residual_output(const ResidualNetwork& network, const Features& features);
 
-/// d output / d features (36 x 46) at `features`, exact.
-Eigen::Matrix<double, model::kNdx, kFeatures> residual_jacobian(const ResidualNetwork& network,
-                                                                const Features& features);
-
 /// f_NN(x, u) as a tangent to be added to the analytical step's result: x' = f_A(x, u) ⊕ f_NN(x,
 /// u).
 model::Tangent residual_tangent(const ResidualNetwork& network, const model::State& x,

@@ -248,10 +248,4 @@ class Grammar {
 
 std::optional<TomlDefect> first_toml_defect(std::string_view text) { return Grammar(text).check(); }
 
-std::string describe(const TomlDefect& defect) {
-  const std::string found =
-      defect.found.empty() ? "the end of the text" : '"' + std::string(defect.found) + '"';
-  return std::to_string(defect.line) + ": found " + found + ", expected " + defect.expected;
-}
-
 }  // namespace sanso::files

@@ -24,7 +24,4 @@ struct TomlDefect {
 /// document (a key given twice) is left to the library.
 std::optional<TomlDefect> first_toml_defect(std::string_view text);
 
-/// For messages: line and colon, what was found, what was expected.
-std::string describe(const TomlDefect& defect);
-
 }  // namespace sanso::files

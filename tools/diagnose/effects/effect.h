@@ -239,8 +239,6 @@ std::vector<Tolerated> tolerated_quantities();
 /// (Effect::contains). Not the other way round: a special case is no twin of what contains it
 /// unless it is listed. Library ids; unknown ones have no twins.
 bool documented_twin(std::string_view name, std::string_view truth);
-/// All documented twins of an effect, in the order of the library.
-std::vector<std::string_view> documented_twins(std::string_view truth);
 
 /// How a joint compares with the library's servo; all 1 for the XM430-W350.
 struct JointScale {

@@ -116,14 +116,6 @@ bool documented_twin(std::string_view name, std::string_view truth) {
   return lists(there->confounders, name) || lists(named->contains, truth);
 }
 
-std::vector<std::string_view> documented_twins(std::string_view truth) {
-  std::vector<std::string_view> out;
-  for (const Effect& e : library()) {
-    if (documented_twin(e.id, truth)) out.push_back(e.id);
-  }
-  return out;
-}
-
 double JointScale::of(Unit unit) const {
   switch (unit) {
     case Unit::none:

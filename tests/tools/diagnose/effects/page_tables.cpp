@@ -42,8 +42,9 @@ std::string effect_table_markdown() {
     }
     out += " | ";
     std::string_view between;
-    for (const std::string_view twin : documented_twins(effect.id)) {
-      out += std::string(between) + "`" + std::string(twin) + "`";
+    for (const Effect& twin : library()) {
+      if (!documented_twin(twin.id, effect.id)) continue;
+      out += std::string(between) + "`" + std::string(twin.id) + "`";
       between = ", ";
     }
     out += " |\n";
