@@ -135,14 +135,7 @@ Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& lib
                                       const Model& model, const Eigen::VectorXd& base,
                                       const std::vector<std::size_t>& joints,
                                       const std::vector<char>& shots) {
-  Pass pass;
-  pass.wanted_shots = shots;
-  SimParams params = problem->sources.front().nominal;
-  library.apply(model, params);
-  if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);
-  Eigen::VectorXd r = base;
-  one_pass(problem, library, model, pass, r);
-  return r;
+  return prediction_error_with_lost(problem, library, model, base, {}, shots, joints);
 }
 
 bool LostCommand::operator<(const LostCommand& other) const {
