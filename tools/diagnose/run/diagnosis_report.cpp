@@ -85,11 +85,7 @@ std::string diagnosis_report(const Diagnosis& d) {
     tell_next_experiment(page, v);
   }
   tell_limits(page, v);
-  page.heading("How it was found");
-  std::string log;
-  for (const std::string& line : d.log) log += line + "\n";
-  page.code(log);
-  for (const std::string& note : v.notes) page.paragraph("Note: " + note);
+  tell_log(page, v, d.log);
   return page.finish();
 }
 

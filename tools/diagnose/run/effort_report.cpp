@@ -67,11 +67,7 @@ std::string effort_report(const EffortDiagnosis& d) {
   tell_findings(page, v);
   tell_scores(page, d);
   tell_unexplained(page, v);
-  page.heading("How it was found");
-  std::string log;
-  for (const std::string& line : d.outcome.log) log += line + "\n";
-  page.code(log);
-  for (const std::string& note : v.notes) page.paragraph("Note: " + note);
+  tell_log(page, v, d.outcome.log);
   return page.finish();
 }
 

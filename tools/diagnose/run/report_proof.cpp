@@ -147,4 +147,12 @@ void tell_limits(report::HtmlPage& page, const Verdict& v) {
   }
 }
 
+void tell_log(report::HtmlPage& page, const Verdict& v, const std::vector<std::string>& log) {
+  page.heading("How it was found");
+  std::string text;
+  for (const std::string& line : log) text += line + "\n";
+  page.code(text);
+  for (const std::string& note : v.notes) page.paragraph("Note: " + note);
+}
+
 }  // namespace sanso::diagnose

@@ -45,4 +45,7 @@ void tell_next_experiment(report::HtmlPage& page, const Verdict& v);
 /// What could not be tested, and the smallest sizes that would have been seen.
 void tell_limits(report::HtmlPage& page, const Verdict& v);
 
+/// The steps of the run, and the verdict's notes.
+void tell_log(report::HtmlPage& page, const Verdict& v, const std::vector<std::string>& log);
+
 }  // namespace sanso::diagnose

@@ -66,11 +66,7 @@ std::string page_of(const WholeDiagnosis& d, double creeping) {
   for (const Finding& f : v.findings) tell_finding(page, f);
   tell_scores(page, v);
   tell_limits(page, v);
-  page.heading("How it was found");
-  std::string log;
-  for (const std::string& line : d.log) log += line + "\n";
-  page.code(log);
-  for (const std::string& note : v.notes) page.paragraph("Note: " + note);
+  tell_log(page, v, d.log);
   return page.finish();
 }
 
