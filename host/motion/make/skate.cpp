@@ -254,6 +254,7 @@ Trajectory roll(const Skate& skate, const model::Ground& ground) {
 
 std::vector<std::string> skate_names() {
   std::vector<std::string> names;
+  names.reserve(kSkateEntries.size());
   for (const auto& [name, make] : kSkateEntries) names.emplace_back(name);
   return names;
 }
