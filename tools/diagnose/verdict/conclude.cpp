@@ -83,11 +83,20 @@ Evidence without_tolerated(Evidence evidence) {
   return evidence;
 }
 
+/// What may be nothing improves a prediction and names no cause: it is told as a description.
+Evidence without_what_may_be_nothing(Evidence evidence) {
+  for (const Finding& f : evidence.findings) {
+    if (f.spans_null) evidence.search.described.push_back(sentence(f));
+  }
+  std::erase_if(evidence.findings, [](const Finding& f) { return f.spans_null; });
+  return evidence;
+}
+
 }  // namespace
 
 Verdict conclude(const Evidence& all) {
   if (!all.defects.empty()) return refusal(all.defects);
-  const Evidence evidence = without_tolerated(all);
+  const Evidence evidence = without_what_may_be_nothing(without_tolerated(all));
   if (evidence.unfinished) return stopped(evidence);
   Verdict out;
   out.unexplained = unexplained(evidence);

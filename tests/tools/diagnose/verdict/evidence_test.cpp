@@ -136,6 +136,18 @@ TEST(Conclude, WhatLawsOfOneNameDifferByIsANoteAndNoFinding) {
       << "it covers nothing that is left";
 }
 
+TEST(Conclude, WhatMayBeNothingIsDescribedAndNamesNoCause) {
+  Evidence e = found(VerdictStatus::confirmed);
+  e.findings.push_back(finding(VerdictStatus::present_unnamed));
+  e.findings[1].effect = "external_push";
+  e.findings[1].spans_null = true;
+  const Verdict v = conclude(e);
+  ASSERT_EQ(v.findings.size(), 1U);
+  EXPECT_EQ(v.findings[0].effect, "backlash");
+  EXPECT_EQ(v.status, VerdictStatus::present_unnamed) << "predictions gain from something";
+  EXPECT_NE(v.answer.find("Described, not explained, by external_push"), std::string::npos);
+}
+
 TEST(Conclude, IsAFunctionOfTheEvidence) {
   for (const Row& row : with_findings()) {
     EXPECT_EQ(verdict_json(conclude(row.evidence)), verdict_json(conclude(row.evidence)));
