@@ -14,53 +14,10 @@
 #include "tools/diagnose/stats/random.h"
 #include "tools/diagnose/stats/significance.h"
 #include "tools/diagnose/wholebody/drive_numbers.h"
+#include "tools/diagnose/wholebody/drive_way.h"
 
 namespace sanso::diagnose {
 namespace {
-
-using Terms = std::vector<const DriveTerm*>;
-
-Terms plus(Terms terms, const DriveTerm* more) {
-  terms.push_back(more);
-  return terms;
-}
-Terms without(Terms terms, const DriveTerm* less) {
-  std::erase(terms, less);
-  return terms;
-}
-
-/// One way of cutting the rows, with what is fitted when a third is left out.
-class Way {
- public:
-  const std::vector<Normal>* groups = nullptr;
-  std::vector<std::unique_ptr<Eliminated>> fitted;
-  /// Squared deviations of every group, predicted by the other thirds. `strain`: and how far the
-  /// nuisances are from what a nominal model says, shared by the groups: a robot that is far off in
-  /// a dozen figures is no better a prediction than one cause.
-  std::vector<double> left_out(const Terms& terms, bool strain) const {
-    return predicted(terms, [&](const Normal& group, const Eliminated::Fit& fit) {
-      return group.loss(fit.figures) +
-             (strain ? fit.strained / static_cast<double>(groups->size()) : 0.0);
-    });
-  }
-  /// The same with the terms alone, as a model that is patched with them has it.
-  std::vector<double> left_by_named(const Terms& terms) const {
-    return predicted(terms, [](const Normal& group, const Eliminated::Fit& fit) {
-      return group.loss(fit.named);
-    });
-  }
-
- private:
-  std::vector<double> predicted(const Terms& terms, const auto& loss) const {
-    std::vector<double> out(groups->size());
-    for (std::size_t part = 0; part < fitted.size(); ++part) {
-      const Eliminated::Fit fit = fitted[part]->fit(terms);
-      for (std::size_t g = part; g < groups->size(); g += fitted.size())
-        out[g] = loss((*groups)[g], fit);
-    }
-    return out;
-  }
-};
 
 class Chooser {
  public:
@@ -106,22 +63,30 @@ class Chooser {
     }
   }
 
-  struct Gain {
-    double share = 0.0, low = 0.0;  // of the left-out error of `less`; the least of all ways
-  };
   Gain gain(const Terms& less, const Terms& more) const {
-    Gain out{1e300, 1e300};
-    for (const Way& way : ways_) {
-      const std::vector<double> a = way.left_out(less, true), b = way.left_out(more, true);
-      std::vector<double> gained;
-      for (std::size_t g = 0; g < a.size(); ++g) gained.push_back(a[g] - b[g]);
-      const double all = std::max(sum(a), 1e-300);
-      const DecisionSettings& d = asking_.decisions;
-      const double low =
-          moving_block_lower_bound(gained, d.gain_level, d.gain_draws, Random(asking_.seed, 41));
-      out.share = std::min(out.share, sum(gained) / all), out.low = std::min(out.low, low / all);
-    }
-    return out;
+    return gain_in(ways_, less, more, asking_,
+                   [](const Way& way, const Terms& terms) { return way.left_out(terms, true); });
+  }
+  /// The same for a model that is patched with the terms alone.
+  Gain gain_of_names(const Terms& less, const Terms& more) const {
+    return gain_in(ways_, less, more, asking_,
+                   [](const Way& way, const Terms& terms) { return way.left_by_named(terms); });
+  }
+
+  /// Without it a figure of the nominal model has to be further off than it may, and with it no
+  /// longer.
+  bool relieves(const Terms& less, const Terms& more) const {
+    const Eliminated::Fit without = all_->fit(less), with = all_->fit(more);
+    return without.farthest > asking_.stance.strained &&
+           with.strains[without.which] <= asking_.stance.strained;
+  }
+
+  /// Beyond chance. A nuisance that may say what the name says (a delay of all goals) takes it up at
+  /// the price of its strain, which is little beside what noise scatters: there a model that is
+  /// patched with the name alone has to predict better.
+  bool proven(const Terms& less, const Terms& more, const Gain& g) const {
+    return g.low > 0.0 ||
+           (g.share > 0.0 && relieves(less, more) && gain_of_names(less, more).low > 0.0);
   }
 
   bool open(const DriveTerm& t) const {
@@ -170,15 +135,11 @@ class Chooser {
     return out;
   }
 
-  /// A small share counts where without it a figure of the nominal model has to be further off than
-  /// it may, and with it no longer.
+  /// A small share counts where it relieves a figure of the nominal model.
   bool pays(const Terms& less, const Terms& more) const {
     const Gain g = gain(less, more);
-    if (!(g.low > 0.0)) return false;
-    if (g.share >= asking_.decisions.minimum_share) return true;
-    const Eliminated::Fit without = all_->fit(less), with = all_->fit(more);
-    return without.farthest > asking_.stance.strained &&
-           with.strains[without.which] <= asking_.stance.strained;
+    if (!proven(less, more, g)) return false;
+    return g.share >= asking_.decisions.minimum_share || relieves(less, more);
   }
 
   /// Whether every kind of row scatters by no more than was known beforehand, by a robot that is no
@@ -219,7 +180,8 @@ class Chooser {
   void backward() {
     for (std::size_t i = 0; i < taken_.size();) {
       const DriveTerm* t = taken_[i];
-      if (gain(without(taken_, t), taken_).low > 0.0 && plausible(taken_, *t)) {
+      const Terms less = without(taken_, t);
+      if (proven(less, taken_, gain(less, taken_)) && plausible(taken_, *t)) {
         ++i;
         continue;
       }
