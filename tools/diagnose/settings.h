@@ -66,6 +66,7 @@ struct DecisionSettings {
   double practical_size = 0.3;
   double minimum_share = 0.01;
   double stand_in_share = 0.5;
+  double mostly_agree = 0.5;
   double adequate = 1.42;
   int rivals = 8;
   int pairs = 4;
@@ -111,6 +112,9 @@ struct DecisionSettings {
           "of the first model's error: smaller effects are not worth a name");
     field("stand_in_share", stand_in_share, "share", 0.01, 1.0,
           "of the error energy: a contradicted effect that removes more stays, as a description");
+    field("mostly_agree", mostly_agree, "share of ranks", 0.01, 1.0,
+          "of the shots that gain from a name, at least: its interval may contain the null, where "
+          "recordings differ about its size");
     field("adequate", adequate, "noise levels", 0.1, 20.0,
           "above, what is left has more energy than the noise itself");
     field("rivals", rivals, "candidates", 1, 1000,

@@ -83,12 +83,16 @@ Evidence without_tolerated(Evidence evidence) {
   return evidence;
 }
 
-/// What may be nothing improves a prediction and names no cause: it is told as a description.
+/// What may be nothing improves a prediction and names no cause: it is told as a description. Where
+/// most shots agree that something of the kind is there, only its size is in doubt.
 Evidence without_what_may_be_nothing(Evidence evidence) {
+  const auto may_be_nothing = [&](const Finding& f) {
+    return f.spans_null && f.agreed_low < evidence.decisions.mostly_agree;
+  };
   for (const Finding& f : evidence.findings) {
-    if (f.spans_null) evidence.search.described.push_back(sentence(f));
+    if (may_be_nothing(f)) evidence.search.described.push_back(sentence(f));
   }
-  std::erase_if(evidence.findings, [](const Finding& f) { return f.spans_null; });
+  std::erase_if(evidence.findings, may_be_nothing);
   return evidence;
 }
 

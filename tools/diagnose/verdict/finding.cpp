@@ -115,6 +115,7 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   f.heldout_gain_low = std::min(
       f.heldout_gain, std::max(entry.gain.energy.lower / whole,
                                entry.gain.bounded.lower / std::max(entry.gain.whole, 1e-9)));
+  f.agreed_low = entry.gain.ranks.lower;
   f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
   f.spans_null = spans_null(c, f.parameters);
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);

@@ -48,6 +48,7 @@ struct Finding {
   double heldout_gain = 0.0;
   double heldout_gain_se = 0.0;
   double heldout_gain_low = 0.0;  // bound that chance leaves (moving-block bootstrap)
+  double agreed_low = 0.0;        // the same of signed ranks (1: every shot gains)
   std::vector<std::string> one_of;
   std::vector<std::string> terms;  // findings that are terms of one series with this one
   unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share

@@ -81,8 +81,8 @@ class Chooser {
            with.strains[without.which] <= asking_.stance.strained;
   }
 
-  /// Beyond chance. A nuisance that may say what the name says (a delay of all goals) takes it up at
-  /// the price of its strain, which is little beside what noise scatters: there a model that is
+  /// Beyond chance. A nuisance that may say what the name says (a delay of all goals) takes it up
+  /// at the price of its strain, which is little beside what noise scatters: there a model that is
   /// patched with the name alone has to predict better.
   bool proven(const Terms& less, const Terms& more, const Gain& g) const {
     return g.low > 0.0 ||

@@ -65,7 +65,6 @@ struct Gain {
 /// `left(way, terms)`: what is left of every group of a way.
 Gain gain_in(const std::vector<Way>& ways, const Terms& less, const Terms& more,
              const Asking& asking, const auto& left) {
-  constexpr std::uint64_t kStream = 41;
   Gain out{1e300, 1e300};
   for (const Way& way : ways) {
     const std::vector<double> a = left(way, less), b = left(way, more);
@@ -74,7 +73,7 @@ Gain gain_in(const std::vector<Way>& ways, const Terms& less, const Terms& more,
     const double all = std::max(std::accumulate(a.begin(), a.end(), 0.0), 1e-300);
     const DecisionSettings& d = asking.decisions;
     const double low =
-        moving_block_lower_bound(gained, d.gain_level, d.gain_draws, Random(asking.seed, kStream));
+        moving_block_lower_bound(gained, d.gain_level, d.gain_draws, Random(asking.seed, 41));
     out.share = std::min(out.share, std::accumulate(gained.begin(), gained.end(), 0.0) / all);
     out.low = std::min(out.low, low / all);
   }

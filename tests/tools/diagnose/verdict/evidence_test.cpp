@@ -146,6 +146,8 @@ TEST(Conclude, WhatMayBeNothingIsDescribedAndNamesNoCause) {
   EXPECT_EQ(v.findings[0].effect, "backlash");
   EXPECT_EQ(v.status, VerdictStatus::present_unnamed) << "predictions gain from something";
   EXPECT_NE(v.answer.find("Described, not explained, by external_push"), std::string::npos);
+  e.findings[1].agreed_low = 0.8;  // recordings differ about its size, and agree that it is there
+  EXPECT_EQ(conclude(e).findings.size(), 2U);
 }
 
 TEST(Conclude, IsAFunctionOfTheEvidence) {
