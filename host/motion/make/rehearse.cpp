@@ -18,6 +18,9 @@ namespace {
 constexpr int kTicksPerKnot = 2, kStepsPerTick = 5;
 constexpr double kStep_s = kTick_s / kStepsPerTick;
 constexpr double kFallen_rad = 0.6, kFallen_m = 0.15;
+/// Of u_up in trials [1/rad^2]: the targets hold already what the planner would add to others, and
+/// what it adds every 60 ms blurs the flight (measured: docs/results/jog-flight.md).
+constexpr double kInputWeight = 10.0;
 
 mpc::MpcSettings planner_settings(const RehearsalSettings& settings) {
   mpc::MpcSettings s;
@@ -192,6 +195,7 @@ Motion jog_motion(const std::string& name, const FlightJog& figures,
   m.weights.state[model::kDPos + 2] = 300.0;
   m.weights.state.segment<model::kNumJoints>(model::kDJoint).setConstant(0.05);
   m.weights.state.segment<model::kNumJoints>(model::kDJointRate).setConstant(0.001);
+  m.weights.input.setConstant(kInputWeight);
   constexpr double kFadeStart = 0.95;
   const double most = (policy::kMaxBasis - 1) / rehearsal.told.duration_s();
   m.primitives =

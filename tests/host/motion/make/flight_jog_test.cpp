@@ -6,6 +6,7 @@
 #include <array>
 #include <numeric>
 
+#include "host/motion/catalogue.h"
 #include "host/motion/dmp_fit.h"
 #include "host/motion/make/body_kinematics.h"
 #include "host/motion/make/rehearse.h"
@@ -118,6 +119,8 @@ TEST(Rehearsal, ItsMotionReadsBackAndWaivesNothing) {
   EXPECT_EQ(back.flight->heel_rad, FlightJog{}.heel_rad);
   EXPECT_EQ(*back.target_rate_rad_s, RehearsalSettings{}.target_rate_rad_s);
   EXPECT_EQ(to_toml(back), to_toml(m));
+  // what was rehearsed is told: the planner of a trial adds less to it than to other motions
+  EXPECT_GT(back.weights.input.minCoeff(), catalogue_entry("jog").weights.input.maxCoeff());
   for (const Clause& clause : back.success) EXPECT_TRUE(clause.waived.empty()) << clause.measure;
 }
 
