@@ -20,7 +20,7 @@ constexpr double kStep_s = kTick_s / kStepsPerTick;
 constexpr double kFallen_rad = 0.6, kFallen_m = 0.15;
 /// Of u_up in trials [1/rad^2]: the targets hold already what the planner would add to others, and
 /// what it adds every 60 ms blurs the flight (measured: docs/results/jog-flight.md).
-constexpr double kInputWeight = 10.0;
+constexpr double kInputWeight = 3.0;
 
 mpc::MpcSettings planner_settings(const RehearsalSettings& settings) {
   mpc::MpcSettings s;
