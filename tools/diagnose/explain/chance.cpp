@@ -129,6 +129,8 @@ bool judge_readings(SearchState& state) {
     if (measured && one.low > 0.0 && from_noise < closest) best = &one, closest = from_noise;
   }
   if (best == nullptr || closest > std::log(state.decisions().adequate)) return false;
+  if (loses_commands(state.candidate(best->candidate), state.problem->sources.front().nominal))
+    state.unpointed = best->candidate;
   accept_random(state, *best);
   return true;
 }

@@ -33,15 +33,6 @@ struct Showing {
   }
 };
 
-/// Whether a candidate makes commands be lost, and nothing else.
-bool loses(const Candidate& c, const SimParams& params) {
-  if (!c.random) return false;
-  SimParams with = params;
-  c.apply(with, c.probes.front());
-  return std::all_of(c.joints.begin(), c.joints.end(),
-                     [&](std::size_t j) { return with.joints[j].loss > params.joints[j].loss; });
-}
-
 /// Candidates that lose commands, and that the model does not have.
 std::vector<std::size_t> losing_candidates(const Surroundings& around, const Model& model) {
   const Library& library = *around.library;
@@ -49,7 +40,7 @@ std::vector<std::size_t> losing_candidates(const Surroundings& around, const Mod
   library.apply(model, params);
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < library.candidates.size(); ++i) {
-    if (!model.has(i) && loses(library[i], params)) out.push_back(i);
+    if (!model.has(i) && loses_commands(library[i], params)) out.push_back(i);
   }
   return out;
 }
@@ -251,6 +242,14 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
 }
 
 }  // namespace
+
+bool loses_commands(const Candidate& c, const SimParams& params) {
+  if (!c.random) return false;
+  SimParams with = params;
+  c.apply(with, c.probes.front());
+  return std::all_of(c.joints.begin(), c.joints.end(),
+                     [&](std::size_t j) { return with.joints[j].loss > params.joints[j].loss; });
+}
 
 std::optional<LossScore> find_losses(const Surroundings& around, const FitResult& final) {
   const Library& library = *around.library;

@@ -36,6 +36,9 @@ struct LossScore {
   Eigen::VectorXd repaired;
 };
 
+/// Whether a candidate makes commands be lost, and nothing else.
+bool loses_commands(const Candidate& c, const SimParams& params);
+
 /// Looks for lost commands at every joint where a candidate of the library could have lost some.
 /// Shots whose error is noise are not tried. A hold is believed when its likelihood ratio beats the
 /// number of holds tried at the family-wise level: for two fixed hypotheses P(ratio > x) <= 1 / x,

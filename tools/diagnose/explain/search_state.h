@@ -26,6 +26,8 @@ struct SearchState {
   const SelectOptions& options;
   const Regimes regimes;  // of the recorded motion
   Selection found;
+  // lost commands that scatter alone speaks for: none of them could be pointed at
+  std::optional<std::size_t> unpointed;
   std::vector<std::size_t> given_up;  // candidates that their own residual contradicted
 
   const DecisionSettings& decisions() const { return problem->settings.decisions; }

@@ -83,6 +83,10 @@ void finish(SearchState& state) {
   Selection& found = state.found;
   if (!found.accepted.empty())
     found.final.covariance = robust_covariance(*found.around, found.final, left_over(state));
+  for (Accepted& entry : found.accepted) {
+    if (entry.candidate == state.unpointed)
+      entry.contradicted = "no lost command could be pointed at, scatter alone speaks for them";
+  }
   const std::vector<double> sigma = parameter_sigmas(found.final, state.library);
   std::size_t next = 0;
   for (std::size_t i = 0; i < found.accepted.size(); ++i) {

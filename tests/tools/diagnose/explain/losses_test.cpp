@@ -100,6 +100,19 @@ TEST(Losses, RareBurstsStandOutFromManySmallErrors) {
   EXPECT_GT(said->high, 0.016);
 }
 
+TEST(Losses, AreWhatOneNameOfChanceMakes) {
+  const test::SmallComparison compared(
+      test::pendulum(kServo), {record({}, 0, {})}, {{"q:a", 0.0, kNoise, {}}},
+      {"timing_jitter", "packet_loss", "sample_hold", "command_delay"});
+  const SimParams& nominal = compared.problem->sources.front().nominal;
+  std::size_t losing = 0;
+  for (const Candidate& c : compared.library.candidates) {
+    EXPECT_EQ(loses_commands(c, nominal), c.effect == "packet_loss") << c.title();
+    losing += loses_commands(c, nominal) ? 1 : 0;
+  }
+  EXPECT_GT(losing, 0U);
+}
+
 TEST(Losses, NoneInACleanWorld) { EXPECT_FALSE(found({}, {})); }
 
 TEST(Losses, AnotherErrorIsNotMadeOfWholeLosses) {
