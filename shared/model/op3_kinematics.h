@@ -49,16 +49,6 @@ Eigen::Matrix<double, 3, kNv> rotation_jacobian(const Kinematics& kin, int body)
 /// Centre of mass of the whole robot in world axes [m].
 Vec3 centre_of_mass(const StepModel& model, const Kinematics& kin);
 
-struct Momentum {
-  Vec3 linear;   // kg m/s, world axes
-  Vec3 angular;  // kg m^2/s, about the centre of mass, world axes
-};
-/// Of all bodies; `kin` is that of x. Without armature.
-Momentum momentum(const StepModel& model, const Kinematics& kin, const State& x);
-/// Kinetic + potential energy [J] without armature; height measured along gravity from the world
-/// origin.
-double energy(const StepModel& model, const Kinematics& kin, const State& x);
-
 /// The symmetric upright stand of the public figures (base 0.2442 m above the sole, knees bent 65
 /// deg), at rest on z = 0.
 State standing_state();

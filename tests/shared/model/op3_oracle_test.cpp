@@ -10,6 +10,7 @@
 #include "shared/model/ground.h"
 #include "shared/model/op3_kinematics.h"
 #include "shared/model/op3_step.h"
+#include "tests/oracle/op3_momentum.h"
 #include "tests/oracle/op3_tree.h"
 #include "tests/shared/model/op3_states.h"
 #include "tests/support/mjcf_of_tree.h"

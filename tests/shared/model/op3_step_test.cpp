@@ -10,6 +10,7 @@
 
 #include "shared/model/op3_kinematics.h"
 #include "shared/model/step_batch.h"
+#include "tests/oracle/op3_momentum.h"
 #include "tests/shared/model/op3_states.h"
 
 namespace sanso::model {

@@ -7,6 +7,7 @@
 #include "shared/model/ground.h"
 #include "shared/model/op3_step.h"
 #include "shared/model/step_batch.h"
+#include "tests/oracle/op3_momentum.h"
 #include "tests/shared/model/op3_states.h"
 
 namespace sanso::model {
