@@ -91,6 +91,7 @@ struct ChanceSettings {
   double loss_wrong = 0.1;
   double loss_seen = 0.25;
   double loss_doubted = 2.0;
+  double loss_mirrored = 0.03;
   int draws = 24;
   int least_draws = 8;
   int all_draws = 240;
@@ -117,6 +118,8 @@ struct ChanceSettings {
           "of what a loss changes, in a tolerated model: gain, lag, mass and friction together");
     field("loss_seen", loss_seen, "share", 0.0, 1.0,
           "of the losses found that a jump of the command shows, at least, or they are none");
+    field("loss_mirrored", loss_mirrored, "share", 0.0001, 1.0,
+          "of what losses mend that commands which go too far would: no loss does that");
     field("loss_doubted", loss_doubted, "factor", 0.1, 100.0,
           "times what a misfit may be: from here the worst shots tell enough");
     field(

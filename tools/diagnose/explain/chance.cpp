@@ -72,6 +72,8 @@ std::string refused_by(const SearchState& state, const LossScore& found) {
   if (found.unseen) return "refused: no run of losses there would show most of them";
   if (!found.blind) return "refused: chance does not choose what shows little, or a recording";
   if (found.misfit > state.decisions().standard_errors) return "refused: losses are whole";
+  if (found.mirrored > state.problem->settings.chance.loss_mirrored)
+    return "refused: commands that go too far would mend as much";
   if (found.left > state.decisions().adequate) return "refused: more than noise is left";
   if (found.energy <= state.practical()) return "refused: changes less than what matters";
   if (found.low <= parameter.null || found.size >= parameter.high)
@@ -88,9 +90,9 @@ bool judge_losses(SearchState& state) {
   const std::string refused = refused_by(state, found);
   state.say(fmt::format(
       "lost commands: {}: {} found, {} of {} that would show: {:.3g} [{:.3g}, {:.3g}], p {:.3g}, "
-      "misfit {:.2f}, {:.2f} noise levels left, {}",
+      "misfit {:.2f}, mirrored {:.3f}, {:.2f} noise levels left, {}",
       state.candidate(found.candidate).title(), found.lost.size(), found.seen, found.visible,
-      found.size, found.low, found.high, found.p_family, found.misfit, found.left,
+      found.size, found.low, found.high, found.p_family, found.misfit, found.mirrored, found.left,
       refused.empty() ? "accepted" : refused));
   if (!refused.empty()) return false;
   ScatterScore s;

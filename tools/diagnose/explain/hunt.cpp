@@ -162,6 +162,18 @@ void Hunt::try_out(std::size_t joint, const std::vector<Hunted>& hunted,
   });
 }
 
+/// e = r'Mr is a parabola of the share that is lost, and -1 is the command that goes too far:
+///
+///   e(0) - e(-1) = -(e(0) - e(1)) - 2 made
+void Hunt::note_mirrored(const std::vector<Change>& tried) {
+  double loss = 0.0, beyond = 0.0;
+  for (const Change& c : tried) {
+    loss = std::max(loss, c.gain);
+    beyond = std::max(beyond, c.gain - 2.0 * (c.energy + c.made));
+  }
+  mirrored_.losses += loss, mirrored_.beyond += beyond;
+}
+
 void Hunt::note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried) {
   for (const Change& c : tried) {
     if (c.run != 1 || !commands_.changes(source, joint, c.row)) continue;
@@ -181,12 +193,15 @@ std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hu
   }
   try_out(joint, hunted, of);
   std::vector<Hunted> again;
+  // later, what was lost elsewhere has moved what else is fitted
+  const bool untouched = state_.lost.empty();
   for (std::size_t i = 0; i < hunted.size(); ++i) {
     std::stable_sort(of[i].begin(), of[i].end(),
                      [](const Change& a, const Change& b) { return a.gain > b.gain; });
     const Shot& shot = problem_->shots[hunted[i].shot];
     const bool pays = !of[i].empty() && of[i].front().gain > 0.0;
     if (hunted[i].promising.empty()) note_responses(joint, shot.source, of[i]);
+    if (untouched) note_mirrored(of[i]);
     if (!pays && hunted[i].promising.empty()) continue;  // nothing of all there is pays
     again.push_back({hunted[i].shot});
     if (!pays) continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 #include "tools/diagnose/explain/commands.h"
@@ -66,6 +67,10 @@ class Hunt {
   const Repaired& repaired() const { return state_; }
   const Eigen::VectorXd& error_before() const { return first_; }  // with nothing lost
   double best_gain() const { return best_gain_; }                 // of one change
+  /// What the clearest loss mends in each of the joint's farthest shots, together, and what a
+  /// command would mend that goes as far beyond what was sent as a loss falls behind it: the second
+  /// over the first. What is no loss is mended by either.
+  double mirrored() const { return mirrored_.beyond / std::max(mirrored_.losses, 1e-300); }
   /// Energy that the loss of one command changes, by the square of the command's jump [1 / rad^2]:
   /// of every command tried.
   const std::vector<double>& responses() const { return responses_; }
@@ -81,6 +86,7 @@ class Hunt {
                                       std::size_t joint) const;
   void try_out(std::size_t joint, const std::vector<Hunted>& hunted,
                std::vector<std::vector<Change>>& of) const;
+  void note_mirrored(const std::vector<Change>& tried);
   void note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried);
   std::vector<Hunted> round(std::size_t joint, const std::vector<Hunted>& hunted,
                             std::vector<char>& moved);
@@ -96,6 +102,9 @@ class Hunt {
   const Eigen::VectorXd first_;
   double best_gain_ = 0.0;
   std::vector<double> responses_;
+  struct {
+    double losses = 0.0, beyond = 0.0;  // gains
+  } mirrored_;
 };
 
 }  // namespace sanso::diagnose

@@ -7,6 +7,8 @@
 //             through e(0) and e(1), so that theta = (1 - (e(0) - e(1)) / made) / 2. Noise alone
 //             would make its deviation 1 / sqrt(made), a thousandth where a loss shows well; what
 //             such a loss changes is known only as well as the model (`loss_wrong`)
+//   mirrored  a command that goes too far is a loss of share -1. In a robot that loses commands no
+//             such mends anything to speak of; an error of another cause is mended by either
 //   blind     whether commands whose loss shows little are lost as often, and every recording's as
 //             often as any other's: chance does not choose
 #include "tools/diagnose/explain/losses.h"
@@ -231,6 +233,7 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   out.misfit = misfit(hunt, losing);
   out.p_family =
       std::min(1.0, problem->settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));
+  out.mirrored = hunt.mirrored();
   const StartElimination& starts = hunt.starts();
   out.repaired = starts.project(hunt.repaired().r);
   out.energy = position_energy(*problem, starts.project(hunt.error_before())) -
@@ -272,7 +275,9 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   LossScore worst = score_of(hunt, *candidate, losing);
   const double doubted =
       around.settings().chance.loss_doubted * around.settings().decisions.standard_errors;
-  if (worst.unseen || worst.misfit > doubted) return worst;
+  if (worst.unseen || worst.misfit > doubted ||
+      worst.mirrored > around.settings().chance.loss_mirrored)
+    return worst;
   hunt.forget_nuisances();
   for (const std::size_t joint : losing) hunt.take_all(joint);
   for (int pass = 0; pass < around.settings().chance.loss_refits; ++pass) {

@@ -26,6 +26,8 @@ struct LossScore {
   bool unseen = false;
   // standard errors between a typical loss and a whole one, the model's own included: losses.cpp
   double misfit = INFINITY;
+  // share of what losses mend that commands which go too far would (hunt.h)
+  double mirrored = 0.0;
   // of the clearest loss, times the number of commands tried
   double p_family = 1.0;
   // noise levels squared that the losses take from the position error, starts taken out

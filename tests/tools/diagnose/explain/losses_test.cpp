@@ -65,6 +65,7 @@ TEST(Losses, AreFoundAtTheirRows) {
   EXPECT_LE(score.lost.size(), right + 2);
   EXPECT_TRUE(score.blind);
   EXPECT_LT(score.misfit, 2.0);
+  EXPECT_LT(score.mirrored, 0.5 * ChanceSettings{}.loss_mirrored);
   EXPECT_NEAR(score.left, 1.0, 0.2);
   EXPECT_LT(score.low, 0.01);
   EXPECT_GT(score.high, 0.01);
@@ -114,6 +115,22 @@ TEST(Losses, AreWhatOneNameOfChanceMakes) {
 }
 
 TEST(Losses, NoneInACleanWorld) { EXPECT_FALSE(found({}, {})); }
+
+// With a command every 10 ms a smooth error can be drawn by losses, and as well by commands that go
+// too far.
+TEST(Losses, OfASmoothErrorTheirMirrorMendsAsMuch) {
+  int said = 0;
+  for (const double size : {0.01, 0.03, 0.1}) {
+    const std::optional<LossScore> score =
+        found({{"coulomb_friction", {"a"}, {{"coulomb", size}}, 0},
+               {"cogging", {"a"}, {{"sine", size}, {"cosine", size}, {"order", 7.0}}, 0}},
+              {}, kNoise / 10.0);
+    if (!score) continue;
+    ++said;
+    EXPECT_GT(score->mirrored, 2.0 * ChanceSettings{}.loss_mirrored) << size;
+  }
+  EXPECT_GT(said, 0);
+}
 
 TEST(Losses, AnotherErrorIsNotMadeOfWholeLosses) {
   const std::optional<LossScore> said =
