@@ -1,22 +1,18 @@
-// A loop of plan, guard, and model at 2 ms; soles are looked at in every one of these steps.
+// The model stage at 2 ms; soles are looked at in every one of these steps.
 #include "host/motion/make/rehearse.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "host/motion/catalogue.h"
 #include "host/motion/dmp_fit.h"
-#include "host/mpc/upper_layer.h"
+#include "host/motion/make/model_stage.h"
 #include "shared/base/time.h"
-#include "shared/model/op3_step.h"
-#include "shared/policy/layer_sum.h"
 
 namespace sanso::motion {
 namespace {
 
-constexpr int kTicksPerKnot = 2, kStepsPerTick = 5;
-constexpr double kStep_s = kTick_s / kStepsPerTick;
+constexpr int kTicksPerKnot = 2;
 constexpr double kFallen_rad = 0.6, kFallen_m = 0.15;
 /// Of u_up in trials [1/rad^2]: the targets hold already what the planner would add to others, and
 /// what it adds every 60 ms blurs the flight (measured: docs/results/jog-flight.md).
@@ -58,16 +54,13 @@ class Soles {
   explicit Soles(const StepPlan& plan)
       : from_s_(plan.swings[1].lift_s - 0.05), to_s_(plan.swings.back().land_s) {}
 
-  void look(double t, const model::StepScratch& step, Rehearsal& out) {
+  void look(double t, const ModelStage::Loads& load, Rehearsal& out) {
     if (t < from_s_ || t >= to_s_) return;
-    std::array<double, 2> load{};
-    for (std::size_t f = 0; f < 2; ++f)
-      for (int k = 0; k < model::kCornersPerFoot; ++k) load[f] += step.lambda[f][k][2] / kStep_s;
     const bool right = load[0] >= kUnloaded_N, left = load[1] >= kUnloaded_N;
     if (!right && !left) {
       ++free_;
     } else if (free_ > 0) {
-      out.flights_s.push_back(free_ * kStep_s);
+      out.flights_s.push_back(free_ * ModelStage::kStep_s);
       free_ = 0;
     }
     both_ += right && left ? 1 : 0;
@@ -80,87 +73,26 @@ class Soles {
   int free_ = 0, both_ = 0, all_ = 0;
 };
 
-class Stage {
- public:
-  Stage(const FlightReference& reference, const model::StepModel& model,
-        const RehearsalSettings& settings)
-      : reference_(reference.body.trajectory.x),
-        settings_(settings),
-        model_(planners(model, settings)),
-        planner_(planner_settings(settings), model_),
-        soles_(reference.plan),
-        x_(reference_.front()),
-        u_(model::joints(reference_.front())) {
-    mpc::TrialContext context;
-    context.trial_id = 1;
-    context.reference = reference_;
-    context.weights = weights_of(settings);
-    planner_.begin_trial(context);
+Rehearsal run(const std::vector<model::State>& reference, const StepPlan& plan, ModelStage stage) {
+  Rehearsal out;
+  Soles soles(plan);
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    if (!stage.tell(static_cast<int>(k))) return out;
+    out.told.x.push_back(stage.state());
+    out.told.x.back().segment<model::kNumJoints>(model::kXJoint) = stage.targets();
+    stage.move([&](int step, const ModelStage::Loads& loads) {
+      soles.look(static_cast<double>(k) * kTick_s + step * ModelStage::kStep_s, loads, out);
+    });
+    const model::State& x = stage.state();
+    const math::Mat3 R = math::rotation_matrix(model::base_quat(x));
+    out.largest_tilt_rad =
+        std::max(out.largest_tilt_rad, std::acos(std::clamp(R(2, 2), -1.0, 1.0)));
+    if (out.largest_tilt_rad > kFallen_rad || x[2] < kFallen_m) return out;
   }
-
-  Rehearsal run() {
-    Rehearsal out;
-    for (std::size_t k = 0; k < reference_.size(); ++k) {
-      if (!tell(static_cast<int>(k))) return out;
-      out.told.x.push_back(x_);
-      out.told.x.back().segment<model::kNumJoints>(model::kXJoint) = u_;
-      move(static_cast<double>(k) * kTick_s, out);
-      const math::Mat3 R = math::rotation_matrix(model::base_quat(x_));
-      out.largest_tilt_rad =
-          std::max(out.largest_tilt_rad, std::acos(std::clamp(R(2, 2), -1.0, 1.0)));
-      if (out.largest_tilt_rad > kFallen_rad || x_[2] < kFallen_m) return out;
-    }
-    out.upright = true;
-    out.place_error_m = (x_.head<2>() - reference_.back().head<2>()).norm();
-    return out;
-  }
-
- private:
-  /// New targets; false when the planner has no answer.
-  bool tell(int tick) {
-    if (tick % kTicksPerKnot == 0) {
-      mpc::PlanRequest request;
-      request.observed_tick = request.plan_tick = tick;
-      request.x_observed = x_;
-      request.sequence = static_cast<std::uint32_t>(tick) + 1;
-      request.sigma = 0.0;
-      planner_.plan(request, *plan_);
-      if (plan_->status != Status::ok) return false;
-    }
-    policy::sample_upper(plan_->policy, tick, *knot_);
-    const model::Input wanted =
-        model::joints(reference_[static_cast<std::size_t>(tick)]) + policy::affine(*knot_, x_);
-    const double most = settings_.target_rate_rad_s * kTick_s;
-    for (int j = 0; j < model::kNumJoints; ++j) {
-      const double q = x_[model::kXJoint + j];
-      const double near =
-          std::clamp(wanted[j], q - settings_.target_offset_rad, q + settings_.target_offset_rad);
-      u_[j] += std::clamp(near - u_[j], -most, most);
-    }
-    return true;
-  }
-
-  void move(double t, Rehearsal& out) {
-    for (int i = 0; i < kStepsPerTick; ++i) {
-      model::StepScratch scratch;
-      model::State next;
-      model::analytical_step(model_.analytical, model_.ground, x_.data(), u_.data(), kStep_s, 1,
-                             next.data(), scratch);
-      x_ = next;
-      soles_.look(t + i * kStep_s, scratch, out);
-    }
-  }
-
-  const std::vector<model::State>& reference_;
-  RehearsalSettings settings_;
-  host::AugmentedModel model_;
-  mpc::UpperLayer planner_;
-  Soles soles_;
-  std::unique_ptr<mpc::PlanResult> plan_ = std::make_unique<mpc::PlanResult>();
-  std::unique_ptr<policy::Knot> knot_ = std::make_unique<policy::Knot>();
-  model::State x_;
-  model::Input u_;
-};
+  out.upright = true;
+  out.place_error_m = (stage.state().head<2>() - reference.back().head<2>()).norm();
+  return out;
+}
 
 }  // namespace
 
@@ -173,7 +105,11 @@ double Rehearsal::flight_share(double at_least_s) const {
 
 Rehearsal rehearse(const FlightReference& reference, const model::StepModel& model,
                    const RehearsalSettings& settings) {
-  Rehearsal out = Stage(reference, model, settings).run();
+  const std::vector<model::State>& states = reference.body.trajectory.x;
+  const StageSettings stage{planner_settings(settings), kTicksPerKnot, settings.target_rate_rad_s,
+                            settings.target_offset_rad};
+  Rehearsal out =
+      run(states, reference.plan, {states, weights_of(settings), planners(model, settings), stage});
   out.steps = static_cast<double>(reference.plan.swings.size()) - 1.0;
   if (!out.told.x.empty()) differentiate_poses(out.told);
   return out;
