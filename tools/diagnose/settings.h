@@ -248,6 +248,28 @@ struct EffortSettings {
   }
 };
 
+/// Of the motion that an OP3 should make next.
+struct NextSettings {
+  int times = 2;
+  double fastest = 0.4;
+  double varied = 1.25;
+  double better = 1.1;
+  double least = 1e-3;
+  template <class Field>
+  void visit(Field&& field) {
+    field("times", times, "times", 1, 100,
+          "that the poses come again: what is fitted to one is tried on the next");
+    field("fastest", fastest, "s", 0.05, 10.0,
+          "from pose to pose at least: no faster than the shipped motions go");
+    field("varied", varied, "factor", 1.01, 10.0,
+          "by which a figure of the best motion is made larger and smaller");
+    field("better", better, "factor", 1.0001, 100.0,
+          "that a variation has to tell more a second, or the search ends");
+    field("least", least, "nats/s", 1e-9, 1000.0,
+          "that anything recorded next has to tell: with less it is an hour");
+  }
+};
+
 struct Settings {
   GateSettings gate;
   DataSettings data;
@@ -264,6 +286,7 @@ struct Settings {
   BaseSettings base;
   WholeSettings whole;
   StanceSettings stance;
+  NextSettings next;
   /// Calls section(name, struct) for every group, in the order of the settings page.
   template <class Section>
   void visit(Section&& section) {
@@ -282,6 +305,7 @@ struct Settings {
     section("base", base);
     section("whole", whole);
     section("stance", stance);
+    section("next", next);
   }
 };
 

@@ -1,6 +1,8 @@
 // `sanso diagnose`: the options of the command; work and exit code are those of
 // tools/diagnose/run.
+#include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/predict_effort.h"
@@ -14,16 +16,16 @@ void add_diagnose(CLI::App& app, int& result) {
   auto predict = std::make_shared<std::string>("motion");
   CLI::App* command = app.add_subcommand(
       "diagnose", "find where simulation and recording part, and name the missing physics");
-  auto session = std::make_shared<std::string>();
+  auto sessions = std::make_shared<std::vector<std::filesystem::path>>();
   CLI::Option* const model =
       command->add_option("--model", options->model, "model folder: robot.urdf and model.toml");
   CLI::Option* const recordings = command->add_option(
       "--recordings", options->recordings,
       "recordings (CSV, plain or gzip; .mcap and .db3 of ros2 bag), one or more");
   command
-      ->add_option("--session", *session,
-                   "instead of both: folder of `sanso learn --out`; its trials against the "
-                   "planner's model")
+      ->add_option("--session", *sessions,
+                   "instead of both: folders of `sanso learn --out`, one or more; their trials "
+                   "against the planner's model")
       ->excludes(model)
       ->excludes(recordings);
   command->add_option("--out", options->out, "folder for verdict.json, report.html and model/")
@@ -62,9 +64,9 @@ void add_diagnose(CLI::App& app, int& result) {
       "--model my_robot --recordings walk_1.csv walk_2.csv --out result\n"
       "  sanso diagnose --predict effort --model my_arm --recordings run.csv --out friction\n"
       "  sanso diagnose --session runs/squat --out found");
-  command->callback([options, predict, session, &result] {
-    if (!session->empty())
-      diagnose::use_session(*session, *options);
+  command->callback([options, predict, sessions, &result] {
+    if (!sessions->empty())
+      diagnose::use_sessions(*sessions, *options);
     else if (options->model.empty() || options->recordings.empty())
       throw CLI::RequiredError("--session or both --model and --recordings");
     result = *predict == "effort" ? diagnose::run_predict_effort(*options)

@@ -35,6 +35,10 @@ void write_all(const Ending& ending, const std::string& out) {
   const std::filesystem::path folder(out);
   if (ending.patched) write_model_folder(*ending.patched, (folder / "model").string());
   if (ending.patched_body) write_whole_body(*ending.patched_body, (folder / "model").string());
+  if (ending.motion) {
+    std::filesystem::create_directories((folder / ending.motion->path).parent_path());
+    files::write_atomically(folder / ending.motion->path, ending.motion->text);
+  }
   files::write_atomically(folder / "report.html", ending.report);
   files::write_atomically(folder / "verdict.txt", ending.text);
   // last: it says that the others are there

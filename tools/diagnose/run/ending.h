@@ -11,6 +11,11 @@
 
 namespace sanso::diagnose {
 
+/// A file beside the verdict: its path in the folder, and what it holds.
+struct OwnFile {
+  std::string path, text;
+};
+
 /// What a command leaves behind.
 struct Ending {
   Verdict verdict;
@@ -18,6 +23,7 @@ struct Ending {
   std::string text;                         // verdict.txt, and what the terminal shows
   std::string report;                       // report.html
   std::optional<WholeBody> patched_body{};  // instead of `patched`, of a base that floats
+  std::optional<OwnFile> motion{};          // to be made next
 };
 
 /// A method, and what it can say when it was ended early, `seconds` after its start.

@@ -125,9 +125,12 @@ void tell_next_experiment(report::HtmlPage& page, const Verdict& v) {
   }
   const NextExperiment& e = *v.next_experiment;
   page.paragraph(e.what);
-  page.paragraph(
-      fmt::format("Separates {}; expected {:.3g} nats a second, {:.3g} s to odds of 100 to 1.",
-                  joined(e.separates, "the candidates"), e.nats_per_second, e.seconds_to_100_to_1));
+  std::string text = "Separates " + joined(e.separates, "the candidates");
+  if (std::isfinite(e.nats_per_second))
+    text += fmt::format("; expected {:.3g} nats a second, {:.3g} s to odds of 100 to 1",
+                        e.nats_per_second, e.seconds_to_100_to_1);
+  page.paragraph(text + ".");
+  if (!e.motion_file.empty()) page.paragraph("Motion to run: " + e.motion_file);
 }
 
 void tell_limits(report::HtmlPage& page, const Verdict& v) {

@@ -157,18 +157,27 @@ SessionTrials read_session(const fs::path& folder, const GateSettings& settings)
   return out;
 }
 
-void use_session(const fs::path& folder, DiagnoseOptions& options) {
-  const SessionTrials trials = read_session(folder, options.settings.gate);
+void use_sessions(const std::vector<fs::path>& folders, DiagnoseOptions& options) {
+  SessionTrials all;
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    SessionTrials trials = read_session(folders[i], options.settings.gate);
+    for (Recording& r : trials.recordings) {
+      if (folders.size() > 1) r.file = fmt::format("session_{}_{}", i + 1, r.file);
+      all.recordings.push_back(std::move(r));
+    }
+    for (const std::string& line : trials.left_out)
+      all.left_out.push_back(folders[i].string() + ": " + line);
+  }
   const fs::path out = fs::path(options.out) / "session";
   options.model = (out / "model").string();
   write_whole_body(planner_body(model::nominal_parameters()), options.model);
   options.recordings.clear();
-  for (const Recording& r : trials.recordings) {
+  for (const Recording& r : all.recordings) {
     options.recordings.push_back((out / r.file).string());
     recording::write_csv(r, options.recordings.back());
   }
   if (options.quiet) return;
-  for (const std::string& line : trials.left_out) fmt::print(stderr, "left out: {}\n", line);
+  for (const std::string& line : all.left_out) fmt::print(stderr, "left out: {}\n", line);
 }
 
 }  // namespace sanso::diagnose

@@ -27,7 +27,8 @@ struct SessionTrials {
 SessionTrials read_session(const std::filesystem::path& folder, const GateSettings& settings = {});
 
 /// Writes the trials and the planner's model below `options.out`/session, and names them in
-/// `options` in place of the session. Throws as read_session() does.
-void use_session(const std::filesystem::path& folder, DiagnoseOptions& options);
+/// `options` in place of the sessions; those of several are told by their number in front. Throws
+/// as read_session() does.
+void use_sessions(const std::vector<std::filesystem::path>& folders, DiagnoseOptions& options);
 
 }  // namespace sanso::diagnose

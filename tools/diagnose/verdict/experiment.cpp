@@ -104,8 +104,9 @@ double separation(const Problem& problem, const Library& library, const Model& c
   columns << linear.J, r_rival - r_chosen;
   const Eigen::MatrixXd gram = around.starts.gram(columns);
   const Eigen::Index n = linear.J.cols();
+  const double tolerated = problem->settings.tolerances.precision;
   Eigen::MatrixXd H = gram.topLeftCorner(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < linear.parameters ? 1e-6 : 1.0;
+  for (Eigen::Index i = 0; i < n; ++i) H(i, i) += i < linear.parameters ? 1e-6 : tolerated;
   const Eigen::VectorXd cross = gram.topRightCorner(n, 1);
   return std::max(0.0, gram(n, n) - cross.dot(H.ldlt().solve(cross)));
 }
@@ -209,7 +210,7 @@ std::optional<NextExperiment> next_experiment(const Problem& problem, const Libr
     nats[e] = least / std::max(seconds, 1e-9);
   });
   const std::size_t pick = best_entry(entries, nats);
-  if (nats[pick] < 1e-3) return std::nullopt;
+  if (nats[pick] < problem->settings.next.least) return std::nullopt;
   NextExperiment best;
   best.what = entries[pick].what;
   best.kind = entries[pick].kind;

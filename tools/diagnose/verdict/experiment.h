@@ -20,9 +20,10 @@ struct NextExperiment {
   std::string what;  // in words
   ExperimentKind kind = ExperimentKind::setting;
   std::vector<std::string> separates;
+  // NaN where nobody has simulated it
   double nats_per_second = 0.0;
   double seconds_to_100_to_1 = 0.0;
-  std::string motion_file;  // CSV with the command, when the motion changes
+  std::string motion_file;  // that a robot can run, beside the verdict; empty: none was made
 };
 
 /// Tries every entry of the menu by simulation: the recorded motions again with half and double

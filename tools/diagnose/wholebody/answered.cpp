@@ -29,6 +29,7 @@ void Answered::take(Answered later) {
     patch.mass_share.reset();
     weighed = true;
   }
+  if (later.apart) apart = std::move(later.apart);
   if (later.shown) shown = std::move(later.shown);
   answers.take(std::move(later.answers));
   patch.take(std::move(later.patch));

@@ -95,7 +95,6 @@ Verdict verdict_of(const WholeAnswers& answers, const WholeData& data, unsigned 
   v.notes.insert(v.notes.end(), answers.notes.begin(), answers.notes.end());
   v.data_hash = data.hashes;
   v.seed = seed;
-  v.summary = plain_words(v) + proof_of(answers);
   return v;
 }
 
@@ -175,8 +174,11 @@ WholeDiagnosis diagnose_whole(const WholeOptions& options, const WholeBody& body
   answers.take(limits_of(data, body));
   WholeDiagnosis out;
   out.verdict = verdict_of(answers, data, options.seed);
+  out.proof = proof_of(answers);
+  out.verdict.summary = plain_words(out.verdict) + out.proof;
   out.nominal = body, out.patched = patched(body, patch);
   out.log = answers.log, out.stance = std::move(found.shown);
+  out.apart = std::move(found.apart);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,10 +22,12 @@ struct WholeOptions {
 
 struct WholeDiagnosis {
   Verdict verdict;
+  std::string proof;  // the verdict's summary is its plain_words() and this
   std::optional<WholeBody> nominal, patched;
   std::vector<std::string> log;
-  std::vector<WholeRecording> recordings;  // what was asked; of the method that reads files
-  std::optional<StanceShown> stance;       // where drives and links were asked
+  std::vector<WholeRecording> recordings;   // what was asked; of the method that reads files
+  std::optional<StanceShown> stance;        // where drives and links were asked
+  std::shared_ptr<const NamesApart> apart;  // what is left undecided of them
 };
 
 /// Whether this model's base floats; a folder that cannot be read has none.

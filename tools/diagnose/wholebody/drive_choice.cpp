@@ -259,10 +259,16 @@ class Chooser {
       JudgedDriveTerm j = with_numbers(*t, x, s);
       const Gain g = gain(without(taken_, t), taken_);
       j.share = g.share, j.share_low = g.low;
-      Others others = others_for(*t);
-      if (const auto twin = twin_of(*t, j)) others.names.insert(name_of(*twin));
-      j.equally_good.assign(others.names.begin(), others.names.end());
-      j.other_places = std::move(others.places);
+      std::set<std::string> names;
+      for (const DriveTerm* other : others_for(*t)) {
+        j.rivals.push_back(*other);
+        if (other->effect == t->effect)
+          j.other_places.push_back(in_words(*other));
+        else
+          names.insert(other->effect);
+      }
+      if (const auto twin = twin_of(*t, j)) names.insert(name_of(*twin));
+      j.equally_good.assign(names.begin(), names.end());
       out.push_back(std::move(j));
     }
     return out;
@@ -282,10 +288,6 @@ class Chooser {
     return out;
   }
 
-  struct Others {
-    std::set<std::string> names;
-    std::vector<std::string> places;  // of the same name
-  };
   /// With these a figure of the nominal model is still off by what has no name, and with what was
   /// taken none is off by what would be looked for.
   bool leaves_more(const Terms& other) const {
@@ -294,7 +296,7 @@ class Chooser {
   }
 
   /// What takes the place of t and is not beyond chance worse, and does most of what t does.
-  Others others_for(const DriveTerm& t) const {
+  Terms others_for(const DriveTerm& t) const {
     const Terms rest = without(taken_, &t);
     const double all = all_->fit(taken_).gain, none = all_->fit(rest).gain;
     std::vector<char> found(terms_.size(), 0);
@@ -312,14 +314,9 @@ class Chooser {
         return;
       found[i] = gain(other, taken_).low <= 0.0 ? 1 : 0;
     });
-    Others out;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!found[i]) continue;
-      if (terms_[i].effect == t.effect)
-        out.places.push_back(in_words(terms_[i]));
-      else
-        out.names.insert(terms_[i].effect);
-    }
+    Terms out;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (found[i]) out.push_back(&terms_[i]);
     return out;
   }
 

@@ -15,6 +15,7 @@ struct JudgedDriveTerm {
   double share = 0.0, share_low = 0.0;       // of the left-out error that goes with it
   std::vector<std::string> equally_good;     // other names, with no more numbers
   std::vector<std::string> other_places;     // the same name elsewhere
+  std::vector<DriveTerm> rivals;             // of both, what may stand in its place
 };
 
 struct DriveChoice {

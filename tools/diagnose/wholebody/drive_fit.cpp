@@ -12,23 +12,6 @@
 #include "tools/diagnose/torque/bounded_least_squares.h"
 
 namespace sanso::diagnose {
-namespace {
-
-/// By channel: robust deviation of what is left, 1.4826 median |left|; `least` at least, and 1
-/// where a channel has no rows.
-std::vector<double> scatter_of(const DriveRows& rows, const Eigen::VectorXd& left, double least) {
-  std::vector<std::vector<double>> by(rows.channels);
-  for (std::size_t i = 0; i < rows.channel.size(); ++i)
-    by[rows.channel[i]].push_back(std::abs(left[static_cast<Eigen::Index>(i)]));
-  std::vector<double> out;
-  out.reserve(by.size());
-  for (const auto& x : by)
-    out.push_back(std::max(least, x.empty() ? 1.0 : kSigmaOfMedian * median(x)));
-  return out;
-}
-
-}  // namespace
-
 double Normal::loss(const Eigen::VectorXd& figures) const {
   return std::max(0.0, yy - 2.0 * c.dot(figures) + figures.dot(G * figures));
 }
@@ -115,6 +98,19 @@ Eigen::VectorXd Eliminated::deviations(const std::vector<const DriveTerm*>& acti
   return V.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
+std::vector<double> scatter_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
+                                       double least) {
+  const Eigen::VectorXd left = rows.y - rows.X * figures;
+  std::vector<std::vector<double>> by(rows.channels);
+  for (std::size_t i = 0; i < rows.channel.size(); ++i)
+    by[rows.channel[i]].push_back(std::abs(left[static_cast<Eigen::Index>(i)]));
+  std::vector<double> out;
+  out.reserve(by.size());
+  for (const auto& x : by)
+    out.push_back(std::max(least, x.empty() ? 1.0 : kSigmaOfMedian * median(x)));
+  return out;
+}
+
 std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
                                     double outlier) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
@@ -132,7 +128,7 @@ std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd
 DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier,
                     const StanceSettings& stance) {
   const Eigen::VectorXd left = rows.y - rows.X * figures;
-  const std::vector<double> scatter = scatter_of(rows, left, stance.least_scatter);
+  const std::vector<double> scatter = scatter_by_channel(rows, figures, stance.least_scatter);
   const std::size_t recordings =
       *std::max_element(rows.recording.begin(), rows.recording.end()) + 1;
   const std::size_t pieces = *std::max_element(rows.piece.begin(), rows.piece.end()) + 1;

@@ -64,6 +64,11 @@ struct DriveGroups {
 std::vector<double> left_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
                                     double outlier);
 
+/// By channel: robust deviation of what these figures leave, 1.4826 median |left|; `least` at
+/// least, and 1 where a channel has no rows.
+std::vector<double> scatter_by_channel(const DriveRows& rows, const Eigen::VectorXd& figures,
+                                       double least);
+
 /// With weights by channel (what is left there scatters by), less for rows that stand out.
 DriveGroups weighed(const DriveRows& rows, const Eigen::VectorXd& figures, double outlier,
                     const StanceSettings& stance = {});

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "tools/diagnose/wholebody/drive_balance.h"
+#include "tools/diagnose/wholebody/names_apart.h"
 #include "tools/diagnose/wholebody/questions.h"
 #include "tools/diagnose/wholebody/stance_left.h"
 
@@ -164,6 +165,7 @@ Answered ask_drives(const Asking& asking) {
   for (const JudgedDriveTerm& j : choice.spare)
     out.answers.notes.push_back(text_of(j) + ": described, not named");
   out.answers.take(judge_pushes(asking, pushes, alone));
+  if (worth) out.apart = names_apart(asking, rows, choice);
   out.shown = stance_shown(rows, choice.named);
   out.weighed = alone && weighed_by(choice);
   if (alone) return out;

@@ -2,6 +2,7 @@
 // contact.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "tools/diagnose/wholebody/answers.h"
@@ -51,13 +52,16 @@ struct Patch {
   void take(Patch later);
 };
 
+class NamesApart;  // names_apart.h
+
 /// What a question came to.
 struct Answered {
   WholeAnswers answers;
   Patch patch;
   // torques tell a heavier link from sensors that read too much, which the feet's sum does not
   bool weighed = false;
-  std::optional<StanceShown> shown;  // what drives and links leave
+  std::optional<StanceShown> shown;         // what drives and links leave
+  std::shared_ptr<const NamesApart> apart;  // of drives and links; null: nothing is undecided
   /// What a later question came to; where it weighed, in place of what the feet's sum said.
   void take(Answered later);
 };

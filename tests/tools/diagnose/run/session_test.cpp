@@ -284,7 +284,7 @@ DiagnoseOptions trials_of(const std::string& name, int trials, const fs::path& f
   session.run([](const learn::TrialSummary&) {});
   DiagnoseOptions options;
   options.out = out.string(), options.quiet = true;
-  use_session(folder, options);
+  use_sessions({folder}, options);
   return options;
 }
 
@@ -354,7 +354,7 @@ TEST_F(Session, IsDiagnosedAsItIs) {
   run_session(folder, world.string());
   DiagnoseOptions options;
   options.out = out.string(), options.quiet = true;
-  use_session(folder, options);
+  use_sessions({folder}, options);
   EXPECT_EQ(options.recordings.size(), 3u);
   EXPECT_NE(run_diagnose(options), 2);
   std::ifstream in(out / "verdict.json");

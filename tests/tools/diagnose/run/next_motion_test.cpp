@@ -1,0 +1,62 @@
+// The motion that is asked for can be run: its file reads back, the planner's robot holds its
+// clauses, and varying it tells no less.
+#include "tools/diagnose/run/next_motion.h"
+
+#include <gtest/gtest.h>
+
+#include "host/app/model_trial.h"
+#include "host/app/motion_judge.h"
+#include "tests/tools/diagnose/wholebody/made_stance.h"
+
+namespace sanso::diagnose {
+namespace {
+
+using namespace test;
+
+Stance still() {
+  Stance out;
+  out.recordings = 5, out.seconds = 4.0;
+  out.moves = [](int) { return 0.0; };
+  out.drive = [](int) { return TrueDrive{.coulomb = 0.2}; };
+  return out;
+}
+
+std::shared_ptr<const NamesApart> undecided(const StanceWorld& world) {
+  const DriveBalance found = balance_drives(world.asking());
+  return names_apart(world.asking(), found.rows, found.choice);
+}
+
+TEST(NextMotion, CanBeRunAndTells) {
+  const StanceWorld world(still());
+  const auto apart = undecided(world);
+  ASSERT_TRUE(apart);
+  const NextMotion next = next_motion(*apart, Settings{});
+  ASSERT_TRUE(next.motion) << next.why_not;
+  EXPECT_EQ(next.experiment.kind, ExperimentKind::motion);
+  EXPECT_EQ(next.experiment.separates, apart->names());
+  EXPECT_GT(next.experiment.nats_per_second, Settings{}.next.least);
+  EXPECT_NEAR(next.experiment.seconds_to_100_to_1 * next.experiment.nats_per_second, 4.6052, 1e-3);
+  const motion::Motion read = motion::parse_motion(motion::to_toml(*next.motion), "written");
+  EXPECT_FALSE(read.success.empty());
+  const learn::Episode trial = app::trial_in_model(read);
+  EXPECT_TRUE(app::broken_clauses(read, trial).empty());
+  // the menu alone, without the variations of its best
+  Settings plain;
+  plain.next.better = 1e6;
+  const NextMotion first = next_motion(*apart, plain);
+  EXPECT_GE(next.experiment.nats_per_second, first.experiment.nats_per_second);
+}
+
+TEST(NextMotion, OfARobotWithOtherJointsIsNotMade) {
+  StanceWorld world(still());
+  for (std::size_t j = 0; j < world.body.model.tree.joints.size(); ++j)
+    world.body.model.tree.joints[j].name = "joint_" + std::to_string(j);
+  const auto apart = undecided(world);
+  ASSERT_TRUE(apart);
+  const NextMotion next = next_motion(*apart, Settings{});
+  EXPECT_FALSE(next.motion);
+  EXPECT_NE(next.why_not.find("OP3"), std::string::npos) << next.why_not;
+}
+
+}  // namespace
+}  // namespace sanso::diagnose
