@@ -64,6 +64,7 @@ struct StanceSettings {
   double force_noise = 0.2;
   double held_friction = 0.3;
   double stiction = 1.5;
+  int moved = 10;
   double acceleration_noise = 0.5;
   double acceleration = 0.3;
   double acc_bias = 0.1;
@@ -109,6 +110,8 @@ struct StanceSettings {
           "that a joint which stands still may be held by");
     field("stiction", stiction, "factor", 0.5, 10.0,
           "times the dry friction of a moving joint, as soon as that is known: holds it, no more");
+    field("moved", moved, "windows", 1, 1000,
+          "in which a joint has to move before its dry friction is known");
     field("acceleration_noise", acceleration_noise, "rad/s^2", 0.001, 100.0,
           "of a joint's acceleration over a window");
     field("acceleration", acceleration, "share", 0.0, 2.0,

@@ -3,8 +3,17 @@
 #include "tools/diagnose/wholebody/drive_balance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace sanso::diagnose {
+
+bool moves(const Asking& asking, const DriveRows& rows, Eigen::Index joint) {
+  const auto moving = std::count_if(
+      rows.windows.begin(), rows.windows.end(),
+      [&](const StanceWindow& w) { return std::abs(w.dq[joint]) > asking.stance.creeping; });
+  return moving >= asking.stance.moved;
+}
 
 DriveGuess guess_of(const Asking& asking, const DriveRows& rows, const Eigen::VectorXd& figures) {
   const JointFigure figure = rows.current ? JointFigure::torque : JointFigure::gain;
@@ -15,7 +24,10 @@ DriveGuess guess_of(const Asking& asking, const DriveRows& rows, const Eigen::Ve
     const DriveLaw& law = rows.laws[static_cast<std::size_t>(j)];
     const auto found = [&](JointFigure what) { return figures[rows.columns.joint(what, j)]; };
     out.lags[j] = std::max(-law.lag, found(JointFigure::lag));
-    out.dry[j] = asking.stance.coulomb + std::max(0.0, law.coulomb + found(JointFigure::dry));
+    if (moves(asking, rows, j))
+      out.dry[j] = asking.stance.coulomb + std::max(0.0, law.coulomb + found(JointFigure::dry));
+    else  // nothing shows how much holds it
+      out.dry[j] = std::numeric_limits<double>::infinity();
     out.load[j] = asking.tolerances.friction + std::max(0.0, law.load + found(JointFigure::load));
   }
   return out;

@@ -5,6 +5,9 @@
 
 namespace sanso::diagnose {
 
+/// Whether a joint moves in enough windows (stance.moved) to show its friction.
+bool moves(const Asking& asking, const DriveRows& rows, Eigen::Index joint);
+
 /// By the figures of a fit: what rows are made again with.
 DriveGuess guess_of(const Asking& asking, const DriveRows& rows, const Eigen::VectorXd& figures);
 

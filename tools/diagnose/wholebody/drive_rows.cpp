@@ -10,6 +10,7 @@
 #include <cmath>
 #include <set>
 
+#include "tools/diagnose/wholebody/drive_holds.h"
 #include "tools/diagnose/wholebody/drive_track.h"
 #include "tools/diagnose/wholebody/soles_apart.h"
 
@@ -38,27 +39,25 @@ class Builder {
   /// Wrenches may leave nothing of the equations.
   bool determined() const { return 6 * static_cast<Eigen::Index>(soles_.size()) < 6 + n_; }
 
-  void add(std::size_t recording) {
-    const WholeRecording& r = asking_.recordings[recording];
+  /// Rows of every window in which no foot comes down or off.
+  void build() {
     Vector lags = guess_.lags;
     for (Eigen::Index j = 0; j < n_; ++j) lags[j] += law(j).lag;
-    const Track track = track_of(asking_, r, lags);
-    const StanceSettings& s = asking_.stance;
-    const auto step = static_cast<std::size_t>(std::max(2.0, std::round(s.window / r.interval)));
-    // goals from before the recording began act in its first rows
-    const auto late = static_cast<std::size_t>(std::ceil(lags.maxCoeff() / r.interval));
-    for (std::size_t a = 1 + late; a + step <= r.rows(); a += step) {
-      if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, a + step)) continue;
-      const WindowMeans w = window_of(asking_, track, a, a + step);
-      if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
-      piece_ = static_cast<std::size_t>((r.t[a] - r.t.front()) / asking_.settings.block);
-      recording_ = recording;
+    const std::vector<StandingWindow> windows = windows_of(asking_, lags);
+    const std::vector<Vector> alike = holds_alike(windows, asking_.tolerances.zero);
+    for (std::size_t k = 0; k < windows.size(); ++k) {
+      const StandingWindow& taken = windows[k];
+      const WindowMeans& w = taken.means;
+      const std::vector<double>& t = asking_.recordings[taken.recording].t;
+      piece_ = static_cast<std::size_t>((taken.from - t.front()) / asking_.settings.block);
+      recording_ = taken.recording;
+      alike_ = alike[k];
       out_.windows.push_back(
-          {recording, r.t[a], r.t[a + step - 1], w.motion.q, w.motion.dq, w.error, given(w)});
+          {recording_, taken.from, taken.to, w.motion.q, w.motion.dq, w.error, given(w)});
       if (out_.current) add_loops(w);
       add_motion(w);
-      for (std::size_t i = 1; i < w.stands.size(); ++i)
-        add_soles(w, track.feet[w.stands[i - 1]], track.feet[w.stands[i]]);
+      for (std::size_t i = 1; i < taken.feet.size(); ++i)
+        add_soles(w, taken.feet[i - 1], taken.feet[i]);
     }
   }
 
@@ -162,7 +161,7 @@ class Builder {
       noise[6 + j] = std::pow(deviation(j, needed[6 + j], w.motion.dq[j]), 2);
     for (Eigen::Index j = 0; j < n_; ++j) {
       const double held = may_hold(j, needed[6 + j]) * (1.0 - std::abs(w.sign[j]));
-      noise[6 + j] += held * held;
+      noise[6 + j] += alike_[j] * held * held;
     }
     Matrix V = noise.asDiagonal();
     const Vector as_is = tree_.needed();
@@ -353,6 +352,7 @@ class Builder {
   std::vector<int> soles_, carrying_;  // joints; those that may carry in a window
   std::vector<Vector> rows_;
   std::vector<double> loop_;
+  Vector alike_;  // by joint: windows in which it is held as in this one
   std::size_t recording_ = 0, piece_ = 0;
 };
 
@@ -381,7 +381,7 @@ DriveRows drive_rows(const Asking& asking, const DriveGuess& guess) {
     out.why_not = "more links may touch than the joints' torques can tell apart";
     return out;
   }
-  for (std::size_t r = 0; r < asking.recordings.size(); ++r) builder.add(r);
+  builder.build();
   builder.finish();
   if (out.y.size() == 0) out.why_not = "no stretch without a foot that comes down or off";
   return out;

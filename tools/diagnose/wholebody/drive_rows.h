@@ -64,7 +64,8 @@ struct DriveGuess {
   // press against each other, nothing else.
   Eigen::VectorXd scales;
   Eigen::VectorXd lags;  // by joint, s beyond the model's: goals are shifted by it
-  // by joint, of one that moves: N m at most, share of the load. Says what may hold one that stands
+  // by joint, of one that moves: N m at most (infinite: it never did), share of the load. Says what
+  // may hold one that stands
   Eigen::VectorXd dry, load;
 };
 DriveRows drive_rows(const Asking& asking, const DriveGuess& guess = {});

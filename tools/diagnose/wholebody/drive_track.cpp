@@ -190,4 +190,26 @@ WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, s
   return out;
 }
 
+std::vector<StandingWindow> windows_of(const Asking& asking, const Eigen::VectorXd& lags) {
+  std::vector<StandingWindow> out;
+  for (std::size_t recording = 0; recording < asking.recordings.size(); ++recording) {
+    const WholeRecording& r = asking.recordings[recording];
+    const Track track = track_of(asking, r, lags);
+    const auto step =
+        static_cast<std::size_t>(std::max(2.0, std::round(asking.stance.window / r.interval)));
+    // goals from before the recording began act in its first rows
+    const auto late = static_cast<std::size_t>(std::ceil(lags.maxCoeff() / r.interval));
+    for (std::size_t a = 1 + late; a + step <= r.rows(); a += step) {
+      if (r.piece[a - 1] != r.piece[a + step - 1] || impact_near(track, a, a + step)) continue;
+      StandingWindow window{
+          recording, r.t[a], r.t[a + step - 1], window_of(asking, track, a, a + step), {}};
+      const WindowMeans& w = window.means;
+      if (!w.motion.acc.allFinite() || !w.error.allFinite() || !w.current.allFinite()) continue;
+      for (const std::size_t foot : w.stands) window.feet.push_back(track.feet[foot]);
+      out.push_back(std::move(window));
+    }
+  }
+  return out;
+}
+
 }  // namespace sanso::diagnose

@@ -51,4 +51,16 @@ bool impact_near(const Track& track, std::size_t a, std::size_t b);
 /// Means over rows [a, b) of the track.
 WindowMeans window_of(const Asking& asking, const Track& track, std::size_t a, std::size_t b);
 
+/// A window of a recording in which no foot comes down or off.
+struct StandingWindow {
+  std::size_t recording = 0;
+  double from = 0.0, to = 0.0;  // s
+  WindowMeans means;
+  std::vector<FootForce> feet;  // that stand
+};
+
+/// All that can be asked: finite, inside one piece of a recording, after the goals that were sent
+/// before it began. `lags`: of track_of().
+std::vector<StandingWindow> windows_of(const Asking& asking, const Eigen::VectorXd& lags);
+
 }  // namespace sanso::diagnose

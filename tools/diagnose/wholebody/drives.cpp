@@ -127,6 +127,12 @@ std::vector<LocationCell> locations_of(const Asking& asking, const StanceLeft& l
   return out;
 }
 
+bool any_moves(const Asking& asking, const DriveRows& rows) {
+  for (Eigen::Index j = 0; j < rows.columns.joints; ++j)
+    if (moves(asking, rows, j)) return true;
+  return false;
+}
+
 /// Whether a heavier link is told from sensors that read too much.
 bool weighed_by(const DriveChoice& choice) {
   const std::string scale = name_of(WholeFigure::force_scale);
@@ -145,6 +151,12 @@ Answered ask_drives(const Asking& asking) {
     return out;
   }
   out.answers.asked += all_placed().size();
+  if (!any_moves(asking, rows)) {
+    for (const JointFigure figure : {JointFigure::speed, JointFigure::dry, JointFigure::load})
+      out.answers.cannot(std::string(effect_of(figure)->id),
+                         "no joint moves for a second: what holds it may be "
+                         "anything");
+  }
   StanceLeft left = stance_left(rows, choice.figures, asking.stance.pushed);
   const std::vector<Push> pushes = left.pushes;
   if (!pushes.empty()) {  // whoever pushes is no figure of the robot

@@ -6,29 +6,16 @@
 
 #include "host/app/model_trial.h"
 #include "host/app/motion_judge.h"
-#include "tests/tools/diagnose/wholebody/made_stance.h"
+#include "tests/tools/diagnose/wholebody/made_names.h"
 
 namespace sanso::diagnose {
 namespace {
 
 using namespace test;
 
-Stance still() {
-  Stance out;
-  out.recordings = 5, out.seconds = 4.0;
-  out.moves = [](int) { return 0.0; };
-  out.drive = [](int) { return TrueDrive{.coulomb = 0.2}; };
-  return out;
-}
-
-std::shared_ptr<const NamesApart> undecided(const StanceWorld& world) {
-  const DriveBalance found = balance_drives(world.asking());
-  return names_apart(world.asking(), found.rows, found.choice);
-}
-
 TEST(NextMotion, CanBeRunAndTells) {
-  const StanceWorld world(still());
-  const auto apart = undecided(world);
+  const MadeNames names(hardly_moving());
+  const auto& apart = names.apart;
   ASSERT_TRUE(apart);
   const NextMotion next = next_motion(*apart, Settings{});
   ASSERT_TRUE(next.motion) << next.why_not;
@@ -48,10 +35,10 @@ TEST(NextMotion, CanBeRunAndTells) {
 }
 
 TEST(NextMotion, OfARobotWithOtherJointsIsNotMade) {
-  StanceWorld world(still());
+  StanceWorld world(hardly_moving());
   for (std::size_t j = 0; j < world.body.model.tree.joints.size(); ++j)
     world.body.model.tree.joints[j].name = "joint_" + std::to_string(j);
-  const auto apart = undecided(world);
+  const auto apart = MadeNames(std::move(world)).apart;
   ASSERT_TRUE(apart);
   const NextMotion next = next_motion(*apart, Settings{});
   EXPECT_FALSE(next.motion);

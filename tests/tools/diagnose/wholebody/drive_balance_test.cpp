@@ -57,6 +57,20 @@ TEST(DriveBalance, FrictionThatHoldsIsNoCentre) {
   EXPECT_NEAR(choice.terms.front().parameters.front().value, 0.25, 0.04);
 }
 
+// Joints that never move show no friction: what holds them may be all that a nominal model allows,
+// and no zero is read off a posture that they hold by themselves.
+TEST(DriveBalance, JointsThatNeverMoveAreHeldByWhatNobodyKnows) {
+  Stance stance = half_still();
+  stance.moves = [](int) { return 0.0; };
+  const StanceWorld still(stance), moving(half_still());
+  const DriveBalance stood = balance_drives(still.asking()),
+                     moved = balance_drives(moving.asking());
+  const DriveGuess unknown = guess_of(still.asking(), stood.rows, stood.choice.figures);
+  const DriveGuess known = guess_of(moving.asking(), moved.rows, moved.choice.figures);
+  EXPECT_TRUE(unknown.dry.array().isInf().all());
+  EXPECT_TRUE(known.dry.array().isFinite().all());
+}
+
 TEST(DriveBalance, OfARobotAsStatedAccusesNobody) {
   const StanceWorld world(half_still());
   const DriveBalance found = balance_drives(world.asking());

@@ -4,73 +4,44 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
-#include "tests/tools/diagnose/wholebody/made_stance.h"
+#include "tests/tools/diagnose/wholebody/made_names.h"
 
 namespace sanso::diagnose {
 namespace {
 
 using namespace test;
 
-/// A robot that stands still, held by friction that the model does not have.
-Stance still() {
-  Stance out;
-  out.recordings = 5, out.seconds = 4.0;
-  out.moves = [](int) { return 0.0; };
-  out.drive = [](int) { return TrueDrive{.coulomb = 0.2}; };
-  return out;
-}
-
-struct Undecided {
-  StanceWorld world{still()};
-  DriveBalance found = balance_drives(world.asking());
-  std::shared_ptr<const NamesApart> apart = names_apart(world.asking(), found.rows, found.choice);
-
-  std::string told() const {
-    std::string out;
-    for (const std::string& line : found.choice.log) out += line + "\n";
-    for (const JudgedDriveTerm& j : found.choice.terms)
-      for (const DriveTerm& rival : j.rivals) out += "or " + in_words(rival) + "\n";
-    return out;
-  }
-  double nats(double share, double seconds) const {
-    Stance tried = still();
-    tried.seconds = seconds;
-    tried.moves = [share](int) { return share; };
-    return apart->nats(recorded(world.body, tried, 99));
-  }
-};
-
-TEST(NamesApart, OfARobotThatStoodStillMotionTells) {
-  const Undecided u;
-  ASSERT_TRUE(u.apart) << u.told();
-  EXPECT_GE(u.apart->names().size(), 2u);
-  EXPECT_FALSE(u.apart->current());
-  EXPECT_TRUE(u.apart->feet().empty());
-  EXPECT_GT(u.nats(1.0, 8.0), 3.0) << u.told();
+TEST(NamesApart, FrictionsAreToldByMotion) {
+  const MadeNames names(hardly_moving());
+  ASSERT_TRUE(names.apart);
+  EXPECT_EQ(names.apart->names(),
+            (std::vector<std::string>{std::string(effect_of(JointFigure::speed)->id),
+                                      std::string(effect_of(JointFigure::dry)->id)}));
+  EXPECT_FALSE(names.apart->current());
+  EXPECT_TRUE(names.apart->feet().empty());
+  EXPECT_NEAR(names.nats(0.0, 8.0), 0.0, 1e-6) << "what stands has no speed";
+  EXPECT_GT(names.nats(1.0, 8.0), 5.0);
 }
 
 TEST(NamesApart, MoreOfItTellsMore) {
-  const Undecided u;
-  ASSERT_TRUE(u.apart) << u.told();
+  const MadeNames names(hardly_moving());
+  ASSERT_TRUE(names.apart);
   double before = 0.0;
   for (const double seconds : {2.0, 4.0, 8.0}) {
-    const double now = u.nats(1.0, seconds);
+    const double now = names.nats(1.0, seconds);
     EXPECT_GT(now, before);
     before = now;
   }
 }
 
 TEST(NamesApart, ARecordingThatHoldsNothingTellsNothing) {
-  const Undecided u;
-  ASSERT_TRUE(u.apart) << u.told();
-  Stance other = still();
-  WholeRecording without = recorded(u.world.body, other, 99);
-  without.current = true;  // no such rows were asked before
-  EXPECT_EQ(u.apart->nats(without), 0.0);
-  without.acc = false;
-  EXPECT_EQ(u.apart->nats(without), 0.0);
+  const MadeNames names(hardly_moving());
+  ASSERT_TRUE(names.apart);
+  WholeRecording other = recorded(names.world.body, Stance{}, 99);
+  other.current = true;  // no such rows were asked before
+  EXPECT_EQ(names.apart->nats(other), 0.0);
+  other.current = other.acc = false;
+  EXPECT_EQ(names.apart->nats(other), 0.0);
 }
 
 TEST(NamesApart, WhatIsDecidedAsksForNothing) {
