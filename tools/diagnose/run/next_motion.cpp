@@ -11,6 +11,7 @@
 #include "host/app/motion_judge.h"
 #include "host/motion/make/compose.h"
 #include "host/motion/make/retarget.h"
+#include "shared/files/input_error.h"
 #include "shared/model/joints.h"
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/run/session_recordings.h"
@@ -166,6 +167,8 @@ Tried tried(const Shape& shape, const NamesApart& apart, const Settings& setting
   try {
     made = motion::compose_motion(recipe_of(shape, settings.next), kName, kName).motion;
   } catch (const motion::ClipError&) {
+    return out;
+  } catch (const files::InputError&) {  // further than a recipe may go
     return out;
   }
   made.source = {"own", "Apache-2.0", "composed to tell causes apart"};

@@ -147,7 +147,9 @@ Undecided undecided(const Library& library, const Selection& selection,
           std::find(set.begin(), set.end(), library[a.candidate].effect) != set.end();
       if (listed && out.rivals.size() < 3) out.rivals.push_back(a.fit.model);
     }
-    out.names.insert(out.names.end(), set.begin(), set.end());
+    for (const std::string& name : set)
+      if (std::find(out.names.begin(), out.names.end(), name) == out.names.end())
+        out.names.push_back(name);
   }
   return out;
 }
