@@ -43,8 +43,7 @@ learn::Task task_of(const motion::Motion& motion) {
   return task;
 }
 
-/// An emulated robot stands where and on what the motion takes place, whatever its world
-/// (tools/plant/world.h).
+/// An emulated robot stands where and on what the motion takes place, whatever its world.
 void prepare_world(const motion::Motion& motion, LearnOptions& options) {
   if (motion.skate && options.ground == "plane") options.ground = motion.skate->ground;
   if (options.ground != "plane") options.world += "+" + options.ground;

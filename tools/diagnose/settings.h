@@ -252,8 +252,8 @@ struct EffortSettings {
 struct NextSettings {
   int times = 2;
   double fastest = 0.4;
-  double varied = 1.25;
-  double better = 1.1;
+  double varied = 0.25;
+  double better = 0.1;
   double least = 1e-3;
   template <class Field>
   void visit(Field&& field) {
@@ -261,9 +261,9 @@ struct NextSettings {
           "that the poses come again: what is fitted to one is tried on the next");
     field("fastest", fastest, "s", 0.05, 10.0,
           "from pose to pose at least: no faster than the shipped motions go");
-    field("varied", varied, "factor", 1.01, 10.0,
+    field("varied", varied, "share", 0.01, 10.0,
           "by which a figure of the best motion is made larger and smaller");
-    field("better", better, "factor", 1.0001, 100.0,
+    field("better", better, "share", 0.0001, 100.0,
           "that a variation has to tell more a second, or the search ends");
     field("least", least, "nats/s", 1e-9, 1000.0,
           "that anything recorded next has to tell: with less it is an hour");

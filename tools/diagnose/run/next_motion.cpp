@@ -93,6 +93,7 @@ bool has_legs(const WholeBody& body) {
 void add(recording::Recording& r, const std::string& kind, const std::vector<V3>& values) {
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     std::vector<double> column;
+    column.reserve(values.size());
     for (const V3& v : values) column.push_back(v[axis]);
     r.set(kind + ":" + "xyz"[axis], std::move(column));
   }
@@ -193,7 +194,7 @@ Tried best_of(const std::vector<Shape>& shapes, const NamesApart& apart, const S
 /// One figure of it more or less.
 std::vector<Shape> near(const Shape& s, const NextSettings& next) {
   std::vector<Shape> out;
-  for (const double factor : {1.0 / next.varied, next.varied}) {
+  for (const double factor : {1.0 / (1.0 + next.varied), 1.0 + next.varied}) {
     for (double Shape::*figure : {&Shape::down, &Shape::left, &Shape::forward, &Shape::seconds}) {
       Shape other = s;
       other.*figure *= factor;
@@ -217,7 +218,7 @@ NextMotion next_motion(const NamesApart& apart, const Settings& settings) {
   }
   const NextSettings& next = settings.next;
   Tried best = best_of(menu(), apart, settings, {});
-  for (double before = 0.0; best.nats_per_second > next.better * before;) {
+  for (double before = 0.0; best.nats_per_second > (1.0 + next.better) * before;) {
     before = best.nats_per_second;
     best = best_of(near(best.shape, next), apart, settings, best);
   }

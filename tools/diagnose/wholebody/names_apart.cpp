@@ -12,6 +12,7 @@ namespace {
 
 std::vector<const DriveTerm*> pointers(const std::vector<DriveTerm>& terms) {
   std::vector<const DriveTerm*> out;
+  out.reserve(terms.size());
   for (const DriveTerm& t : terms) out.push_back(&t);
   return out;
 }

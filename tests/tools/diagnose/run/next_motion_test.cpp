@@ -29,7 +29,7 @@ TEST(NextMotion, CanBeRunAndTells) {
   EXPECT_TRUE(app::broken_clauses(read, trial).empty());
   // the menu alone, without the variations of its best
   Settings plain;
-  plain.next.better = 1e6;
+  plain.next.better = 100.0;
   const NextMotion first = next_motion(*apart, plain);
   EXPECT_GE(next.experiment.nats_per_second, first.experiment.nats_per_second);
 }
