@@ -238,10 +238,11 @@ bool Hunt::lost_some(std::size_t joint) {
   worst.resize(
       std::min(worst.size(), static_cast<std::size_t>(problem_->settings.chance.worst_shots)));
   const Repaired before = state_;
+  const auto mirrored_before = mirrored_;
   const double stood = beyond_noise(joint, worst);
   take(joint, worst);
   if (2.0 * beyond_noise(joint, worst) <= stood) return true;
-  state_ = before;
+  state_ = before, mirrored_ = mirrored_before;
   return false;
 }
 
