@@ -67,6 +67,7 @@ class Integrator {
     store(t, at);
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       payloads_on_[lane] = kUnknown;
+      next_change_[lane] = -kNone;
       for (std::size_t j = 0; j < f_.n; ++j) warm_row_[lane][j] = row_at(f_, at[lane]);
     }
     for (std::size_t j = 0; j < f_.n; ++j) change_[j] = 0.0;
@@ -135,10 +136,15 @@ class Integrator {
 
   void update_bodies(T t) {
     if (!f_.late_payloads && !f_.forces) return;
+    T next;
+    load(next_change_, next);
+    if (!any(no_more(next, t))) return;
     double at[kLanes];
     store(t, at);
     bool changed = false;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      if (at[lane] < next_change_[lane]) continue;
+      next_change_[lane] = sanso::diagnose::next_change(f_, at[lane]);
       if (f_.late_payloads) {
         const std::size_t on = payloads_on(f_, at[lane]);
         if (on != payloads_on_[lane]) {
@@ -327,6 +333,7 @@ class Integrator {
   const SimulationSettings settings_;  // a copy: nothing that a step writes can change it
   Tree<T> tree_;
   std::size_t payloads_on_[kLanes];
+  double next_change_[kLanes];  // s, of payloads and forces
   std::size_t warm_row_[kLanes][kMaxJoints];
 
   // scratch of the step

@@ -125,6 +125,7 @@ inline T log1p_of(T a) {
 }
 template <class T>
 inline T power_of(T a, double exponent) {
+  if (exponent == 1.0) return a;
   return each(a, [exponent](double x) { return __builtin_pow(x, exponent); });
 }
 

@@ -77,6 +77,16 @@ void bodies_at(const SimFigures& figures, double t, BodyFigures* bodies) {
   for (const TreeJoint& joint : tree.joints) *bodies++ = body_figures(joint.body);
 }
 
+double next_change(const SimFigures& figures, double t) {
+  double next = kNone;
+  const auto at = [&](double instant) {
+    if (instant > t) next = std::min(next, instant);
+  };
+  for (const LatePayload& p : figures.params->late_payloads) at(p.from_s);
+  for (const WorldForce& f : figures.params->forces) at(f.from_s), at(f.until_s);
+  return next;
+}
+
 void forces_at(const SimFigures& figures, double t, double (*forces)[3]) {
   for (std::size_t j = 0; j < figures.n; ++j) std::fill_n(forces[j], 3, 0.0);
   for (const WorldForce& f : figures.params->forces) {

@@ -43,6 +43,8 @@ std::size_t row_at(const SimFigures& figures, double t);
 std::size_t payloads_on(const SimFigures& figures, double t);
 /// `bodies`: room for all joints' links.
 void bodies_at(const SimFigures& figures, double t, BodyFigures* bodies);
+/// The first instant after t at which a payload comes or a force begins or ends, s.
+double next_change(const SimFigures& figures, double t);
 /// The forces at t, by joint, N.
 void forces_at(const SimFigures& figures, double t, double (*forces)[3]);
 /// The command of joint j that acts during [from, until]; see CommandPath.
