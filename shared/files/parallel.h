@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <exception>
-#include <mutex>
+#include <functional>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace sanso::files {
 
@@ -33,41 +30,19 @@ inline int all_cores() {
 }
 
 namespace detail {
-/// True on threads that work for a parallel_for already.
-inline thread_local bool inside_parallel_for = false;
+void run_loop(std::size_t count, int threads, const std::function<void(std::size_t)>& work,
+              const StopRequest* stop);
 }  // namespace detail
 
 /// Calls work(i) for i in [0, count), each once, on up to `threads` threads, and waits. A loop
-/// inside a piece runs on its own thread alone. The first exception ends the loop and is rethrown
-/// when all threads have ended; throws Stopped when `stop` was requested.
+/// inside a piece starts no threads: those of the loop outside help it when they have nothing else
+/// to do. A thread that waits for its inner loop may therefore do another loop's piece meanwhile:
+/// `work` holds no lock and no thread_local state over an inner loop. The first exception ends the
+/// loop and is rethrown when all threads have ended; throws Stopped when `stop` was requested.
 template <class Work>
 void parallel_for(std::size_t count, int threads, const Work& work,
                   const StopRequest* stop = nullptr) {
-  const auto wanted = detail::inside_parallel_for ? 1 : std::max(1, threads);
-  const auto workers = std::min<std::size_t>(count, static_cast<std::size_t>(wanted));
-  const auto stopped = [&] { return stop != nullptr && stop->requested(); };
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failure_lock;
-  const auto run = [&] {
-    const bool outer = std::exchange(detail::inside_parallel_for, true);
-    for (std::size_t i = next++; i < count && !stopped(); i = next++) {
-      try {
-        work(i);
-      } catch (...) {
-        const std::lock_guard guard(failure_lock);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-    }
-    detail::inside_parallel_for = outer;
-  };
-  std::vector<std::jthread> pool;
-  for (std::size_t t = 1; t < workers; ++t) pool.emplace_back(run);
-  run();
-  pool.clear();
-  if (failure) std::rethrow_exception(failure);
-  if (stopped()) throw Stopped{};
+  detail::run_loop(count, threads, std::cref(work), stop);
 }
 
 }  // namespace sanso::files

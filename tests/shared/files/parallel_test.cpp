@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
+#include <mutex>
 #include <set>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 namespace sanso::files {
 namespace {
@@ -61,24 +66,76 @@ TEST(Parallel, AFailureIsToldBeforeAStop) {
   EXPECT_THROW(parallel_for(4, 2, work, &stop), std::runtime_error);
 }
 
-TEST(Parallel, ALoopInsideAPieceStaysOnItsThread) {
-  std::mutex guard;
-  std::set<std::thread::id> outside, inside;
-  parallel_for(8, 3, [&](std::size_t) {
-    const auto mine = std::this_thread::get_id();
-    parallel_for(8, 3, [&](std::size_t) {
-      const std::lock_guard lock(guard);
-      outside.insert(mine);
-      inside.insert(std::this_thread::get_id());
+/// Waits until `count` threads are here; not forever.
+bool meet(std::atomic<int>& here, int count) {
+  ++here;
+  const auto enough = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (here < count) {
+    if (std::chrono::steady_clock::now() > enough) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+TEST(Parallel, ThreadsWithoutWorkHelpTheLoopInsideAnothersPiece) {
+  // the outer loop has a piece for one thread alone; the inner one needs both at once
+  std::atomic<int> here{0}, met{0};
+  parallel_for(2, 2, [&](std::size_t outer) {
+    if (outer == 0) return;
+    parallel_for(2, 2, [&](std::size_t) { met += meet(here, 2); });
+  });
+  EXPECT_EQ(met, 2);
+}
+
+TEST(Parallel, AThreadThatWaitsForItsLoopHelpsTheLoopsInside) {
+  // Two threads do a piece each of the middle loop; whichever ends first has only the other's
+  // inner loop left to help.
+  std::atomic<int> first{0}, here{0}, met{0};
+  parallel_for(1, 2, [&](std::size_t) {
+    parallel_for(2, 2, [&](std::size_t) {
+      if (first++ == 0) return;
+      parallel_for(2, 2, [&](std::size_t) { met += meet(here, 2); });
     });
   });
-  EXPECT_EQ(inside, outside);
-  // and the caller may start a wide loop again
-  std::atomic<int> waiting{0};
-  parallel_for(2, 2, [&](std::size_t) {
-    ++waiting;
-    while (waiting < 2) std::this_thread::yield();
-  });
+  EXPECT_EQ(met, 2);
+}
+
+TEST(Parallel, LoopsInsideLoopsDoEveryPieceOnceWithTheThreadsOfTheOuterOne) {
+  for (const int threads : {1, 2, 3, 8}) {
+    std::mutex guard;
+    std::set<std::thread::id> seen;
+    std::vector<std::atomic<int>> done(6 * 5 * 4);
+    parallel_for(6, threads, [&](std::size_t i) {
+      parallel_for(5, 64, [&](std::size_t j) {
+        parallel_for(4, 64, [&](std::size_t k) {
+          ++done[(i * 5 + j) * 4 + k];
+          const std::lock_guard lock(guard);
+          seen.insert(std::this_thread::get_id());
+        });
+      });
+    });
+    for (const std::atomic<int>& d : done) EXPECT_EQ(d, 1);
+    EXPECT_LE(seen.size(), static_cast<std::size_t>(std::min(threads, 6)));
+  }
+}
+
+TEST(Parallel, AFailureInsideALoopInsideEndsBoth) {
+  for (const int threads : {1, 2, 4}) {
+    EXPECT_THROW(parallel_for(100, threads,
+                              [&](std::size_t) {
+                                parallel_for(100, threads, [](std::size_t j) {
+                                  if (j == 7) throw std::runtime_error("inner");
+                                });
+                              }),
+                 std::runtime_error);
+  }
+}
+
+TEST(Parallel, AWideLoopMayFollowANarrowOne) {
+  parallel_for(8, 1, [](std::size_t) {});
+  std::atomic<int> here{0}, met{0};
+  parallel_for(2, 2, [&](std::size_t) { met += meet(here, 2); });
+  EXPECT_EQ(met, 2);
 }
 
 }  // namespace
