@@ -64,6 +64,7 @@ struct SimulationSettings {
           "of a joint: links without inertia still move");
     field("diverged", diverged, "rad/s", 50.0, 1e8, "from here a motion is none");
   }
+  bool operator==(const SimulationSettings&) const = default;
 };
 
 }  // namespace sanso::diagnose

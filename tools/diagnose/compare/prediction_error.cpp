@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/sim/follow.h"
 #include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
@@ -54,34 +55,67 @@ std::optional<Drive> drive_with_lost(const Drive& drive, std::size_t source,
   return out;
 }
 
-void simulate_batch(const Problem& problem, const Library& library, const Model& model,
-                    const Pass& pass, const Batch& batch, Eigen::VectorXd& r) {
-  std::vector<Window> windows;
-  std::vector<std::size_t> shots;
+/// One recording of a pass, ready to be simulated.
+struct Run {
+  const Source* source = nullptr;
+  std::optional<Drive> held;  // its commands, where some are lost
+  SimParams params;
+  SimOptions options;
+  std::vector<std::size_t> shots;  // those that are wanted
+  std::vector<Window> windows;     // theirs
+  std::vector<InnerStates> starts;
+
+  const Drive& drive() const { return held ? *held : source->drive; }
+  Followed followed() const {
+    return {&params, &drive(), options.motion, windows, options.random_seed};
+  }
+};
+
+Run make_run(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
+             const Batch& batch) {
+  Run run;
   for (std::size_t i = batch.begin; i < batch.end; ++i) {
     if (!pass.wanted_shots.empty() && pass.wanted_shots[i] == 0) continue;
-    shots.push_back(i);
-    windows.push_back(problem->shots[i].window);
-    pass.move_start(windows.back());
+    run.shots.push_back(i);
+    run.windows.push_back(problem->shots[i].window);
+    pass.move_start(run.windows.back());
   }
-  if (shots.empty()) return;
-  const Source& source = problem->sources[batch.source];
-  const std::optional<Drive> held = drive_with_lost(source.drive, batch.source, pass.lost);
-  SimParams params = source.nominal;
-  library.apply(model, params);
-  SimOptions options;
-  options.motion = &source.motion;
-  options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem->settings.fitting.search_step;
-  options.wanted = pass.wanted;
-  if (pass.seed != 0) options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
-  std::vector<Prediction> predictions =
-      simulate(params, held ? *held : source.drive, windows, options);
+  if (run.shots.empty()) return run;
+  run.source = &problem->sources[batch.source];
+  run.held = drive_with_lost(run.source->drive, batch.source, pass.lost);
+  run.params = run.source->nominal;
+  library.apply(model, run.params);
+  run.options.motion = &run.source->motion;
+  run.options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem->settings.fitting.search_step;
+  run.options.wanted = pass.wanted;
+  if (pass.seed != 0) run.options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
+  return run;
+}
+
+/// Inner states at the starts of all windows: recordings of equal robots in step.
+void follow_runs(std::vector<Run>& runs) {
+  std::vector<Followed> recordings;
+  for (const Run& run : runs) recordings.push_back(run.followed());
+  const std::vector<std::vector<std::size_t>> groups = in_step(recordings);
+  parallel_for(groups.size(), [&](std::size_t g) {
+    std::vector<Followed> members;
+    for (const std::size_t i : groups[g]) members.push_back(recordings[i]);
+    std::vector<std::vector<InnerStates>> starts = follow(members, runs[groups[g].front()].options);
+    for (std::size_t k = 0; k < members.size(); ++k)
+      runs[groups[g][k]].starts = std::move(starts[k]);
+  });
+}
+
+void simulate_run(const Problem& problem, const Pass& pass, const Run& run, Eigen::VectorXd& r) {
+  SimOptions options = run.options;
+  options.starts = &run.starts;
+  std::vector<Prediction> predictions = simulate(run.params, run.drive(), run.windows, options);
   for (std::size_t i = 0; i < predictions.size(); ++i) {
-    const Shot& shot = problem->shots[shots[i]];
+    const std::size_t shot = run.shots[i];
     if (pass.seed != 0)
-      add_reading_jitter(params, Random(pass.seed, problem->sources.size() + shots[i]).bits(),
+      add_reading_jitter(run.params, Random(pass.seed, problem->sources.size() + shot).bits(),
                          predictions[i]);
-    whiten_residual(problem, shot, predictions[i], pass.wanted, r);
+    whiten_residual(problem, problem->shots[shot], predictions[i], pass.wanted, r);
   }
 }
 
@@ -89,10 +123,13 @@ void simulate_batch(const Problem& problem, const Library& library, const Model&
 /// own shots, so the result does not depend on the number of threads.
 void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
               Eigen::VectorXd& r) {
-  const std::vector<Batch> batches = by_source(*problem);
-  parallel_for(batches.size(), [&](std::size_t i) {
-    simulate_batch(problem, library, model, pass, batches[i], r);
-  });
+  std::vector<Run> runs;
+  for (const Batch& batch : by_source(*problem)) {
+    Run run = make_run(problem, library, model, pass, batch);
+    if (!run.shots.empty()) runs.push_back(std::move(run));
+  }
+  follow_runs(runs);
+  parallel_for(runs.size(), [&](std::size_t i) { simulate_run(problem, pass, runs[i], r); });
 }
 
 /// By joint, not 0: some of `joints` hangs on the same branch of the tree. Empty (all) when

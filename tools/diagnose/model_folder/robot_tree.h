@@ -21,6 +21,7 @@ struct BodyInertia {
   double mass = 0.0;  // kg
   Vec3 com{0, 0, 0};  // centre of mass from the link's origin              m
   Mat3 about_com{};   // rotational inertia about the centre of mass        kg m^2
+  bool operator==(const BodyInertia&) const = default;
 };
 
 /// Adds `part` to `whole`, both in the same axes and from the same origin.
@@ -44,6 +45,7 @@ struct TreeJoint {
   double lower = 0.0, upper = 0.0;
   double effort = 0.0;  // N m or N; 0 = none given
   double speed = 0.0;   // rad/s or m/s; 0 = none given
+  bool operator==(const TreeJoint&) const = default;
 };
 
 /// Where a URDF link (also one merged away) sits: fixed to the link of joint `joint` (-1 = base).
@@ -51,6 +53,7 @@ struct LinkPlace {
   int joint = -1;
   Mat3 R_joint_link = kIdentity3;
   Vec3 p_joint_link{0, 0, 0};
+  bool operator==(const LinkPlace&) const = default;
 };
 
 struct RobotTree {
@@ -59,6 +62,7 @@ struct RobotTree {
   std::map<std::string, LinkPlace> links;        // every link of the URDF
   int index_of(const std::string& joint) const;  // -1 when there is no such joint
   std::size_t size() const { return joints.size(); }
+  bool operator==(const RobotTree&) const = default;
 };
 
 /// Reads URDF text. Throws files::InputError naming link or joint; `file` is used in messages.

@@ -20,10 +20,9 @@ double integral_rate(const JointParams& joint) {
 
 }  // namespace
 
-void settle_integral(const JointParams& joint, double torque, double supply, double held_s,
-                     InnerState& inner) {
+double settled_integral(const JointParams& joint, double torque, double supply, double held_s) {
   const double rate = integral_rate(joint);
-  if (!(rate > 0.0)) return;
+  if (!(rate > 0.0)) return 0.0;
   const JointSettings& s = joint.nominal;
   const bool servo = s.actuator == Actuator::dc_servo;
   // d torque / d (P gain times angle)
@@ -31,12 +30,12 @@ void settle_integral(const JointParams& joint, double torque, double supply, dou
                                       (s.resistance * joint.resistance_scale)
                                 : joint.torque_scale * supply / joint.resistance_scale;
   const double p = (servo ? s.p_gain : s.kp) * joint.p_scale;
-  if (!(strength * p > 0.0)) return;
+  if (!(strength * p > 0.0)) return 0.0;
   const double full = servo ? std::min(s.duty_limit, joint.output_limit) : kNone;
   // rad of error that would hold it
   const double held = std::clamp(torque / strength, -full, full) / p;
   // under P and I a standing error decays with the rate of the integral
-  inner.integral = held * (1.0 - std::exp(-rate * held_s)) / rate;
+  return held * (1.0 - std::exp(-rate * held_s)) / rate;
 }
 
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner) {

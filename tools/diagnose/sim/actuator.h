@@ -16,10 +16,9 @@ using ServoOutput = ServoOutputOf<double>;
 /// back-EMF.
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner);
 
-/// The integral of a servo that has held `torque` for `held_s`, as before a recording begins.
-/// `supply` over nominal.
-void settle_integral(const JointParams& joint, double torque, double supply, double held_s,
-                     InnerState& inner);
+/// The integral [rad s] of a servo that has held `torque` for `held_s`, as before a recording
+/// begins; 0: it has none. `supply` over nominal.
+double settled_integral(const JointParams& joint, double torque, double supply, double held_s);
 
 /// Encoder reading for a position of the side it sits on, and the position for a reading.
 double encoder_reading(const JointParams& joint, double position);

@@ -72,7 +72,7 @@ class Integrator {
     }
     for (std::size_t j = 0; j < f_.n; ++j) change_[j] = 0.0;
     supply_current_ = 0.0;
-    tree_time_ = -kNone;
+    tree_time_ = T(-kNone);
     update_bodies(t);
   }
 
@@ -100,14 +100,9 @@ class Integrator {
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
   /// computed. The tree's inertia and bias are taken anew every `tree_refresh` only.
   /// `serves`: the joints whose servo and transmission are wanted; not `gears`: the servo alone.
-  /// One lane.
-  void follow(double t, double h, const CommandOf<T>* commands, const T* dq_end,
-              const std::size_t* serves, std::size_t count, bool gears, RobotStateOf<T>& state,
-              StepTorquesOf<T>& out) {
-    if (gears && t >= tree_time_ + settings_.tree_refresh) {
-      move_tree(t, h, state);
-      tree_time_ = t;
-    }
+  void follow(T t, T h, const CommandOf<T>* commands, const T* dq_end, const std::size_t* serves,
+              std::size_t count, bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+    if (gears) refresh_tree(t, h, state);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t k = serves[i];
       q_half_[k] = state.q[k] + 0.5 * h * state.dq[k];
@@ -195,6 +190,30 @@ class Integrator {
       tree_.set_positions(q_half_, b);
       tree_.mass_matrix(M_, b);
       tree_.bias(dq_mid_, bias_, b);
+    }
+  }
+
+  /// Inertia and bias anew in the lanes whose last ones are `tree_refresh` old.
+  void refresh_tree(T t, T h, const RobotStateOf<T>& state) {
+    const MaskOf<T> due = no_more(tree_time_ + settings_.tree_refresh, t);
+    if (!any(due)) return;
+    const bool all_due = !any(negated(due));
+    if (!all_due) each_entry([](T& kept, T& now) { kept = now; });
+    move_tree(t, h, state);
+    if (!all_due) each_entry([due](T& kept, T& now) { now = choose(due, now, kept); });
+    tree_time_ = choose(due, t, tree_time_);
+  }
+  /// f(as it was, as it is) for inertia and bias of the simulated branches.
+  template <class Function>
+  void each_entry(const Function& f) {
+    for (std::size_t n = 0; n < f_.branch_count; ++n) {
+      const std::size_t b = tree_.branch_begin(f_.branch[n]),
+                        e = tree_.branch_begin(f_.branch[n] + 1);
+      for (std::size_t i = b; i < e; ++i) {
+        f(bias_before_[i], bias_[i]);
+        for (std::size_t j = b; j < e; ++j)
+          f(M_before_[i * kMaxJoints + j], M_[i * kMaxJoints + j]);
+      }
     }
   }
 
@@ -342,8 +361,10 @@ class Integrator {
       change_[kMaxJoints], friction_[kMaxJoints];
   JointPartOf<T> part_[kMaxJoints];
   JointInstantOf<T> instant_[kMaxJoints];
-  T supply_current_ = 0.0;     // A, of the step before
-  double tree_time_ = -kNone;  // s, instant of the tree's inertia and bias while following
+  T supply_current_ = 0.0;  // A, of the step before
+  // while following: instant [s] of the tree's inertia and bias, and what they were before
+  T tree_time_ = T(-kNone);
+  T M_before_[kMaxJoints * kMaxJoints], bias_before_[kMaxJoints];
 };
 
 }  // namespace sanso::diagnose::SANSO_ISA

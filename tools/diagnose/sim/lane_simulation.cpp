@@ -3,13 +3,15 @@
 
 #include <memory>
 
+#include "tools/diagnose/sim/follow_run.h"
 #include "tools/diagnose/sim/window_run.h"
 
 namespace sanso::diagnose {
 
-#define SANSO_DECLARE_UNIT(isa)                                            \
-  namespace isa {                                                          \
-  void run_in_lanes(const SimFigures&, const WindowFigures*, std::size_t); \
+#define SANSO_DECLARE_UNIT(isa)                                                   \
+  namespace isa {                                                                 \
+  void run_in_lanes(const SimFigures&, const WindowFigures*, std::size_t);        \
+  void follow_in_lanes(const FollowFigures*, std::size_t, const FollowedJoints&); \
   }
 SANSO_DECLARE_UNIT(baseline)
 #ifdef SANSO_HAVE_X86_UNITS
@@ -25,17 +27,24 @@ void one_by_one(const SimFigures& figures, const WindowFigures* windows, std::si
   for (std::size_t w = 0; w < count; ++w) run->run(windows + w, 1);
 }
 
+void follow_one_by_one(const FollowFigures* recordings, std::size_t count,
+                       const FollowedJoints& joints) {
+  for (std::size_t r = 0; r < count; ++r)
+    std::make_unique<portable::FollowRun<double>>(recordings + r, 1, joints)->write_wanted();
+}
+
 constexpr LaneUnit kUnits[] = {
 #ifdef SANSO_HAVE_X86_UNITS
-    {"avx512", avx512::run_in_lanes,
+    {"avx512", 8, avx512::run_in_lanes, avx512::follow_in_lanes,
      [] {
        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
               __builtin_cpu_supports("avx512vl");
      }},
-    {"avx2", avx2::run_in_lanes, [] { return __builtin_cpu_supports("avx2") != 0; }},
+    {"avx2", 4, avx2::run_in_lanes, avx2::follow_in_lanes,
+     [] { return __builtin_cpu_supports("avx2") != 0; }},
 #endif
-    {"baseline", baseline::run_in_lanes, [] { return true; }},
-    {"one by one", one_by_one, [] { return true; }},
+    {"baseline", 2, baseline::run_in_lanes, baseline::follow_in_lanes, [] { return true; }},
+    {"one by one", 1, one_by_one, follow_one_by_one, [] { return true; }},
 };
 
 const LaneUnit& widest() {
@@ -55,6 +64,16 @@ void run_windows(const SimFigures& figures, std::span<const WindowFigures> windo
                  const LaneUnit* unit) {
   if (unit == nullptr) unit = windows.size() == 1 ? &lane_units().back() : &widest();
   unit->run(figures, windows.data(), windows.size());
+}
+
+void follow_recordings(std::span<const FollowFigures> recordings, const FollowedJoints& joints,
+                       const LaneUnit* unit) {
+  if (unit == nullptr) {
+    for (const LaneUnit& u : lane_units()) {
+      if (u.runs_here() && (unit == nullptr || u.lanes >= recordings.size())) unit = &u;
+    }
+  }
+  unit->follow(recordings.data(), recordings.size(), joints);
 }
 
 }  // namespace sanso::diagnose

@@ -1,5 +1,6 @@
 // Body of one instruction set's copy of the simulation. Include once in a .cpp that defines
-// SANSO_ISA and SANSO_LANES, how many windows it runs in step.
+// SANSO_ISA and SANSO_LANES, how many windows or recordings it runs in step.
+#include "tools/diagnose/sim/follow_run.h"
 #include "tools/diagnose/sim/window_run.h"
 
 namespace sanso::diagnose::SANSO_ISA {
@@ -10,6 +11,17 @@ void run_in_lanes(const SimFigures& figures, const WindowFigures* windows, std::
   WindowRun<Pack<SANSO_LANES>> run(figures);
   for (std::size_t w = 0; w < count; w += kWide)
     run.run(windows + w, count - w < kWide ? count - w : kWide);
+}
+
+void follow_in_lanes(const FollowFigures* recordings, std::size_t count,
+                     const FollowedJoints& joints);
+void follow_in_lanes(const FollowFigures* recordings, std::size_t count,
+                     const FollowedJoints& joints) {
+  constexpr std::size_t kWide = SANSO_LANES;
+  for (std::size_t r = 0; r < count; r += kWide) {
+    FollowRun<Pack<SANSO_LANES>> run(recordings + r, count - r < kWide ? count - r : kWide, joints);
+    run.write_wanted();
+  }
 }
 
 }  // namespace sanso::diagnose::SANSO_ISA

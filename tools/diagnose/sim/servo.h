@@ -239,7 +239,7 @@ inline ServoOutputOf<T> servo_step(const JointParams& joint, const ServoInputOf<
   out.back_emf_damping = choose(on, out.back_emf_damping, rests.back_emf_damping);
   inner.integral = choose(on, inner.integral, T(0.0));
   inner.filtered = choose(on, inner.filtered, T(0.0));
-  inner.profile_set = FlagOf<T>(choose(on, T(1.0), T(0.0)));
+  inner.profile_set = FlagOf<T>(choose(on, T(inner.profile_set), T(0.0)));
   return out;
 }
 

@@ -65,4 +65,23 @@ struct WindowFigures {
   double* out_volt = nullptr;
 };
 
+/// One recording to follow, and where its inner states go: n for each of `wanted`, rows in
+/// ascending order.
+struct FollowFigures {
+  const SimFigures* figures = nullptr;
+  const double* q[kMaxJoints];   // by joint and row, rad: the motion, as its sensors show it
+  const double* dq[kMaxJoints];  // rad/s
+  std::size_t last = 0;          // row to which it is followed
+  const std::size_t* wanted = nullptr;
+  std::size_t wanted_count = 0;
+  InnerStateOf<double>* out = nullptr;
+};
+
+/// The joints whose servo, and where `gears` transmission, is followed.
+struct FollowedJoints {
+  std::size_t joint[kMaxJoints];
+  std::size_t count = 0;
+  bool gears = false;
+};
+
 }  // namespace sanso::diagnose

@@ -18,6 +18,7 @@ inline constexpr double kNone = std::numeric_limits<double>::infinity();
 struct Ripple {
   double sine = 0.0, cosine = 0.0, order = 1.0;
   bool zero() const { return sine == 0.0 && cosine == 0.0; }
+  bool operator==(const Ripple&) const = default;
 };
 
 /// One joint. For prismatic joints read m for rad, N for N m, kg for kg m^2. Grouped by port, in
@@ -99,6 +100,8 @@ struct JointParams {
   Ripple encoder_error;          // rad over q
   double encoder_scale = 0.0;    // relative
   double velocity_filter = 0.0;  // s, first order, on the dq channel only
+
+  bool operator==(const JointParams&) const = default;
 };
 
 /// A constant force on a link, base axes, N, between two instants of the recording.
@@ -106,6 +109,7 @@ struct WorldForce {
   int joint = 0;
   Vec3 force{0, 0, 0};
   double from_s = -kNone, until_s = kNone;
+  bool operator==(const WorldForce&) const = default;
 };
 
 /// A body that is on a link from an instant on.
@@ -113,6 +117,7 @@ struct LatePayload {
   int joint = 0;
   BodyInertia body;
   double from_s = 0.0;
+  bool operator==(const LatePayload&) const = default;
 };
 
 struct SimParams {
@@ -128,6 +133,8 @@ struct SimParams {
   std::vector<LatePayload> late_payloads;
   SimulationSettings settings;
   std::size_t size() const { return tree.size(); }
+  /// Equal in every figure: one robot.
+  bool operator==(const SimParams&) const = default;
 };
 
 /// The nominal model with its payloads. Its [[effect]] entries are not applied here

@@ -11,10 +11,12 @@
 // (window_run.h).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "tools/diagnose/sim/actuator.h"
 #include "tools/diagnose/sim/drive.h"
 #include "tools/diagnose/sim/sim_params.h"
 
@@ -50,10 +52,15 @@ struct MeasuredMotion {
 
 struct LaneUnit;
 
+/// By joint.
+using InnerStates = std::array<InnerState, kMaxJoints>;
+
 struct SimOptions {
   double max_step_s = 1e-3;
   const MeasuredMotion* motion = nullptr;  // null: inner states start at rest at every window
-  std::uint64_t random_seed = 0;           // not 0: lost commands are drawn instead of averaged
+  /// Inner states by window, from follow() with these options; null: `motion` is followed here.
+  const std::vector<InnerStates>* starts = nullptr;
+  std::uint64_t random_seed = 0;  // not 0: lost commands are drawn instead of averaged
   /// Only these joints are wanted (by joint, not 0: wanted; empty: all). Branches that hold none of
   /// them stay 0 in the prediction; what is simulated is bit for bit what it is without the choice.
   std::vector<char> wanted = {};

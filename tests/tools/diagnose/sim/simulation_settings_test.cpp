@@ -41,11 +41,7 @@ TEST(SimulationSettings, AnIntegralGrowsTowardsWhatHoldsForEver) {
   JointParams joint =
       make_params(test::pendulum("actuator = \"position_pd\"\nkp = 20\nkd = 0.5\n")).joints[0];
   joint.integral_rate = 0.4;
-  const auto integral = [&](double seconds) {
-    InnerState inner;
-    settle_integral(joint, 1.5, 1.0, seconds, inner);
-    return inner.integral;
-  };
+  const auto integral = [&](double seconds) { return settled_integral(joint, 1.5, 1.0, seconds); };
   const double whole = integral(1e6);
   EXPECT_NEAR(0.4 * 20.0 * whole, 1.5, 1e-12) << "carries the torque alone";
   for (const double seconds : {1.5, 3.0, 6.0})

@@ -1,0 +1,115 @@
+// Figures of every recording that remembers, then its lane. Recordings share lanes where their
+// robots are equal and nothing but motion and commands depends on time.
+#include "tools/diagnose/sim/follow.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "tools/diagnose/sim/lane_simulation.h"
+#include "tools/diagnose/sim/transmission.h"
+
+namespace sanso::diagnose {
+namespace {
+
+/// One recording's figures, which point at each other, and room for what is remembered.
+struct Prepared {
+  Prepared(const Followed& recording, const SimOptions& options)
+      : motion(*recording.motion),
+        commands(*recording.params, *recording.drive, recording.random_seed),
+        figures(sim_figures(*recording.params, *recording.drive, commands, options.max_step_s,
+                            options.wanted)),
+        joints(remembering(*recording.params, figures)) {
+    for (const Window& w : recording.windows) rows.push_back(w.first);
+    states.resize(rows.size() * figures.n);
+  }
+  Prepared(const Prepared&) = delete;
+  Prepared& operator=(const Prepared&) = delete;
+
+  /// Simulated joints with a memory. A sagging supply needs every current.
+  static FollowedJoints remembering(const SimParams& params, const SimFigures& figures) {
+    FollowedJoints out;
+    for (std::size_t i = 0; i < figures.joint_count; ++i) {
+      const std::size_t j = figures.simulated[i];
+      if (has_memory(params.joints[j])) out.joint[out.count++] = j;
+    }
+    if (out.count > 0 && figures.sags) {
+      out.count = figures.joint_count;
+      std::copy_n(figures.simulated, figures.joint_count, out.joint);
+    }
+    out.gears = std::any_of(params.joints.begin(), params.joints.end(), gears_remember);
+    return out;
+  }
+
+  FollowFigures lane() {
+    FollowFigures out;
+    out.figures = &figures;
+    for (std::size_t j = 0; j < figures.n; ++j) {
+      out.q[j] = motion.q[j].data();
+      out.dq[j] = motion.dq[j].data();
+    }
+    out.last = rows.back();
+    out.wanted = rows.data();
+    out.wanted_count = rows.size();
+    out.out = states.data();
+    return out;
+  }
+  std::vector<InnerStates> by_window() const {
+    std::vector<InnerStates> out(rows.size());
+    for (std::size_t w = 0; w < rows.size(); ++w)
+      std::copy_n(states.data() + w * figures.n, figures.n, out[w].begin());
+    return out;
+  }
+
+  const MeasuredMotion& motion;
+  CommandPath commands;
+  SimFigures figures;
+  FollowedJoints joints;
+  std::vector<std::size_t> rows;  // where windows begin
+  std::vector<InnerState> states;
+};
+
+bool depends_on_time(const SimParams& params) {
+  return params.supply_slope != 0.0 ||
+         std::any_of(params.joints.begin(), params.joints.end(), [](const JointParams& j) {
+           return j.derating != 0.0 || j.friction_temperature != 0.0;
+         });
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> in_step(std::span<const Followed> recordings) {
+  std::vector<std::vector<std::size_t>> out;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    if (recordings[i].motion == nullptr || recordings[i].windows.empty()) continue;
+    const SimParams& own = *recordings[i].params;
+    const auto group = std::find_if(out.begin(), out.end(), [&](const auto& members) {
+      return !depends_on_time(own) && *recordings[members.front()].params == own;
+    });
+    if (group != out.end()) {
+      group->push_back(i);
+    } else {
+      out.push_back({i});
+    }
+  }
+  return out;
+}
+
+std::vector<std::vector<InnerStates>> follow(std::span<const Followed> recordings,
+                                             const SimOptions& options) {
+  std::vector<std::vector<InnerStates>> out(recordings.size());
+  for (const std::vector<std::size_t>& group : in_step(recordings)) {
+    std::vector<std::unique_ptr<Prepared>> prepared;
+    std::vector<FollowFigures> lanes;
+    for (const std::size_t i : group) {
+      prepared.push_back(std::make_unique<Prepared>(recordings[i], options));
+      lanes.push_back(prepared.back()->lane());
+    }
+    const FollowedJoints& joints = prepared.front()->joints;
+    if (joints.count == 0) continue;
+    follow_recordings(lanes, joints, options.unit);
+    for (std::size_t k = 0; k < group.size(); ++k) out[group[k]] = prepared[k]->by_window();
+  }
+  return out;
+}
+
+}  // namespace sanso::diagnose
