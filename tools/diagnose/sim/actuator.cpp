@@ -9,13 +9,18 @@
 namespace sanso::diagnose {
 namespace {
 
+/// P gain that the ratios of a joint refer to.
+double stated_gain(const JointParams& joint) {
+  return joint.stated_gain > 0.0 ? joint.stated_gain : recording::loop_gain(joint.nominal);
+}
+
 /// Integral gain over proportional gain, both as they act, 1/s; 0: none.
 double integral_rate(const JointParams& joint) {
   const JointSettings& s = joint.nominal;
   const double p = recording::loop_gain(s) * joint.p_scale;
   if (!(p > 0.0)) return 0.0;
   const double own = s.actuator == Actuator::dc_servo ? s.i_gain : 0.0;
-  return (own + portable::stated_gain(joint) * joint.integral_rate) / p;
+  return (own + stated_gain(joint) * joint.integral_rate) / p;
 }
 
 }  // namespace
@@ -38,8 +43,24 @@ double settled_integral(const JointParams& joint, double torque, double supply, 
   return held * (1.0 - std::exp(-rate * held_s)) / rate;
 }
 
+GainsOf<double> servo_gains(const JointParams& joint) {
+  const JointSettings& s = joint.nominal;
+  const double stated = stated_gain(joint);
+  if (s.actuator == Actuator::dc_servo) {
+    const double stall = s.torque_constant * s.voltage / s.resistance;  // N m per duty, nominal
+    const double d = joint.d_torque != 0.0 && stall > 0.0 ? joint.d_torque / stall : 0.0;
+    return {s.p_gain * joint.p_scale, s.d_gain + d, s.i_gain + stated * joint.integral_rate,
+            stated * joint.feed_forward + d * joint.d_on_error};
+  }
+  if (s.actuator != Actuator::position_pd) return {};
+  return {s.kp * joint.p_scale, s.kd + joint.d_torque, stated * joint.integral_rate,
+          stated * joint.feed_forward + joint.d_torque * joint.d_on_error};
+}
+
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner) {
-  return portable::servo_step(joint, input, inner);
+  ServoInput own = input;
+  own.gains = servo_gains(joint);
+  return portable::servo_step(joint, own, inner);
 }
 
 double ripple_at(const Ripple& r, double x) { return portable::ripple_at(r, x); }

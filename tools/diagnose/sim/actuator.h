@@ -12,8 +12,12 @@ using InnerState = InnerStateOf<double>;
 using ServoInput = ServoInputOf<double>;
 using ServoOutput = ServoOutputOf<double>;
 
-/// One step of the servo; advances its inner states by input.h. Switched off: no torque, no
-/// back-EMF.
+/// Gains of the joint's position loop as it acts, in duty (dc_servo) or torque (position_pd); all
+/// 0: it has none.
+GainsOf<double> servo_gains(const JointParams& joint);
+
+/// One step of the servo, with its own gains; advances its inner states by input.h. Switched off:
+/// no torque, no back-EMF.
 ServoOutput servo_step(const JointParams& joint, const ServoInput& input, InnerState& inner);
 
 /// The integral [rad s] of a servo that has held `torque` for `held_s`, as before a recording

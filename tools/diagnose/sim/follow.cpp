@@ -1,5 +1,6 @@
 // Figures of every recording that remembers, then its lane. Recordings share lanes where their
-// robots are equal and nothing but motion and commands depends on time.
+// robots are equal but for the gains of servos, and nothing but motion and commands depends on
+// time.
 #include "tools/diagnose/sim/follow.h"
 
 #include <algorithm>
@@ -75,6 +76,27 @@ bool depends_on_time(const SimParams& params) {
          });
 }
 
+/// The same joint but for the gains of its position loop, which is of one kind.
+bool alike_but_for_gains(JointParams a, const JointParams& b) {
+  if ((servo_gains(a).i > 0.0) != (servo_gains(b).i > 0.0)) return false;
+  const JointSettings& s = b.nominal;
+  a.nominal.p_gain = s.p_gain, a.nominal.i_gain = s.i_gain, a.nominal.d_gain = s.d_gain;
+  a.nominal.kp = s.kp, a.nominal.kd = s.kd;
+  a.stated_gain = b.stated_gain;
+  return a == b;
+}
+
+/// One robot but for the gains of its servos, and nothing of it depends on time.
+bool one_robot(const SimParams& a, const SimParams& b) {
+  return !depends_on_time(a) && a.supply_level == b.supply_level &&
+         a.supply_slope == b.supply_slope && a.supply_resistance == b.supply_resistance &&
+         a.gravity == b.gravity &&
+         std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
+                    alike_but_for_gains) &&
+         a.forces == b.forces && a.late_payloads == b.late_payloads && a.settings == b.settings &&
+         a.tree == b.tree;
+}
+
 }  // namespace
 
 std::vector<std::vector<std::size_t>> in_step(std::span<const Followed> recordings) {
@@ -83,7 +105,7 @@ std::vector<std::vector<std::size_t>> in_step(std::span<const Followed> recordin
     if (recordings[i].motion == nullptr || recordings[i].windows.empty()) continue;
     const SimParams& own = *recordings[i].params;
     const auto group = std::find_if(out.begin(), out.end(), [&](const auto& members) {
-      return !depends_on_time(own) && *recordings[members.front()].params == own;
+      return one_robot(own, *recordings[members.front()].params);
     });
     if (group != out.end()) {
       group->push_back(i);

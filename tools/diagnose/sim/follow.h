@@ -20,7 +20,8 @@ struct Followed {
 };
 
 /// Inner states by window, for each recording; none where nothing is remembered. Recordings of
-/// equal robots are followed in step (lane_simulation.h), which changes no bit.
+/// robots that are equal but for their servos' gains are followed in step (lane_simulation.h),
+/// which changes no bit.
 /// `options`: its step, its choice of joints, its unit.
 std::vector<std::vector<InnerStates>> follow(std::span<const Followed> recordings,
                                              const SimOptions& options);

@@ -18,6 +18,10 @@ class FollowRun {
     for (std::size_t i = 0; i < kLanes; ++i) {
       lane_[i].recording = recordings + (i < count ? i : count - 1);
       for (std::size_t k = 0; k < kMaxJoints; ++k) lane_[i].cursor[k] = CommandPath::kUnset;
+      for (std::size_t n = 0; n < f_.joint_count; ++n) {
+        const std::size_t k = f_.simulated[n];
+        integrator_.set_gains(i, k, lane_[i].joints()[k]);
+      }
     }
   }
 
@@ -59,6 +63,7 @@ class FollowRun {
     bool at_row = true, ended = false;
     std::size_t cursor[kMaxJoints];
     const double* t() const { return recording->figures->t; }
+    const JointParams* joints() const { return recording->figures->joints; }
   };
 
   void begin() {
@@ -84,7 +89,7 @@ class FollowRun {
       double x[kLanes];
       store(held[k], x);
       for (std::size_t i = 0; i < kLanes; ++i)
-        x[i] = settled_integral(f_.joints[k], x[i], supply, f_.params->settings.held);
+        x[i] = settled_integral(lane_[i].joints()[k], x[i], supply, f_.params->settings.held);
       load(x, state_.inner[k].integral);
     }
   }
@@ -201,7 +206,7 @@ class FollowRun {
     to.velocity_channel = of(in.velocity_channel);
   }
 
-  const SimFigures& f_;  // of the first; all are alike but for time, motion and commands
+  const SimFigures& f_;  // of the first; all are alike but for time, motion, commands and gains
   const FollowedJoints serves_;
   const std::size_t count_;
   Integrator<T> integrator_;

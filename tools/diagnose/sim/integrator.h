@@ -59,7 +59,22 @@ template <class T>
 class Integrator {
  public:
   explicit Integrator(const SimFigures& figures)
-      : f_(figures), settings_(figures.params->settings), tree_(figures.tree) {}
+      : f_(figures), settings_(figures.params->settings), tree_(figures.tree) {
+    for (std::size_t i = 0; i < f_.joint_count; ++i) {
+      const std::size_t k = f_.simulated[i];
+      for (std::size_t lane = 0; lane < kLanes; ++lane) set_gains(lane, k, f_.joints[k]);
+    }
+  }
+
+  /// One lane's servo at joint k has the gains of this joint: all have an integral, or none.
+  void set_gains(std::size_t lane, std::size_t k, const JointParams& joint) {
+    const GainsOf<double> own = servo_gains(joint);
+    GainsOf<T>& to = gains_[k];
+    set_lane(to.p, lane, own.p);
+    set_lane(to.d, lane, own.d);
+    set_lane(to.i, lane, own.i);
+    set_lane(to.goal, lane, own.goal);
+  }
 
   /// Starts anew at any instant (payloads that come late are looked up for it).
   void restart(T t) {
@@ -128,6 +143,13 @@ class Integrator {
  private:
   static constexpr std::size_t kLanes = Kind<T>::kLanes;
   static constexpr std::size_t kUnknown = static_cast<std::size_t>(-1);
+
+  static void set_lane(T& x, std::size_t lane, double value) {
+    double all[kLanes];
+    store(x, all);
+    all[lane] = value;
+    load(all, x);
+  }
 
   void update_bodies(T t) {
     if (!f_.late_payloads && !f_.forces) return;
@@ -243,7 +265,8 @@ class Integrator {
                                   motor_velocity,
                                   supply,
                                   drop,
-                                  warming};
+                                  warming,
+                                  gains_[k]};
       const ServoOutputOf<T> servo = servo_step(joint, input, inner);
       out.servo[k] = servo;
       drawn += abs_of(servo.current * servo.duty);
@@ -351,6 +374,7 @@ class Integrator {
   const SimFigures& f_;
   const SimulationSettings settings_;  // a copy: nothing that a step writes can change it
   Tree<T> tree_;
+  GainsOf<T> gains_[kMaxJoints];
   std::size_t payloads_on_[kLanes];
   double next_change_[kLanes];  // s, of payloads and forces
   std::size_t warm_row_[kLanes][kMaxJoints];

@@ -25,8 +25,8 @@ std::span<const LaneUnit> lane_units();
 void run_windows(const SimFigures& figures, std::span<const WindowFigures> windows,
                  const LaneUnit* unit = nullptr);
 /// Writes the inner states at the wanted rows of recordings that one robot made: equal in every
-/// figure but time, motion and commands, and of more than one recording nothing may depend on time
-/// but those. `unit`: null, the narrowest of this machine with a lane for each.
+/// figure but time, motion, commands and the servos' gains, and of more than one recording nothing
+/// may depend on time but those. `unit`: null, the narrowest of this machine with a lane for each.
 void follow_recordings(std::span<const FollowFigures> recordings, const FollowedJoints& joints,
                        const LaneUnit* unit = nullptr);
 

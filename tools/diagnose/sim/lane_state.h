@@ -39,6 +39,12 @@ struct CommandOf {
   FlagOf<T> off;  // empty cell: the actuator is switched off
 };
 
+/// Gains of a position loop, in the unit of its output (duty, N m).
+template <class T>
+struct GainsOf {
+  T p = 0.0, d = 0.0, i = 0.0, goal = 0.0;  // per rad, per rad/s, per rad s, per rad/s of the goal
+};
+
 /// What the servo sees at one instant.
 template <class T>
 struct ServoInputOf {
@@ -50,6 +56,7 @@ struct ServoInputOf {
   T supply;          // V over nominal V, before its drop
   T supply_drop;     // V
   T warming;         // K above the start
+  GainsOf<T> gains;  // servo_gains(); all with an integral, or none
 };
 
 template <class T>

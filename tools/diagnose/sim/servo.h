@@ -89,22 +89,15 @@ inline T shaped(const JointParams& joint, T raw, double full, double limit, T h,
   return choose(limited, with_sign(T(limit), raw), raw);
 }
 
-/// Controller common to dc_servo (gains in duty) and position_pd (gains in torque).
-struct Gains {
-  double p, d, i, goal;  // output per rad, per rad/s, per rad s, per rad/s of the goal
-};
-/// P gain that the ratios of a joint refer to.
-inline double stated_gain(const JointParams& joint) {
-  return joint.stated_gain > 0.0 ? joint.stated_gain : recording::loop_gain(joint.nominal);
-}
-
-/// Output before its limit, in the unit of the gains; moves the integral, which stops at `limit`.
+/// Controller common to dc_servo (gains in duty) and position_pd (gains in torque). Output before
+/// its limit, in the unit of the gains; moves the integral, which stops at `limit`.
 template <class T>
-inline T controller(const JointParams& joint, const Gains& gains, const ServoInputOf<T>& in,
-                    const CommandOf<T>& goal, double limit, InnerStateOf<T>& inner) {
+inline T controller(const JointParams& joint, const ServoInputOf<T>& in, const CommandOf<T>& goal,
+                    double limit, InnerStateOf<T>& inner) {
+  const GainsOf<T>& gains = in.gains;
   const T error = goal.value - in.position;
   const T without_integral = gains.p * error - gains.d * in.velocity + gains.goal * goal.rate;
-  if (gains.i <= 0.0) return without_integral;
+  if (!any(less(T(0.0), gains.i))) return without_integral;
   const T integral = inner.integral + in.h * error;
   // at the limit the integral may only move back, or go on as far as the firmware lets it wind up
   const MaskOf<T> inside = less(abs_of(without_integral + gains.i * integral), T(limit));
@@ -139,21 +132,14 @@ inline ServoOutputOf<T> dc_servo(const JointParams& joint, const ServoInputOf<T>
   const double resistance = s.resistance * joint.resistance_scale;
 
   const double limit = s.duty_limit < joint.output_limit ? s.duty_limit : joint.output_limit;
-  const double nominal_stall = s.torque_constant * s.voltage / s.resistance;  // N m per duty
-  const double added_d =
-      joint.d_torque != 0.0 && nominal_stall > 0.0 ? joint.d_torque / nominal_stall : 0.0;
-  const double p = s.p_gain * joint.p_scale;
-  const double stated = stated_gain(joint);
-  const Gains gains{p, s.d_gain + added_d, s.i_gain + stated * joint.integral_rate,
-                    stated * joint.feed_forward + added_d * joint.d_on_error};
   T slope = 1.0;
-  const T raw = controller(joint, gains, in, profiled(joint, in, inner), limit, inner);
+  const T raw = controller(joint, in, profiled(joint, in, inner), limit, inner);
   out.duty = shaped(joint, raw, 1.0, limit, in.h, inner, slope);
 
   out.current = (out.duty * out.volt - back_emf * in.motor_velocity) / resistance;
   const T stall = torque_constant * out.volt / resistance;
-  out.stiffness = stall * slope * gains.p;
-  out.damping = stall * slope * gains.d;
+  out.stiffness = stall * slope * in.gains.p;
+  out.damping = stall * slope * in.gains.d;
   out.back_emf_damping = torque_constant * back_emf / resistance;
   const double own = limit_or_none(s.current_limit);
   const double most = own < joint.current_limit ? own : joint.current_limit;
@@ -184,19 +170,12 @@ inline ServoOutputOf<T> torque_source(const JointParams& joint, const ServoInput
   const double full = limit_or_none(s.torque_limit);
   const double limit = full * joint.output_limit;
   T slope = 1.0, raw = in.command.value;
-  Gains gains{0, 0, 0, 0};
-  if (position) {
-    const double p = s.kp * joint.p_scale;
-    const double stated = stated_gain(joint);
-    gains = {p, s.kd + joint.d_torque, stated * joint.integral_rate,
-             stated * joint.feed_forward + joint.d_torque * joint.d_on_error};
-    raw = controller(joint, gains, in, profiled(joint, in, inner), limit, inner);
-  }
+  if (position) raw = controller(joint, in, profiled(joint, in, inner), limit, inner);
   T gain = joint.torque_scale * warm_share(joint, in.warming);
   if (position) gain = gain * in.supply / joint.resistance_scale;
   out.torque = gain * shaped(joint, raw, full, kNone, in.h, inner, slope);
-  out.stiffness = gain * slope * gains.p;
-  out.damping = gain * slope * gains.d;
+  out.stiffness = gain * slope * in.gains.p;
+  out.damping = gain * slope * in.gains.d;
   // torque-speed line: what is left of the limit in the direction of motion
   T upper = limit, lower = limit;
   if (joint.no_load_speed != kNone && limit < kNone) {

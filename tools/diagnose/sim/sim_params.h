@@ -133,8 +133,6 @@ struct SimParams {
   std::vector<LatePayload> late_payloads;
   SimulationSettings settings;
   std::size_t size() const { return tree.size(); }
-  /// Equal in every figure: one robot.
-  bool operator==(const SimParams&) const = default;
 };
 
 /// The nominal model with its payloads. Its [[effect]] entries are not applied here

@@ -7,93 +7,14 @@
 #include <cmath>
 #include <utility>
 
-#include "tests/support/small_world.h"
 #include "tests/support/temp_folder.h"
+#include "tests/tools/diagnose/effects/small_trials.h"
 #include "tools/diagnose/effects/from_model.h"
-#include "tools/diagnose/effects/joint_scale.h"
-#include "tools/diagnose/sim/lane_simulation.h"
 
 namespace sanso::diagnose {
 namespace {
 
-using Values = std::vector<double>;
-
-/// One second of a small robot in lively motion, motors getting warm, inner states brought along.
-struct Trial {
-  std::string name;
-  ModelFolder model;
-  Drive drive;
-  MeasuredMotion motion;
-  std::vector<Window> windows;
-  JointScale scale;  // of the first joint
-
-  explicit Trial(const test::SmallWorld& world) : name(world.name), model(world.model) {
-    const double size = model.tree.joints.front().prismatic ? 0.1 : 0.6;
-    drive = test::make_test_drive(model, 1.0, 0.01, [size](int j, double t) {
-      return size * std::sin(7 * t + j) + (t > 0.5 ? 0.3 * size : 0.0);
-    });
-    const std::size_t joints = drive.joints.size();
-    motion.q.resize(joints), motion.dq.resize(joints);
-    for (std::size_t j = 0; j < joints; ++j) {
-      for (const double t : drive.t) {
-        drive.joints[j].temp.push_back(25 + 10 * t);
-        motion.q[j].push_back(0.5 * size * std::sin(7 * t));
-        motion.dq[j].push_back(3.5 * size * std::cos(7 * t));
-      }
-      drive.joints[j].q = motion.q[j];
-    }
-    // starts as measured: what filters remember of the motion and what is seen agree
-    for (const std::size_t first : {0u, 40u}) {
-      windows.push_back({first, first + 60, {}, {}});
-      for (std::size_t j = 0; j < joints; ++j) {
-        windows.back().q.push_back(motion.q[j][first]);
-        windows.back().dq.push_back(motion.dq[j][first]);
-      }
-    }
-    scale = joint_scales(make_params(model), std::vector{drive}).front();
-  }
-
-  std::vector<Prediction> predict(const SimParams& params) const {
-    SimOptions options;
-    options.motion = &motion;
-    return simulate(params, drive, windows, options);
-  }
-  /// The model with the effect at every place it can have.
-  SimParams with(const Effect& effect, const Values& theta) const {
-    SimParams params = make_params(model);
-    if (effect.scope == Scope::robot) effect.apply(params, -1, theta);
-    for (std::size_t j = 0; effect.scope != Scope::robot && j < params.size(); ++j)
-      effect.apply(params, static_cast<int>(j), theta);
-    return params;
-  }
-  std::vector<EffectParameter> parameters(const Effect& effect) const {
-    std::vector<EffectParameter> out;
-    for (const EffectParameter& p : effect.parameters) out.push_back(scaled(p, scale));
-    return out;
-  }
-  Values null(const Effect& effect) const {
-    Values theta;
-    for (const EffectParameter& p : parameters(effect)) theta.push_back(p.null);
-    return theta;
-  }
-};
-
-const std::vector<Trial>& trials() {
-  static const std::vector<Trial> all = [] {
-    std::vector<Trial> out;
-    for (const test::SmallWorld& world : test::small_worlds()) out.emplace_back(world);
-    return out;
-  }();
-  return all;
-}
-
-bool identical(const std::vector<Prediction>& a, const std::vector<Prediction>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Prediction& x, const Prediction& y) {
-                      return x.q == y.q && x.dq == y.dq && x.tau == y.tau && x.i == y.i &&
-                             x.pwm == y.pwm && x.volt == y.volt;
-                    });
-}
+using namespace test;
 
 /// Positions and velocities of all windows, one after the other.
 Values moved(const std::vector<Prediction>& predictions) {
@@ -217,35 +138,6 @@ TEST_P(EveryEffectOnEveryRobot, IsOneAndTheSameOnARobotOfTwiceTheTorques) {
   }
 }
 
-/// Windows that begin and end apart, on an unsteady clock, with commands that pause: each is what
-/// it is alone, on every instruction set.
-TEST_P(EveryEffectOnEveryRobot, MovesEveryWindowAsItMovesAlone) {
-  for (Trial trial : trials()) {
-    for (std::size_t row = 1; row + 1 < trial.drive.rows(); ++row)
-      trial.drive.t[row] += 0.002 * std::sin(3.0 * static_cast<double>(row * row));
-    for (JointData& joint : trial.drive.joints)
-      std::fill_n(joint.command.begin() + 30, 8, std::nan(""));
-    trial.windows.push_back(trial.windows.front());
-    for (const std::size_t first : {3u, 17u, 31u, 33u, 34u, 50u, 70u, 71u})
-      trial.windows.push_back({first, first + 9, trial.windows[0].q, trial.windows[0].dq});
-    std::stable_sort(trial.windows.begin(), trial.windows.end(),
-                     [](const Window& a, const Window& b) { return a.first < b.first; });
-    for (const Values& theta : scaled_probes(effect_, trial.scale)) {
-      SimParams params = trial.with(effect_, theta);
-      params.joints.back().nominal.command_delay_s += 0.0031;  // one joint's commands alone
-      SimOptions options;
-      options.motion = &trial.motion;
-      options.unit = &lane_units().back();
-      const auto alone = simulate(params, trial.drive, trial.windows, options);
-      for (const LaneUnit& unit : lane_units()) {
-        options.unit = unit.runs_here() ? &unit : nullptr;
-        EXPECT_TRUE(identical(alone, simulate(params, trial.drive, trial.windows, options)))
-            << trial.name << ' ' << unit.name;
-      }
-    }
-  }
-}
-
 TEST_P(EveryEffectOnEveryRobot, ComesBackFromAModelFolderBitForBit) {
   const sanso::test::TempFolder folder;
   for (const Trial& trial : trials()) {
@@ -290,13 +182,6 @@ TEST_P(EveryEffectOnEveryRobot, IsTheSettingThatItSaysItIs) {
   }
 }
 
-std::vector<std::string> simulated_ids() {
-  std::vector<std::string> ids;
-  for (const Effect& e : library()) {
-    if (e.apply) ids.emplace_back(e.id);
-  }
-  return ids;
-}
 INSTANTIATE_TEST_SUITE_P(Library, EveryEffectOnEveryRobot, testing::ValuesIn(simulated_ids()),
                          [](const auto& p) { return p.param; });
 
