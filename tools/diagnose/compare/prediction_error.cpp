@@ -95,10 +95,12 @@ Run make_run(const Problem& problem, const Library& library, const Model& model,
 /// Inner states at the starts of all windows: recordings of equal robots in step.
 void follow_runs(std::vector<Run>& runs) {
   std::vector<Followed> recordings;
+  recordings.reserve(runs.size());
   for (const Run& run : runs) recordings.push_back(run.followed());
   const std::vector<std::vector<std::size_t>> groups = in_step(recordings);
   parallel_for(groups.size(), [&](std::size_t g) {
     std::vector<Followed> members;
+    members.reserve(groups[g].size());
     for (const std::size_t i : groups[g]) members.push_back(recordings[i]);
     std::vector<std::vector<InnerStates>> starts = follow(members, runs[groups[g].front()].options);
     for (std::size_t k = 0; k < members.size(); ++k)

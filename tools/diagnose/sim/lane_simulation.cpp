@@ -69,8 +69,9 @@ void run_windows(const SimFigures& figures, std::span<const WindowFigures> windo
 void follow_recordings(std::span<const FollowFigures> recordings, const FollowedJoints& joints,
                        const LaneUnit* unit) {
   if (unit == nullptr) {
+    unit = &widest();
     for (const LaneUnit& u : lane_units()) {
-      if (u.runs_here() && (unit == nullptr || u.lanes >= recordings.size())) unit = &u;
+      if (u.runs_here() && u.lanes >= recordings.size()) unit = &u;
     }
   }
   unit->follow(recordings.data(), recordings.size(), joints);
