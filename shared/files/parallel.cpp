@@ -52,6 +52,7 @@ class Crew {
  public:
   /// The thread that makes it and up to `helpers` more; fewer where the system gives no more.
   explicit Crew(std::size_t helpers) {
+    threads_.reserve(helpers);
     own_crew = this;
     try {
       for (std::size_t i = 0; i < helpers; ++i)
