@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "tests/support/small_world.h"
-#include "tools/diagnose/sim/follow.h"
 #include "tools/diagnose/sim/servo.h"
 #include "tools/diagnose/sim/simulator.h"
 
@@ -149,33 +148,6 @@ TEST(LaneSimulation, AWindowOfOneRowIsItsStart) {
 TEST(LaneSimulation, TheLastWayRunsEverywhere) {
   EXPECT_TRUE(lane_units().back().runs_here());
   EXPECT_TRUE(lane_units()[lane_units().size() - 2].runs_here());
-}
-
-/// Indices of recordings of three robots, the second and third changed by `change`, by group.
-template <class Change>
-std::vector<std::vector<std::size_t>> groups(const Change& change) {
-  const World world;
-  std::vector<SimParams> robots(3, world.params);
-  change(robots[1]);
-  change(robots[2]);
-  const MeasuredMotion motion;
-  std::vector<Followed> all;
-  for (const SimParams& robot : robots)
-    all.push_back({&robot, &world.drive, &motion, world.windows});
-  return in_step(all);
-}
-
-TEST(LaneSimulation, RecordingsAreInStepWhereRobotsAreOneButForTheirGains) {
-  using Groups = std::vector<std::vector<std::size_t>>;
-  const Groups one{{0, 1, 2}}, two{{0}, {1, 2}};
-  EXPECT_EQ(groups([](SimParams&) {}), one);
-  EXPECT_EQ(groups([](SimParams& p) { p.joints[1].nominal.kp *= 2.0; }), one);
-  EXPECT_EQ(groups([](SimParams& p) { p.joints[1].p_scale = 2.0; }), two);
-  EXPECT_EQ(groups([](SimParams& p) { p.joints[1].integral_rate = 0.5; }), two);
-  EXPECT_EQ(groups([](SimParams& p) { p.tree.joints[2].body.mass *= 1.1; }), two);
-  EXPECT_EQ(groups([](SimParams& p) { p.forces.push_back({1, {1, 0, 0}}); }), two);
-  EXPECT_EQ(groups([](SimParams& p) { p.joints[0].derating = 0.01; }), (Groups{{0}, {1}, {2}}))
-      << "temperatures are each recording's own";
 }
 
 }  // namespace
