@@ -89,6 +89,7 @@ struct ChanceSettings {
   int loss_refits = 3;
   int loss_runs = 4;
   double loss_wrong = 0.1;
+  double loss_shows = 2.0;
   double loss_seen = 0.25;
   double loss_doubted = 2.0;
   double loss_mirrored = 0.03;
@@ -116,6 +117,8 @@ struct ChanceSettings {
           "of commands lost in a row that are tried at once: 1, 2, 4, ...; others grow");
     field("loss_wrong", loss_wrong, "relative", 0.001, 1.0,
           "of what a loss changes, in a tolerated model: gain, lag, mass and friction together");
+    field("loss_shows", loss_shows, "factor", 0.1, 100.0,
+          "of the price of a loss: one that changes more is not missed for the noise, and counted");
     field("loss_seen", loss_seen, "share", 0.0, 1.0,
           "of the losses found that a jump of the command shows, at least, or they are none");
     field("loss_mirrored", loss_mirrored, "share", 0.0001, 1.0,

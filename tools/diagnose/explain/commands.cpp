@@ -32,11 +32,6 @@ bool Commands::changes(std::size_t source, std::size_t joint, std::size_t row) c
          u[row] != u[row - 1];
 }
 
-double Commands::jump(std::size_t source, std::size_t joint, std::size_t row) const {
-  const std::vector<double>& u = of(source, joint);
-  return u[row] - u[row - 1];
-}
-
 double Commands::missed(std::size_t source, std::size_t joint, std::size_t row,
                         std::size_t run) const {
   const std::vector<double>& u = of(source, joint);

@@ -21,10 +21,8 @@ class Commands {
   std::size_t first_row(const Shot& shot, std::size_t joint) const;
   /// What the servo does not notice when it is lost is no event.
   bool changes(std::size_t source, std::size_t joint, std::size_t row) const;
-  /// Size of a change, rad.
-  double jump(std::size_t source, std::size_t joint, std::size_t row) const;
   /// What a servo misses that holds the command before `row` for `run` rows: sum of the differences
-  /// [rad]. Of one row that is its jump.
+  /// [rad]. Of one row that is how far the command jumps.
   double missed(std::size_t source, std::size_t joint, std::size_t row, std::size_t run) const;
   /// Commands at these joints whose loss would be noticed, in all shots together.
   double count(const std::vector<std::size_t>& joints) const;

@@ -174,14 +174,6 @@ void Hunt::note_mirrored(const std::vector<Change>& tried) {
   mirrored_.losses += loss, mirrored_.beyond += beyond;
 }
 
-void Hunt::note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried) {
-  for (const Change& c : tried) {
-    if (c.run != 1 || !commands_.changes(source, joint, c.row)) continue;
-    const double jump = commands_.jump(source, joint, c.row);
-    responses_.push_back(c.made / (jump * jump));
-  }
-}
-
 /// The best change of every shot under way, where it pays. Returns the shots that stay under way;
 /// `moved`: those whose losses are others now.
 std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hunted,
@@ -200,7 +192,6 @@ std::vector<Hunted> Hunt::round(std::size_t joint, const std::vector<Hunted>& hu
                      [](const Change& a, const Change& b) { return a.gain > b.gain; });
     const Shot& shot = problem_->shots[hunted[i].shot];
     const bool pays = !of[i].empty() && of[i].front().gain > 0.0;
-    if (hunted[i].promising.empty()) note_responses(joint, shot.source, of[i]);
     if (untouched) note_mirrored(of[i]);
     if (!pays && hunted[i].promising.empty()) continue;  // nothing of all there is pays
     again.push_back({hunted[i].shot});
@@ -262,19 +253,33 @@ void Hunt::refit() {
   state_.r = prediction_error(known, library_, model_);
 }
 
-std::vector<std::vector<Change>> Hunt::taken_back(std::size_t joint) const {
+/// `changes`: by shot of the problem.
+std::vector<std::vector<Change>> Hunt::tried_alone(std::size_t joint,
+                                                   std::vector<std::vector<Change>> changes) const {
   std::vector<Hunted> hunted;
-  std::vector<std::vector<Change>> back;
-  for (std::size_t s = 0; s < problem_->shots.size(); ++s) {
-    std::vector<Change> own;
+  hunted.reserve(changes.size());
+  for (std::size_t s = 0; s < changes.size(); ++s) hunted.push_back({s});
+  try_out(joint, hunted, changes);
+  return changes;
+}
+
+std::vector<std::vector<Change>> Hunt::taken_back(std::size_t joint) const {
+  std::vector<std::vector<Change>> back(problem_->shots.size());
+  for (std::size_t s = 0; s < back.size(); ++s) {
     for (const LostCommand& l : lost_in(state_.lost, problem_->shots[s], joint))
-      own.push_back({l.row, 1});
-    if (own.empty()) continue;
-    hunted.push_back({s});
-    back.push_back(std::move(own));
+      back[s].push_back({l.row, 1});
   }
-  try_out(joint, hunted, back);
-  return back;
+  return tried_alone(joint, std::move(back));
+}
+
+std::vector<std::vector<Change>> Hunt::each_alone(std::size_t joint) const {
+  std::vector<std::vector<Change>> all(problem_->shots.size());
+  for (std::size_t s = 0; s < all.size(); ++s) {
+    const Shot& shot = problem_->shots[s];
+    for (std::size_t row = commands_.first_row(shot, joint); row < shot.window.last; ++row)
+      if (commands_.changes(shot.source, joint, row)) all[s].push_back({row, 1});
+  }
+  return tried_alone(joint, std::move(all));
 }
 
 }  // namespace sanso::diagnose

@@ -56,8 +56,10 @@ class Hunt {
   void forget_nuisances();
   /// Nuisances were fitted to motions with the losses in them: once more, with the losses known.
   void refit();
-  /// Of each loss, alone taken back again; by shot of the joint that has one.
+  /// Of each loss of the joint, alone taken back again; by shot.
   std::vector<std::vector<Change>> taken_back(std::size_t joint) const;
+  /// Of each command of the joint, alone lost, or where it is lost taken back; by shot.
+  std::vector<std::vector<Change>> each_alone(std::size_t joint) const;
 
   const Problem& problem() const { return problem_; }  // in noise levels
   const Library& library() const { return library_; }
@@ -71,9 +73,6 @@ class Hunt {
   /// command would mend that goes as far beyond what was sent as a loss falls behind it: the second
   /// over the first. What is no loss is mended by either.
   double mirrored() const { return mirrored_.beyond / std::max(mirrored_.losses, 1e-300); }
-  /// Energy that the loss of one command changes, by the square of the command's jump [1 / rad^2]:
-  /// of every command tried.
-  const std::vector<double>& responses() const { return responses_; }
 
  private:
   ShotEnergy energy_in(const Eigen::VectorXd& projected, const Shot& shot, std::size_t joint) const;
@@ -84,10 +83,11 @@ class Hunt {
   std::vector<Change> all_changes(const Shot& shot, std::size_t joint) const;
   std::vector<Change> promising_after(const std::vector<Change>& sorted, const Shot& shot,
                                       std::size_t joint) const;
+  std::vector<std::vector<Change>> tried_alone(std::size_t joint,
+                                               std::vector<std::vector<Change>> changes) const;
   void try_out(std::size_t joint, const std::vector<Hunted>& hunted,
                std::vector<std::vector<Change>>& of) const;
   void note_mirrored(const std::vector<Change>& tried);
-  void note_responses(std::size_t joint, std::size_t source, const std::vector<Change>& tried);
   std::vector<Hunted> round(std::size_t joint, const std::vector<Hunted>& hunted,
                             std::vector<char>& moved);
   std::size_t take(std::size_t joint, const std::vector<std::size_t>& shots);
@@ -101,7 +101,6 @@ class Hunt {
   Repaired state_;
   const Eigen::VectorXd first_;
   double best_gain_ = 0.0;
-  std::vector<double> responses_;
   struct {
     double losses = 0.0, beyond = 0.0;  // gains
   } mirrored_;

@@ -1,7 +1,7 @@
 // Lost commands: the hunt for them, and what is said of those found.
 //
-//   size    = lost / commands, among the commands whose loss would show; Wilson's interval, with as
-//             many events as independent runs of losses
+//   size    = lost / commands, among the commands whose loss would show (showing.h); Wilson's
+//             interval, with as many events as independent runs of losses
 //   misfit  = median over losses of |theta - 1| / sqrt(1 / made + wrong^2), theta the share of the
 //             loss that the data want: with e = r'Mr, e(theta) is a parabola of curvature `made`
 //             through e(0) and e(1), so that theta = (1 - (e(0) - e(1)) / made) / 2. Noise alone
@@ -14,9 +14,9 @@
 #include "tools/diagnose/explain/losses.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "tools/diagnose/explain/hunt.h"
+#include "tools/diagnose/explain/showing.h"
 #include "tools/diagnose/stats/robust.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -24,16 +24,6 @@ namespace sanso::diagnose {
 namespace {
 
 using Eigen::VectorXd;
-
-/// Commands whose loss would change the motion alike much.
-struct Showing {
-  int commands = 0, lost = 0;
-  /// Of the share lost, 95 %, when as many as `together` events are one.
-  Interval interval(double together) const {
-    return wilson_interval(static_cast<int>(std::lround(lost / together)),
-                           static_cast<int>(std::lround(std::max(commands, lost) / together)));
-  }
-};
 
 /// Candidates that lose commands, and that the model does not have.
 std::vector<std::size_t> losing_candidates(const Surroundings& around, const Model& model) {
@@ -61,47 +51,6 @@ std::optional<std::size_t> smallest_at(const Library& library,
     if (!best || own.size() < library[*best].joints.size()) best = i;
   }
   return best;
-}
-
-/// A run of losses: rows [first, first + length) of one joint's commands.
-struct Run {
-  LostCommand first;
-  std::size_t length = 1;
-};
-
-std::vector<Run> runs_of(const std::vector<LostCommand>& lost) {
-  std::vector<Run> out;
-  for (const LostCommand& l : lost) {
-    const bool goes_on = !out.empty() && l.source == out.back().first.source &&
-                         l.joint == out.back().first.joint &&
-                         l.row == out.back().first.row + out.back().length;
-    if (goes_on) {
-      ++out.back().length;
-    } else {
-      out.push_back({l});
-    }
-  }
-  return out;
-}
-
-/// Losses come in runs: how many count as one independent event (mean square of the runs' lengths
-/// over their mean).
-double run_effect(const std::vector<Run>& runs) {
-  double sum = 0.0, squares = 0.0;
-  for (const Run& run : runs) {
-    const double length = static_cast<double>(run.length);
-    sum += length;
-    squares += length * length;
-  }
-  return sum > 0.0 ? squares / sum : 1.0;
-}
-
-/// Length of a typical run: of half of the runs no longer.
-std::size_t typical_run(const std::vector<Run>& runs) {
-  std::vector<double> lengths;
-  lengths.reserve(runs.size());
-  for (const Run& run : runs) lengths.push_back(static_cast<double>(run.length));
-  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(median(lengths))));
 }
 
 /// A command is lost or it is not; what merely looks like holds wants a little more here and half
@@ -132,85 +81,6 @@ double position_energy(const Comparison& comparison, const VectorXd& projected) 
   return sum;
 }
 
-/// Whether a run of losses would show: what it would change, from the median response of those
-/// tried, is more than its price. One lost command of a slow motion changes nothing; ten in a row
-/// do.
-bool shows(const Hunt& hunt, double response, const Run& run) {
-  const Commands& commands = hunt.commands();
-  const auto& [source, joint, row] = run.first;
-  if (!commands.changes(source, joint, row)) return false;
-  const double missed = commands.missed(source, joint, row, run.length);
-  const double price =
-      hunt.price().first + static_cast<double>(run.length - 1) * hunt.price().further;
-  return response * missed * missed > price;
-}
-
-struct Counted {
-  Showing showing, hidden;
-};
-
-/// Commands of a candidate's joints, and those lost, by whether a run of typical length that begins
-/// there would show.
-Counted count(const Hunt& hunt, const std::vector<std::size_t>& joints,
-              const std::vector<Run>& runs) {
-  Counted out;
-  const double response = median(hunt.responses());
-  const std::size_t typical = typical_run(runs);
-  const auto place = [&](const LostCommand& at) -> Showing& {
-    return shows(hunt, response, {at, typical}) ? out.showing : out.hidden;
-  };
-  for (const Shot& shot : hunt.problem()->shots) {
-    for (const std::size_t joint : joints) {
-      for (std::size_t row = hunt.commands().first_row(shot, joint); row < shot.window.last; ++row)
-        if (hunt.commands().changes(shot.source, joint, row))
-          ++place({shot.source, joint, row}).commands;
-    }
-  }
-  for (const Run& run : runs) place(run.first).lost += static_cast<int>(run.length);
-  return out;
-}
-
-/// Probability that chance spreads the shots with losses over the recordings as unevenly as they
-/// are, by how many commands of each would show: of the recording with more than its share, times
-/// the recordings. A burst that was found in pieces is one shot all the same.
-double chance_of_spread(const Hunt& hunt, const std::vector<std::size_t>& joints,
-                        const std::vector<Run>& runs) {
-  const double response = median(hunt.responses());
-  const std::size_t typical = typical_run(runs);
-  std::vector<double> places(hunt.problem()->sources.size(), 0.0), found = places;
-  for (const Shot& shot : hunt.problem()->shots) {
-    for (const std::size_t joint : joints) {
-      for (std::size_t row = hunt.commands().first_row(shot, joint); row < shot.window.last; ++row)
-        places[shot.source] += shows(hunt, response, {{shot.source, joint, row}, typical}) ? 1 : 0;
-    }
-  }
-  for (const Shot& shot : hunt.problem()->shots) {
-    const bool hit = std::any_of(runs.begin(), runs.end(), [&](const Run& run) {
-      return run.first.source == shot.source && shot.window.first <= run.first.row &&
-             run.first.row < shot.window.last && shows(hunt, response, run);
-    });
-    found[shot.source] += hit ? 1.0 : 0.0;
-  }
-  const double all = std::accumulate(found.begin(), found.end(), 0.0);
-  const double everywhere = std::accumulate(places.begin(), places.end(), 0.0);
-  double least = 1.0;
-  for (std::size_t s = 0; s < places.size() && everywhere > 0.0; ++s)
-    least = std::min(least, binomial_tail(found[s], all, places[s] / everywhere));
-  return std::min(1.0, least * static_cast<double>(places.size()));
-}
-
-/// Share of the losses found that are in runs that would show.
-double share_seen(const Hunt& hunt, const std::vector<Run>& runs) {
-  const double response = median(hunt.responses());
-  double seen = 0.0, all = 0.0;
-  for (const Run& run : runs) {
-    const double length = static_cast<double>(run.length);
-    all += length;
-    if (shows(hunt, response, run)) seen += length;
-  }
-  return all > 0.0 ? seen / all : 0.0;
-}
-
 LossScore score_of(const Hunt& hunt, std::size_t candidate,
                    const std::vector<std::size_t>& losing) {
   const Library& library = hunt.library();
@@ -218,18 +88,17 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   LossScore out;
   out.candidate = candidate;
   out.lost = hunt.repaired().lost;
-  const std::vector<Run> runs = runs_of(out.lost);
-  const auto [showing, hidden] = count(hunt, library[candidate].joints, runs);
-  out.seen = showing.lost;
-  out.visible = showing.commands;
-  out.unseen = share_seen(hunt, runs) < problem->settings.chance.loss_seen;
-  const Interval interval = showing.interval(run_effect(runs));
+  const Showing showing(hunt, library[candidate].joints);
+  const auto [visible, hidden] = showing.count();
+  out.seen = visible.lost;
+  out.visible = visible.commands;
+  out.unseen = showing.share_seen() < problem->settings.chance.loss_seen;
+  const Interval interval = visible.interval(showing.run_effect());
   out.size = static_cast<double>(out.seen) / std::max(1, out.visible);
   out.low = interval.low;
   out.high = interval.high;
-  out.blind = hidden.interval(1.0).low <= showing.interval(1.0).high &&
-              chance_of_spread(hunt, library[candidate].joints, runs) >
-                  problem->settings.decisions.family_wise;
+  out.blind = hidden.interval(1.0).low <= visible.interval(1.0).high &&
+              showing.chance_of_spread() > problem->settings.decisions.family_wise;
   out.misfit = misfit(hunt, losing);
   out.p_family =
       std::min(1.0, problem->settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));

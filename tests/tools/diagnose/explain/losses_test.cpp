@@ -7,42 +7,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/support/small_comparison.h"
-#include "tools/diagnose/stats/random.h"
+#include "tests/support/lossy_world.h"
 
 namespace sanso::diagnose {
 namespace {
 
-constexpr const char* kServo =
-    "actuator = \"dc_servo\"\np_gain = 4.0\narmature = 0.01\ncoulomb = 0.02";
-constexpr double kNoise = 4e-4;  // rad
-
-/// 10 s at 100 Hz of a servo in a world with `effects` that did not get the commands of `lost`.
-recording::Recording record(const std::vector<EffectEntry>& effects, int index,
-                            const std::vector<std::size_t>& lost, double noise = kNoise) {
-  const ModelFolder world = test::hiding(test::pendulum(kServo), effects);
-  const Drive sent = test::make_test_drive(world, 10.0, 0.01, [index](int, double t) {
-    return 0.7 * std::sin((1.3 + 0.4 * index) * t) + 0.3 * std::sin((4.1 + 0.7 * index) * t);
-  });
-  Drive received = sent;
-  for (const std::size_t row : lost)
-    received.joints[0].command[row] = received.joints[0].command[row - 1];
-  recording::Recording r = test::record(
-      world, received, {.file = "made_" + std::to_string(index) + ".csv", .duty = true});
-  Random random(23, static_cast<std::uint64_t>(index));
-  std::vector<double> q(r.find("q:a").begin(), r.find("q:a").end());
-  for (double& x : q) x += noise * random.normal();
-  r.set("q:a", q);
-  r.set("u:a", sent.joints[0].command);
-  return r;
-}
+using test::kNoise, test::record;
 
 /// What is found when the nominal model is all that was fitted. `lost`: of every recording.
 std::optional<LossScore> found(const std::vector<EffectEntry>& effects,
                                const std::vector<std::size_t>& lost, double noise = kNoise) {
   std::vector<recording::Recording> recordings;
   for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost, noise));
-  const test::SmallComparison compared(test::pendulum(kServo), recordings,
+  const test::SmallComparison compared(test::pendulum(test::kServo), recordings,
                                        {{"q:a", 0.0, noise, {}}, {"pwm:a", 0.0, 1e-3, {}}},
                                        {"timing_jitter", "packet_loss"});
   const Surroundings around = make_surroundings(compared.problem, compared.library, Model{});
@@ -103,7 +80,7 @@ TEST(Losses, RareBurstsStandOutFromManySmallErrors) {
 
 TEST(Losses, AreWhatOneNameOfChanceMakes) {
   const test::SmallComparison compared(
-      test::pendulum(kServo), {record({}, 0, {})}, {{"q:a", 0.0, kNoise, {}}},
+      test::pendulum(test::kServo), {record({}, 0, {})}, {{"q:a", 0.0, kNoise, {}}},
       {"timing_jitter", "packet_loss", "sample_hold", "command_delay"});
   const SimParams& nominal = compared.problem->sources.front().nominal;
   std::size_t losing = 0;
