@@ -74,6 +74,7 @@ struct DecisionSettings {
   double one_signature = 0.005;
   double tied_drives = 2.0;
   double same_robot = 0.25;
+  double same_law = 0.015;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int folds = 4;
@@ -129,6 +130,8 @@ struct DecisionSettings {
           "in torque between joints that share one number: one for unlike drives is nobody's");
     field("same_robot", same_robot, "share", 0.001, 2.0,
           "of an effect's size: recordings that differ by less are one robot on two days");
+    field("same_law", same_law, "share", 1e-06, 0.5,
+          "of a figure's size: two laws of one name, both fitted, differ by as much (deviation)");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,

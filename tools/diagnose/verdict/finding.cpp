@@ -6,14 +6,37 @@
 #include <map>
 
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
 
-std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
+/// Deviation of a figure whose law is right but not this robot's to the last term.
+double deviation(const DecisionSettings& decisions, const CandidateParameter& p, double value,
+                 double sigma) {
+  return std::hypot(sigma,
+                    decisions.same_law * std::min(std::abs(value), std::abs(value - p.null)));
+}
+
+/// Searched, not fitted, and known to a row of the recordings.
+bool is_instant(const CandidateParameter& p) {
+  return p.structural &&
+         (p.role == Role::event || p.role == Role::instant || p.role == Role::duration);
+}
+
+double longest_row(const Comparison& comparison) {
+  double out = 0.0;
+  for (const Source& s : comparison.sources)
+    out = std::max(out, gate::sampling_interval(s.drive.t));
+  return out;
+}
+
+std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparison,
+                                                      const Candidate& c,
                                                       const std::vector<double>& theta,
                                                       const Accepted& entry) {
+  const double row = longest_row(comparison);
   std::map<std::string, VerdictParameter> out;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
@@ -21,9 +44,11 @@ std::map<std::string, VerdictParameter> parameters_of(const Candidate& c,
     if (c.random && i == 0) v.at_bound = theta[i] >= p.high * (1.0 - 1e-6);
     if (c.random && i == 0)
       v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
+    if (is_instant(p) && !at_null(p, theta[i])) v.low = theta[i] - row, v.high = theta[i] + row;
     if (!p.structural) {
-      v.low = std::max(p.low, theta[i] - kNormal95 * entry.sigma[i]);
-      v.high = std::min(p.high, theta[i] + kNormal95 * entry.sigma[i]);
+      const double sigma = deviation(comparison.settings.decisions, p, theta[i], entry.sigma[i]);
+      v.low = std::max(p.low, theta[i] - kNormal95 * sigma);
+      v.high = std::min(p.high, theta[i] + kNormal95 * sigma);
       v.at_bound = entry.at_bound[i] != 0 && !at_null(p, theta[i]);
     }
     out[p.name] = v;
@@ -116,7 +141,8 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
       f.heldout_gain, std::max(entry.gain.energy.lower / whole,
                                entry.gain.bounded.lower / std::max(entry.gain.whole, 1e-9)));
   f.agreed_low = entry.gain.ranks.lower;
-  f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+  f.parameters =
+      parameters_of(*selection.around->problem, c, selection.final.model.effects[i].theta, entry);
   f.spans_null = spans_null(c, f.parameters);
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
   f.regime = strongest_regime(f.incidence);
@@ -259,7 +285,8 @@ std::vector<Finding> accepted_so_far(const Library& library, const Selection& se
     f.status = VerdictStatus::unfinished;
     f.p_family = selection.accepted[i].p_family;
     f.one_of = {c.effect};
-    f.parameters = parameters_of(c, selection.final.model.effects[i].theta, entry);
+    f.parameters =
+        parameters_of(*selection.around->problem, c, selection.final.model.effects[i].theta, entry);
     out.push_back(std::move(f));
   }
   return out;
