@@ -93,7 +93,8 @@ Effect cogging() {
       .form = "sine sin(order q) + cosine cos(order q)",
       .parameters = {{"sine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
                      {"cosine", "N m", 0, -0.2, 0.2, 0.03, Unit::torque},
-                     {"order", "1/rad", 1, 1, 400, 1, Unit::per_angle, true, Role::order}},
+                     // once in a turn is a weight
+                     {"order", "1/rad", 2, 2, 400, 1, Unit::per_angle, true, Role::order}},
       .terms = kOfAngle,
       .probes = both_phases(0.05, {2, 4, 7, 12, 24, 42}),
       .cluster = "I",
