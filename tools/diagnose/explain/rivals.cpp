@@ -122,6 +122,23 @@ bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, 
 
 }  // namespace
 
+bool says_no_more(const Settings& settings, const Library& library, const Alternative& a) {
+  const Effect* effect = find_effect(library[a.candidate].effect);
+  if (effect == nullptr || effect->builds_up == nullptr) return false;
+  const std::vector<Chosen>& all = a.fit.model.effects;
+  return std::any_of(all.begin(), all.end(), [&](const Chosen& c) {
+    return c.candidate == a.candidate && effect->builds_up(c.theta) <= settings.tolerances.bend;
+  });
+}
+
+bool says_as_much(const Settings& settings, const Library& library, const Alternative& simple,
+                  const Alternative& larger) {
+  const Candidate &c = library[simple.candidate], &l = library[larger.candidate];
+  return c.joints == l.joints &&
+         std::find(l.contains.begin(), l.contains.end(), c.effect) != l.contains.end() &&
+         says_no_more(settings, library, larger);
+}
+
 int free_parameters(const Candidate& c) {
   return static_cast<int>(
       std::count_if(c.parameters.begin(), c.parameters.end(), [](const CandidateParameter& p) {
@@ -274,10 +291,12 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
   for (std::size_t i = 1; i < all.size(); ++i) {
     // a name with more parameters has to be better beyond chance, by something that matters
     const bool close =
-        !all[i].far_behind && !beaten(decisions, all[i].behind, practical_energy(*problem));
-    if (close &&
-        numbers_chosen(decisions, library, all[i]) < numbers_chosen(decisions, library, all[pick]))
-      pick = i;
+        !all[i].far_behind && (!beaten(decisions, all[i].behind, practical_energy(*problem)) ||
+                               says_as_much(problem->settings, library, all[i], all.front()));
+    const bool simpler = numbers_chosen(decisions, library, all[i]) <
+                             numbers_chosen(decisions, library, all[pick]) ||
+                         says_as_much(problem->settings, library, all[i], all[pick]);
+    if (close && simpler) pick = i;
   }
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),
               all.begin() + static_cast<std::ptrdiff_t>(pick) + 1);

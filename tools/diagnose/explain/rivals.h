@@ -24,6 +24,13 @@ struct Alternative {
 /// than what matters.
 bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical);
 
+/// All that the alternative says is said by the effect that it contains: its friction builds up
+/// over no more than ToleranceSettings::bend.
+bool says_no_more(const Settings& settings, const Library& library, const Alternative& a);
+/// `simple` is the effect that it contains.
+bool says_as_much(const Settings& settings, const Library& library, const Alternative& simple,
+                  const Alternative& larger);
+
 /// Numbers that a fit of this effect may choose.
 int free_parameters(const Candidate& candidate);
 
@@ -66,7 +73,8 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  double beside = INFINITY);
 
 /// Best first, in the measure of HeldoutGain; what is far behind last. Among those that the best
-/// does not beat beyond chance or by something that matters, the one with fewest parameters.
+/// does not beat beyond chance or by something that matters, or that say all that it says, the one
+/// with fewest parameters.
 void rank(const Library& library, const Problem& problem, std::vector<Alternative>& all);
 
 /// Of effect `i` of a fit: its interval excludes the null.

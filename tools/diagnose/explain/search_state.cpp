@@ -120,6 +120,20 @@ bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain&
   return sure(gain.energy) || sure(gain.bounded) || sure(gain.ranks);
 }
 
+namespace {
+
+/// Beside the dry friction that the model has it says how that builds up, and no more.
+bool only_how_it_builds_up(const SearchState& state, const Alternative& a) {
+  const std::vector<Accepted>& accepted = state.found.accepted;
+  return std::any_of(accepted.begin(), accepted.end(), [&](const Accepted& entry) {
+    Alternative dry;
+    dry.candidate = entry.candidate;
+    return says_as_much(state.problem->settings, state.library, dry, a);
+  });
+}
+
+}  // namespace
+
 std::string refused_by(const SearchState& state, const Alternative& a) {
   const Selection& found = state.found;
   const HeldoutGain gain =
@@ -130,6 +144,8 @@ std::string refused_by(const SearchState& state, const Alternative& a) {
   if (gain.removed() < state.decisions().minimum_share * found.final_heldout.sum())
     return "removes less than 1 % of what is left";
   if (!leaves_null(state.decisions(), state.library, a)) return "interval contains the null";
+  if (only_how_it_builds_up(state, a))
+    return "says how dry friction builds up, which nobody states";
   if (!holds_on_conditions(state, a)) return "worse on conditions left out";
   if (!settles_its_event(state, a)) return "leaves errors far above noise at its instant";
   return "";

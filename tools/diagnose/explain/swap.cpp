@@ -13,14 +13,16 @@
 namespace sanso::diagnose {
 namespace {
 
-/// The best of those tried is another effect, and no gate speaks against it.
+/// The best of those tried is another effect, and no gate speaks against it. It predicts better, or
+/// says as much with less.
 bool better(const SearchState& state, const std::vector<Alternative>& tried,
             const Alternative& self) {
   const Alternative& best = tried.front();
   return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
          leaves_null(state.decisions(), state.library, best) &&
-         compare(*state.problem, self.heldout, best.heldout).bounded.total > kNoiseUnit &&
-         holds_on_conditions(state, best);
+         (says_as_much(state.problem->settings, state.library, best, self) ||
+          (compare(*state.problem, self.heldout, best.heldout).bounded.total > kNoiseUnit &&
+           holds_on_conditions(state, best)));
 }
 
 /// Puts the best of those tried in the place of the i-th effect.

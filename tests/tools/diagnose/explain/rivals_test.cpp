@@ -87,6 +87,31 @@ TEST(Rivals, ADelayOfTheCommandAndOneOfTheSensorPredictTheSame) {
   EXPECT_EQ(others, std::vector<std::size_t>{race.fitted.back().candidate});
 }
 
+// Over which angle dry friction builds up nobody states, and no two laws of it rest alike: a better
+// fit by springs that slip after a tenth of a milliradian is dry friction.
+TEST(Rivals, SpringsThatSlipAtOnceAreDryFriction) {
+  Bench b({}, {"coulomb_friction", "maxwell_slip_friction", "viscous_friction"});
+  const auto shots = static_cast<Eigen::Index>(b.problem->shots.size());
+  const auto of = [&](const char* effect, const std::vector<double>& theta, double energy) {
+    Alternative a;
+    a.candidate = b.of(effect);
+    a.fit.model.effects = {{a.candidate, theta}};
+    a.heldout = Eigen::VectorXd::Constant(shots, energy);
+    return a;
+  };
+  const auto winner = [&](double angle, const Alternative& other) {
+    std::vector<Alternative> all{of("maxwell_slip_friction", {0.1, 0.1 / angle, 1.0}, 100.0),
+                                 other};
+    rank(b.library, b.problem, all);
+    return b.name_of(all.front().candidate);
+  };
+  const Alternative coulomb = of("coulomb_friction", {0.1}, 200.0);
+  EXPECT_EQ(winner(1e-4, coulomb), "coulomb_friction");
+  EXPECT_EQ(winner(2e-3, coulomb), "maxwell_slip_friction");
+  // what it is not for any of its parameters has to predict as well
+  EXPECT_EQ(winner(1e-4, of("viscous_friction", {0.1}, 200.0)), "maxwell_slip_friction");
+}
+
 TEST(Imitate, ATwinSaysTheSameFromWhereverItBegins) {
   // one joint on the base: the link's inertia and the rotor's are one number
   Bench b({{"rotor_inertia", {"a"}, {{"armature", 0.003}}}},
