@@ -72,6 +72,27 @@ Model best_size(const Surroundings& around, const Model& base, std::size_t candi
   return best;
 }
 
+/// Which limits a probe switches on. Of one that is off no derivative says that it should be on.
+std::vector<char> limits_on(const Candidate& effect, const std::vector<double>& probe) {
+  std::vector<char> out;
+  for (std::size_t i = 0; i < probe.size(); ++i) {
+    if (effect.parameters[i].null == kOff) out.push_back(probe[i] < kOff);
+  }
+  return out;
+}
+
+/// `strongest`, and one probe of every other choice of limits that is probed.
+std::vector<std::size_t> one_of_each_choice(const Candidate& effect, std::size_t strongest) {
+  std::vector<std::size_t> out{strongest};
+  for (std::size_t p = 0; p < effect.probes.size(); ++p) {
+    const bool tried = std::any_of(out.begin(), out.end(), [&](std::size_t other) {
+      return limits_on(effect, effect.probes[other]) == limits_on(effect, effect.probes[p]);
+    });
+    if (!tried) out.push_back(p);
+  }
+  return out;
+}
+
 /// Orders around the probed one, up to the next ones that were probed; at most `order_steps`
 /// between.
 std::vector<double> orders_near(const Candidate& effect, std::size_t index, double order,
@@ -247,9 +268,20 @@ Surroundings some_shots(const Surroundings& around, const Model& model) {
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe) {
   const Candidate& effect = (*around.library)[candidate];
-  const std::vector<double>& theta = effect.probes[probe != nullptr ? probe->probe : 0];
-  return with_best_places(
-      around, best_size(around, base, candidate, theta, probe != nullptr ? probe->amount : 1.0));
+  const std::size_t strongest = probe != nullptr ? probe->probe : 0;
+  const double amount = probe != nullptr ? probe->amount : 1.0;
+  Model best = best_size(around, base, candidate, effect.probes[strongest], amount);
+  const std::vector<std::size_t> choices = one_of_each_choice(effect, strongest);
+  if (choices.size() > 1) {
+    const int iterations = around.settings().fitting.first_iterations;
+    QuickFit least = quick_fit(around, best, iterations);
+    for (std::size_t i = 1; i < choices.size(); ++i) {
+      const Model other = best_size(around, base, candidate, effect.probes[choices[i]], 1.0);
+      QuickFit fitted = quick_fit(around, other, iterations);
+      if (fitted.objective < least.objective) least = std::move(fitted), best = other;
+    }
+  }
+  return with_best_places(around, std::move(best));
 }
 
 Model best_start(const Surroundings& around, const Model& base, const ProbeScore& a,
