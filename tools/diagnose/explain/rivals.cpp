@@ -39,7 +39,7 @@ std::vector<std::size_t> worth_a_fit(const Settings& settings, const Library& li
     if (library[c].random) continue;  // judged by scatter
     const ProbeScore& best = *screening.best(c);
     // what a fit can remove is the squared score, as far as the model is linear
-    const bool worth = settings.fitting.linear_reach * best.score * best.score > least_energy;
+    const bool worth = settings.fitting.linear_reach * best.together * best.together > least_energy;
     if (best.p_family < settings.decisions.family_wise && worth) out.push_back(c);
   }
   return out;
@@ -173,8 +173,8 @@ std::vector<std::size_t> rivals(const Settings& settings, const Library& library
     std::size_t simplest = leader;
     for (const std::size_t c : significant) {
       const bool member = screening.similarity(c, leader) > decisions.same_signature;
-      const bool nearly =
-          screening.best(c)->score > decisions.nearly_strongest * screening.best(leader)->score;
+      const bool nearly = screening.best(c)->together >
+                          decisions.nearly_strongest * screening.best(leader)->together;
       if (member && nearly && free_parameters(library[c]) < free_parameters(library[simplest]))
         simplest = c;
     }

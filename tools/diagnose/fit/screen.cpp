@@ -300,6 +300,53 @@ Screening scored(const Eliminated& e, const Eigen::VectorXd& energy,
   return out;
 }
 
+/// Alike in all that is not a size.
+bool of_one_shape(const Candidate& c, const std::vector<double>& a, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < c.parameters.size(); ++i)
+    if (c.parameters[i].structural && a[i] != b[i]) return false;
+  return true;
+}
+
+/// z' C^-1 z of these probes, in the directions that they have.
+double explained_by(const DecisionSettings& decisions, const Screening& screening,
+                    const std::vector<std::size_t>& probes) {
+  const auto n = static_cast<Eigen::Index>(probes.size());
+  Eigen::MatrixXd C(n, n);
+  Eigen::VectorXd z(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    z[i] = screening.probes[probes[i]].z;
+    for (Eigen::Index k = 0; k < n; ++k) C(i, k) = screening.correlation(probes[i], probes[k]);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C);
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double along = eigen.eigenvectors().col(i).dot(z);
+    if (eigen.eigenvalues()[i] > decisions.one_signature)
+      sum += along * along / eigen.eigenvalues()[i];
+  }
+  return sum;
+}
+
+/// Fills ProbeScore::together. What can leave its null in one direction only is no sum of probes.
+Screening with_sums(const DecisionSettings& decisions, const Library& library, Screening out) {
+  for (ProbeScore& p : out.probes) {
+    p.together = p.score;
+    const Candidate& c = library[p.candidate];
+    if (!c.two_sided) continue;
+    std::vector<std::size_t> all;
+    for (std::size_t i = 0; i < out.probes.size(); ++i) {
+      const ProbeScore& other = out.probes[i];
+      if (other.candidate == p.candidate && other.signature > 0.0 &&
+          of_one_shape(c, c.probes[other.probe], c.probes[p.probe]))
+        all.push_back(i);
+    }
+    if (all.size() < 2) continue;
+    const double square = explained_by(decisions, out, all) - static_cast<double>(all.size() - 1);
+    p.together = std::sqrt(std::max(square, p.score * p.score));
+  }
+  return out;
+}
+
 }  // namespace
 
 Screening screen(const Surroundings& around, const Model& model, const Eigen::VectorXd& r,
@@ -332,6 +379,7 @@ Screening screen(const Surroundings& around, const Model& model, const Eigen::Ve
   const Eliminated e = eliminate(gram, boxed_nuisances(around, gram, model, known.cols()),
                                  known.cols(), count, around.settings().tolerances.precision);
   out = scored(e, gram.diagonal().segment(known.cols(), count), signed_probe, std::move(out));
+  out = with_sums(around.settings().decisions, *around.library, std::move(out));
   return with_family_wise(around.settings().decisions, std::move(out), signed_probe, random);
 }
 
@@ -344,7 +392,7 @@ double Screening::mean_square() const {
 std::vector<std::size_t> Screening::ranking() const {
   std::vector<std::pair<double, std::size_t>> order;
   for (const ProbeScore& p : probes) {
-    if (best(p.candidate) == &p) order.emplace_back(p.score, p.candidate);
+    if (best(p.candidate) == &p) order.emplace_back(p.together, p.candidate);
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });

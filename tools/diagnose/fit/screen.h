@@ -20,6 +20,9 @@ struct ProbeScore {
   double z = 0.0;  // matched-filter score; sign: + means towards the probe
   // |z|, or max(z, 0) where the parameter can leave its null in one direction only
   double score = 0.0;
+  // the same of all probes of the candidate that differ from it in sizes alone, less what that many
+  // explain by chance: a force has a direction, and no probe of an axis has it
+  double together = 0.0;
   double amount = 0.0;     // best multiple of (probe - null), linear
   double signature = 0.0;  // sqrt(s' M s): size of the full probe in noise levels
   double p_family = 1.0;
@@ -40,7 +43,7 @@ struct Screening {
 
   /// Mean square of all scores: 1 under noise alone, more when what is left is no noise.
   double mean_square() const;
-  /// Candidates by their best score, strongest first.
+  /// Candidates by what their probes explain together, strongest first.
   std::vector<std::size_t> ranking() const;
   /// Best probe of a candidate; nullptr when it was not screened.
   const ProbeScore* best(std::size_t candidate) const;

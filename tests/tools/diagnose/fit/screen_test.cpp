@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/support/noisy_world.h"
 
@@ -53,6 +54,24 @@ TEST(Screen, FindsNothingInCleanDataNearlyAlways) {
                          [](const ProbeScore& p) { return p.p_family < 0.01; });
   }
   EXPECT_LE(found, 1);
+}
+
+// A force between the axes of a link: the probe of either axis has a part of it. An offset of the
+// encoder pushes alike, and one probe is all it has.
+TEST(Screen, ADirectionCountsWithAllItsAxes) {
+  const Screened s(compared(pendulum(kNoisyServo),
+                            {hidden("tether", "arm", {{"x", 0.3}, {"z", -2.0}})},
+                            {"tether", "encoder_offset", "cable_spring"}, 1, 3, 8.0));
+  const ProbeScore& force = *s.screening.best(s.c.of("tether"));
+  EXPECT_GT(std::pow(force.together, 2),
+            std::pow(force.score, 2) + std::pow(s.screening.critical, 2));
+  EXPECT_EQ(s.first().effect, "tether");
+  for (const ProbeScore& p : s.screening.probes) {
+    EXPECT_GE(p.together, p.score);
+    if (s.c.library[p.candidate].effect == "encoder_offset") {
+      EXPECT_EQ(p.together, p.score);
+    }
+  }
 }
 
 class OneScreening : public ::testing::Test {
