@@ -17,4 +17,13 @@ inline const EffectParameter* find_parameter(std::string_view effect, std::strin
   return nullptr;
 }
 
+/// A limit that acts. A fit that begins off its bound leaves one that does not a hair below kOff.
+inline bool is_on(double limit) { return limit < 0.5 * kOff; }
+
+/// A limit that was found to be off.
+inline bool is_off(std::string_view effect, std::string_view name, double value) {
+  const EffectParameter* known = find_parameter(effect, name);
+  return known != nullptr && known->null == kOff && !is_on(value);
+}
+
 }  // namespace sanso::diagnose

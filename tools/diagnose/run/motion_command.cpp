@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tools/diagnose/effects/parameter_of.h"
 #include "tools/diagnose/run/diagnose.h"
 #include "tools/diagnose/run/diagnosis_report.h"
 #include "tools/diagnose/run/ending.h"
@@ -15,6 +16,10 @@ namespace {
 std::string finding_text(const Finding& f) {
   std::string out;
   for (const auto& [name, p] : f.parameters) {
+    if (is_off(f.effect, name, p.value)) {
+      out += fmt::format("           {}.{}: off\n", f.effect, name);
+      continue;
+    }
     out += fmt::format("           {}.{} = {:.4g} {} [{:.4g}, {:.4g}]{}\n", f.effect, name, p.value,
                        p.unit, p.low, p.high, p.at_bound ? " (at the library's bound)" : "");
   }

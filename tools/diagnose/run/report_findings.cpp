@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/diagnose/effects/parameter_of.h"
 #include "tools/diagnose/run/report_words.h"
 
 namespace sanso::diagnose {
@@ -11,6 +12,10 @@ namespace {
 void add_parameters(report::HtmlPage& page, const Finding& f) {
   report::Table parameters{{"parameter", "value", "95 % interval", "unit"}, {}};
   for (const auto& [name, p] : f.parameters) {
+    if (is_off(f.effect, name, p.value)) {
+      parameters.rows.push_back({name, "off", "", ""});
+      continue;
+    }
     parameters.rows.push_back({name, fmt::format("{:.4g}", p.value),
                                p.low == p.high ? "fixed by the form"
                                                : fmt::format("{:.4g} to {:.4g}", p.low, p.high) +

@@ -39,6 +39,7 @@ const std::pair<const std::string, VerdictParameter>* telling(const Finding& f) 
   for (const auto& entry : f.parameters) {
     const VerdictParameter& p = entry.second;
     if (p.low == p.high && best != nullptr) continue;  // not fitted
+    if (is_off(f.effect, entry.first, p.value)) continue;
     const double sure = std::abs(p.value) / std::max(p.high - p.low, 1e-300);
     // at the end of its interval it was stopped, or is where it does nothing
     const bool ends = p.value <= p.low || p.value >= p.high;

@@ -181,5 +181,17 @@ TEST(PlainWords, PutARecordingWhereOneCouldDecide) {
   EXPECT_TRUE(holds(conclude(e).summary, "second condition"));
 }
 
+// A limit that the fit left off has the largest number of all, and says nothing.
+TEST(PlainWords, ALimitThatIsOffIsNotItsSize) {
+  Finding f;
+  f.effect = "servo_profile";
+  f.one_of = {f.effect};
+  f.where = {"knee"};
+  f.status = VerdictStatus::confirmed;
+  f.parameters["speed"] = {999999.85, 999999.3, 1e6, "rad/s", false};
+  f.parameters["acceleration"] = {12.0, 11.0, 13.0, "rad/s^2", false};
+  EXPECT_EQ(sentence(f), "servo_profile at knee (acceleration 12 rad/s^2)");
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
