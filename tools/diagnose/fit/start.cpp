@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "tools/diagnose/effects/parameter_of.h"
 #include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/gate/checks.h"
 
@@ -76,7 +77,7 @@ Model best_size(const Surroundings& around, const Model& base, std::size_t candi
 std::vector<char> limits_on(const Candidate& effect, const std::vector<double>& probe) {
   std::vector<char> out;
   for (std::size_t i = 0; i < probe.size(); ++i) {
-    if (effect.parameters[i].null == kOff) out.push_back(probe[i] < kOff);
+    if (effect.parameters[i].null == kOff) out.push_back(is_on(probe[i]) ? 1 : 0);
   }
   return out;
 }
@@ -246,6 +247,32 @@ bool has_places(const Candidate& effect) {
                      [](const CandidateParameter& p) { return p.role != Role::size; });
 }
 
+/// `model`, or its last effect begun from another of these probes; then with one more limit on,
+/// where that leaves less.
+Model best_choice_of_limits(const Surroundings& around, const Model& base, Model model,
+                            const std::vector<std::size_t>& choices) {
+  const int iterations = around.settings().fitting.first_iterations;
+  const std::size_t candidate = model.effects.back().candidate;
+  const Candidate& effect = (*around.library)[candidate];
+  QuickFit least = quick_fit(around, model, iterations);
+  const auto keep_better = [&](Model other) {
+    QuickFit fitted = quick_fit(around, other, iterations);
+    if (fitted.objective < least.objective) least = std::move(fitted), model = std::move(other);
+  };
+  for (const std::size_t probe : choices)
+    if (probe != choices.front())
+      keep_better(best_size(around, base, candidate, effect.probes[probe], 1.0));
+  const std::vector<double> alone = least.model.effects.back().theta;
+  for (const std::vector<double>& probe : effect.probes) {
+    std::vector<double> both = alone;
+    for (std::size_t i = 0; i < both.size(); ++i)
+      if (effect.parameters[i].null == kOff) both[i] = std::min(both[i], probe[i]);
+    if (limits_on(effect, both) != limits_on(effect, alone))
+      keep_better(with(base, candidate, std::move(both)));
+  }
+  return model;
+}
+
 }  // namespace
 
 Surroundings some_shots(const Surroundings& around, const Model& model) {
@@ -272,15 +299,7 @@ Model best_start(const Surroundings& around, const Model& base, std::size_t cand
   const double amount = probe != nullptr ? probe->amount : 1.0;
   Model best = best_size(around, base, candidate, effect.probes[strongest], amount);
   const std::vector<std::size_t> choices = one_of_each_choice(effect, strongest);
-  if (choices.size() > 1) {
-    const int iterations = around.settings().fitting.first_iterations;
-    QuickFit least = quick_fit(around, best, iterations);
-    for (std::size_t i = 1; i < choices.size(); ++i) {
-      const Model other = best_size(around, base, candidate, effect.probes[choices[i]], 1.0);
-      QuickFit fitted = quick_fit(around, other, iterations);
-      if (fitted.objective < least.objective) least = std::move(fitted), best = other;
-    }
-  }
+  if (choices.size() > 1) best = best_choice_of_limits(around, base, std::move(best), choices);
   return with_best_places(around, std::move(best));
 }
 

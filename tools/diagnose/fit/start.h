@@ -15,8 +15,8 @@ Surroundings some_shots(const Surroundings& around, const Model& model);
 /// `base` with `candidate` added, at the size that leaves the least error; nuisances at their null
 /// (one at the end of its tolerance, which stood in for the effect, would stay there). `probe`: its
 /// strongest probe; nullptr: the first one. Of an effect of several limits every choice of limits
-/// that it probes is tried: the linear screening does not tell a speed limit from one of
-/// acceleration.
+/// that it probes is tried, and one more beside the best: the linear screening does not tell a
+/// speed limit from one of acceleration, and many servos have both.
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe);
 

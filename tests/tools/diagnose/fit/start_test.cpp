@@ -48,6 +48,19 @@ TEST(Start, EveryChoiceOfLimitsIsTried) {
   }
 }
 
+// A servo that limits both is neither one's: from the better of the two no derivative leads on.
+TEST(Start, TwoLimitsAreFoundTogether) {
+  constexpr double kSpeed = 2.0, kAcceleration = 12.0;
+  const test::SmallComparison compared =
+      steps_of({{"servo_profile", {"a"}, {{"speed", kSpeed}, {"acceleration", kAcceleration}}, 0}},
+               {"servo_profile"});
+  const Surroundings around = make_surroundings(compared.problem, compared.library, Model{});
+  const std::size_t profile = compared.of("servo_profile");
+  const FitResult found = fit(around, best_start(around, Model{}, profile, nullptr), 12);
+  EXPECT_NEAR(found.model.effects.back().theta[0], kSpeed, 0.05);
+  EXPECT_NEAR(found.model.effects.back().theta[1], kAcceleration, 0.5);
+}
+
 // Effects of sizes alone start where the named probe says, as ever.
 TEST(Start, OneChoiceIsTheNamedProbe) {
   const test::SmallComparison compared =
