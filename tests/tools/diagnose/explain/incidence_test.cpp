@@ -166,7 +166,7 @@ TEST(Incidence, AShotThatHoldsThePromiseIsNotCertainOfIt) {
 TEST(Incidence, APromiseBelowTheNoiseIsNotTold) {
   const Bench b(0.0);
   const Eigen::VectorXd there = shaped(*b.problem, [](std::size_t) { return 1.0; });
-  Eigen::VectorXd promise = there;
+  const Eigen::VectorXd& promise = there;
   const double size = b.around.starts.project(promise).norm();
   EXPECT_TRUE(b.of_errors(there, 4.9 / size * promise).empty());
   EXPECT_FALSE(b.of_errors(there, 5.1 / size * promise).empty());

@@ -18,6 +18,7 @@ using test::kNoise, test::record;
 std::optional<LossScore> found(const std::vector<EffectEntry>& effects,
                                const std::vector<std::size_t>& lost, double noise = kNoise) {
   std::vector<recording::Recording> recordings;
+  recordings.reserve(3);
   for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost, noise));
   const test::SmallComparison compared(test::pendulum(test::kServo), recordings,
                                        {{"q:a", 0.0, noise, {}}, {"pwm:a", 0.0, 1e-3, {}}},
