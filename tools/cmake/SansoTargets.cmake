@@ -75,8 +75,8 @@ if(NOT TARGET Eigen3::Eigen)  # cross builds: headers only, architecture-free
   add_library(Eigen3::Eigen INTERFACE IMPORTED)
   target_include_directories(Eigen3::Eigen SYSTEM INTERFACE /usr/include/eigen3)
 endif()
+find_package(Threads REQUIRED)  # the board's build has threads too
 if(NOT SANSO_FIRMWARE_ONLY)
-  find_package(Threads REQUIRED)
   find_package(PkgConfig REQUIRED)
 endif()
 
