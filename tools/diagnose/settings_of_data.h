@@ -130,6 +130,7 @@ struct DataSettings {
   double start_step_position = 0.0001;
   double start_step_velocity = 0.001;
   int instants = 5;
+  int instant_steps = 8;
   double end_margin = 0.03;
   int velocity_samples = 2000;
   template <class Field>
@@ -167,6 +168,8 @@ struct DataSettings {
           "the same for the velocity");
     field("instants", instants, "instants", 1, 100,
           "at which what begins somewhere in a recording is probed: 0 and equal steps");
+    field("instant_steps", instant_steps, "steps", 1, 1000,
+          "of a shot, at which such an instant is looked for before it is halved to a row");
     field("end_margin", end_margin, "share of the range", 0.001, 0.25,
           "nearest to the end of a motion where a position is looked for: rows have to show it");
     field("velocity_samples", velocity_samples, "samples", 100, 1000000,

@@ -13,6 +13,7 @@
 
 #include <utility>
 
+#include "tools/diagnose/explain/instants.h"
 #include "tools/diagnose/explain/steps.h"
 
 namespace sanso::diagnose {
@@ -58,6 +59,7 @@ bool go_forward(SearchState& state, int& step) {
   while (step < before + most && std::cmp_less(state.found.accepted.size(), most)) {
     const Forward went = forward(state, step++);
     if (went == Forward::none) return step > before + 1;
+    place_instants_anew(state);
     if (state.found.accepted.size() > 1) backward(state, 1);
     untie(state);
     state.options.reached(state.found);
@@ -72,6 +74,7 @@ bool settle(SearchState& state) {
   one_for_two(state);
   two_for_one(state);
   const bool swapped = swap_for_better(state);
+  place_instants_anew(state);
   drop_refuted(state);
   describe_what_going_on_beats(state);
   state.options.reached(state.found);

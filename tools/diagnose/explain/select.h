@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/diagnose/explain/rivals.h"
@@ -21,6 +22,8 @@ struct Accepted {
   std::vector<double> sigma;  // of its parameters
   std::vector<char> at_bound;
   double low = 0.0, high = 0.0;  // 95 % interval of a random effect's size, from scatter
+  // s: when it may have begun, by all of the recorded time; empty: it begins at no instant
+  std::optional<std::pair<double, double>> began;
   // the residual that speaks against it; then it describes the data and is no finding
   std::string contradicted;
   std::vector<Alternative> alternatives;  // the others that were fitted in its place, best first
@@ -41,9 +44,13 @@ struct Selection {
   std::vector<std::string> log;  // one line a step, for the report
 };
 
+class WholeTime;
+
 struct SelectOptions {
   unsigned long seed = 1;
   bool keep_groups = false;  // Selection::first also by held-out group
+  // all of the recorded time; nullptr: instants stay where the search's own shots show them
+  const WholeTime* whole = nullptr;
   std::function<void(const std::string&)> progress = [](const std::string&) {};
   /// Told what was found whenever it holds together: after the screening, after every step.
   std::function<void(const Selection&)> reached = [](const Selection&) {};

@@ -24,6 +24,7 @@ class WholeTime {
   WholeTime(const std::vector<Source>& sources, const std::vector<NoiseLevel>& noise,
             const ProblemOptions& search, const Settings& settings);
 
+  const Problem& problem() const { return problem_; }
   const Comparison& comparison() const { return *problem_; }
   /// Of the calibrated nominal model.
   const EventsLeft& nominal() const { return nominal_; }

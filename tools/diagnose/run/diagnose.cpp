@@ -90,9 +90,10 @@ class Teller {
 };
 
 /// The search, told step by step with the time that it may still take.
-Selection search(const Problem& problem, const Library& library, const DiagnoseOptions& options,
-                 const ModelFolder& model, const Teller& tell) {
+Selection search(const Problem& problem, const WholeTime& whole, const Library& library,
+                 const DiagnoseOptions& options, const ModelFolder& model, const Teller& tell) {
   SelectOptions how;
+  how.whole = &whole;
   how.seed = options.seed;
   how.keep_groups = options.first_look_by_group;
   how.progress = [&](const std::string& line) { tell.say(line); };
@@ -270,7 +271,7 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Teller& tell,
   tell.ask(fmt::format("is anything missing, and which of {} candidates predicts it?",
                        library.candidates.size()),
            time_ahead(cut.problem, library));
-  const Selection selection = search(cut.problem, library, options, model, tell);
+  const Selection selection = search(cut.problem, *cut.whole, library, options, model, tell);
   tell.ask("where does it show, what speaks against the names, is anything left without one?");
   const Regimes regimes = find_regimes(*selection.around->problem);
   Evidence evidence =

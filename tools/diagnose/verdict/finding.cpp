@@ -45,6 +45,9 @@ std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparis
     if (c.random && i == 0)
       v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
     if (is_instant(p) && !at_null(p, theta[i])) v.low = theta[i] - row, v.high = theta[i] + row;
+    if (p.role == Role::instant && entry.began)
+      v.low = std::min(theta[i], entry.began->first),
+      v.high = std::max(theta[i], entry.began->second);
     if (!p.structural) {
       const double sigma = deviation(comparison.settings.decisions, p, theta[i], entry.sigma[i]);
       v.low = std::max(p.low, theta[i] - kNormal95 * sigma);
