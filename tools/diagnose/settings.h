@@ -25,7 +25,7 @@ struct ToleranceSettings {
   double lag = 0.0005;
   double armature = 0.1;
   double creep = 0.03;
-  double bend = 0.0003;
+  double bend = 0.00077;
   double precision = 3.0;
   double reach = 1.0;
   template <class Field>
@@ -45,7 +45,7 @@ struct ToleranceSettings {
     field("creep", creep, "rad/s", 1e-06, 1.0,
           "below it laws of dry friction differ that are alike above: bristles, regularised signs");
     field("bend", bend, "rad", 1e-07, 0.1,
-          "of bristles before they slip: a fifth of a count of a 12-bit encoder");
+          "over which dry friction builds up, in the mean: half a count of a 12-bit encoder");
     field("precision", precision, "1 / tolerance^2", 0.01, 100.0,
           "of a nuisance: 1 / variance of a uniform spread over [-1, 1]");
     field("reach", reach, "tolerances", 0.1, 10.0,

@@ -196,9 +196,9 @@ struct Effect {
   EffortColumns effort{};                 // where the motion is given and the effort asked
   WholeFigure whole = WholeFigure::none;  // of a base that floats
   std::optional<DriveQuestion> drive{};   // of a robot that stands
-  /// Of a dry friction the angle over which it builds up, rad. Below ToleranceSettings::bend it
-  /// says no more than what it contains.
-  std::function<double(std::span<const double> theta)> builds_up{};
+  /// Says over which angle the joint's dry friction builds up. Where that is less than
+  /// ToleranceSettings::bend (bend_of_dry_friction), it says no more than what it contains.
+  bool builds_up = false;
   /// The least that the first parameter can be at this joint or link; empty: its own bound.
   std::function<double(const SimParams&, std::size_t where)> lowest{};
   /// Changes joint (or the link behind joint) `where`; robot scope ignores it. theta.size() ==

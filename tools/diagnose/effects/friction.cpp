@@ -223,7 +223,7 @@ Effect presliding_friction() {
       .signature = "a spring below half a degree, hysteresis that does not depend on speed",
       .experiments = {kAmplitudeSweep, kSlowRamps},
       .law = {&ToleranceSettings::bend, {1}, {}, stated_friction},
-      .builds_up = [](Theta x) { return x[0] * x[1]; },
+      .builds_up = true,
       .apply = adds(&JointParams::coulomb, &JointParams::presliding_compliance,
                     &JointParams::presliding_damping),
   });
@@ -271,8 +271,7 @@ Effect maxwell_slip_friction() {
       .experiments = {kAmplitudeSweep},
       // dry friction is stated to so much, and nobody states over which angle it builds up
       .law = {&ToleranceSettings::friction, {0}, {1, 2}, of_stated_friction},
-      // of the elements' slips the mean
-      .builds_up = [](Theta x) { return x[0] / x[1]; },
+      .builds_up = true,
       .apply =
           [](SimParams& p, int j, Theta x) {
             if (x[0] == 0.0) return;

@@ -35,7 +35,7 @@ std::optional<Alternative> fit_for_both(const SearchState& state, std::size_t a,
   one.fit = fit(around, best_start(around, base, candidate, state.found.first.best(candidate)),
                 around.settings().fitting.iterations);
   if (at_bound(state.library, one) || !leaves_null(state.decisions(), state.library, one) ||
-      says_no_more(state.problem->settings, state.library, one))
+      says_no_more(*state.problem, state.library, one))
     return std::nullopt;
   one.heldout = heldout_energy(around, one.fit);
   const HeldoutGain lost = compare(*state.problem, one.heldout, state.found.final_heldout);

@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/effects/dry_friction.h"
 #include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/fit/start.h"
 
@@ -122,21 +123,31 @@ bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, 
 
 }  // namespace
 
-bool says_no_more(const Settings& settings, const Library& library, const Alternative& a) {
-  const Effect* effect = find_effect(library[a.candidate].effect);
-  if (effect == nullptr || effect->builds_up == nullptr) return false;
-  const std::vector<Chosen>& all = a.fit.model.effects;
-  return std::any_of(all.begin(), all.end(), [&](const Chosen& c) {
-    return c.candidate == a.candidate && effect->builds_up(c.theta) <= settings.tolerances.bend;
+bool says_no_more(const Comparison& comparison, const Library& library, const Model& model,
+                  std::size_t candidate) {
+  const Effect* effect = find_effect(library[candidate].effect);
+  if (effect == nullptr || !effect->builds_up || !model.has(candidate)) return false;
+  SimParams params = comparison.sources.front().nominal;
+  library.apply(model, params);
+  const std::vector<std::size_t>& joints = library[candidate].joints;
+  return std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
+    return bend_of_dry_friction(params.joints[j]) <= comparison.settings.tolerances.bend;
   });
 }
 
-bool says_as_much(const Settings& settings, const Library& library, const Alternative& simple,
+bool says_no_more(const Comparison& comparison, const Library& library, const Alternative& a) {
+  return says_no_more(comparison, library, a.fit.model, a.candidate);
+}
+
+bool contains(const Candidate& larger, const Candidate& simple) {
+  return larger.where == simple.where && std::find(larger.contains.begin(), larger.contains.end(),
+                                                   simple.effect) != larger.contains.end();
+}
+
+bool says_as_much(const Comparison& comparison, const Library& library, std::size_t simple,
                   const Alternative& larger) {
-  const Candidate &c = library[simple.candidate], &l = library[larger.candidate];
-  return c.joints == l.joints &&
-         std::find(l.contains.begin(), l.contains.end(), c.effect) != l.contains.end() &&
-         says_no_more(settings, library, larger);
+  return contains(library[larger.candidate], library[simple]) &&
+         says_no_more(comparison, library, larger);
 }
 
 int free_parameters(const Candidate& c) {
@@ -292,10 +303,10 @@ void rank(const Library& library, const Problem& problem, std::vector<Alternativ
     // a name with more parameters has to be better beyond chance, by something that matters
     const bool close =
         !all[i].far_behind && (!beaten(decisions, all[i].behind, practical_energy(*problem)) ||
-                               says_as_much(problem->settings, library, all[i], all.front()));
+                               says_as_much(*problem, library, all[i].candidate, all.front()));
     const bool simpler = numbers_chosen(decisions, library, all[i]) <
                              numbers_chosen(decisions, library, all[pick]) ||
-                         says_as_much(problem->settings, library, all[i], all[pick]);
+                         says_as_much(*problem, library, all[i].candidate, all[pick]);
     if (close && simpler) pick = i;
   }
   std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(pick),

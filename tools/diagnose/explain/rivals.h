@@ -24,12 +24,17 @@ struct Alternative {
 /// than what matters.
 bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical);
 
-/// All that the alternative says is said by the effect that it contains: its friction builds up
-/// over no more than ToleranceSettings::bend.
-bool says_no_more(const Settings& settings, const Library& library, const Alternative& a);
-/// `simple` is the effect that it contains.
-bool says_as_much(const Settings& settings, const Library& library, const Alternative& simple,
+/// All that an effect of `model` says is said by what it contains: with it the joint's dry friction
+/// builds up over no more than ToleranceSettings::bend.
+bool says_no_more(const Comparison& comparison, const Library& library, const Model& model,
+                  std::size_t candidate);
+/// The same of the effect that the alternative adds.
+bool says_no_more(const Comparison& comparison, const Library& library, const Alternative& a);
+/// `larger` says no more, and `simple` is what it contains.
+bool says_as_much(const Comparison& comparison, const Library& library, std::size_t simple,
                   const Alternative& larger);
+/// At the same place, and for some of its parameters what `simple` is.
+bool contains(const Candidate& larger, const Candidate& simple);
 
 /// Numbers that a fit of this effect may choose.
 int free_parameters(const Candidate& candidate);

@@ -120,19 +120,12 @@ bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain&
   return sure(gain.energy) || sure(gain.bounded) || sure(gain.ranks);
 }
 
-namespace {
-
-/// Beside the dry friction that the model has it says how that builds up, and no more.
 bool only_how_it_builds_up(const SearchState& state, const Alternative& a) {
   const std::vector<Accepted>& accepted = state.found.accepted;
   return std::any_of(accepted.begin(), accepted.end(), [&](const Accepted& entry) {
-    Alternative dry;
-    dry.candidate = entry.candidate;
-    return says_as_much(state.problem->settings, state.library, dry, a);
+    return says_as_much(*state.problem, state.library, entry.candidate, a);
   });
 }
-
-}  // namespace
 
 std::string refused_by(const SearchState& state, const Alternative& a) {
   const Selection& found = state.found;

@@ -71,6 +71,9 @@ struct SearchState {
 /// stretched as the normal's.
 bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain);
 
+/// Beside the dry friction that the model has the alternative says how that builds up, and no more.
+bool only_how_it_builds_up(const SearchState& state, const Alternative& a);
+
 /// Empty when the alternative may be accepted over the current model; else the gate that it fails.
 std::string refused_by(const SearchState& state, const Alternative& a);
 

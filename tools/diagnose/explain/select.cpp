@@ -71,9 +71,10 @@ bool go_forward(SearchState& state, int& step) {
 /// Names against what else could stand in their places, and against their own residuals. True: one
 /// took another's place.
 bool settle(SearchState& state) {
+  const bool simpler = simplify(state);
   one_for_two(state);
   two_for_one(state);
-  const bool swapped = swap_for_better(state);
+  const bool swapped = swap_for_better(state) || simpler;
   place_instants_anew(state);
   drop_refuted(state);
   describe_what_going_on_beats(state);

@@ -31,6 +31,10 @@ void backward(SearchState& state, std::size_t just_judged);
 /// them have to be needed.
 void untie(SearchState& state);
 
+/// Effects that say no more than what they contain (rivals.h) leave, or give it their place. True:
+/// one did.
+bool simplify(SearchState& state);
+
 /// One effect in the place of two at the same joint, where it is documented to look like both, has
 /// no more numbers, and the two do not predict better.
 void one_for_two(SearchState& state);

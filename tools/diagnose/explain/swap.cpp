@@ -20,7 +20,7 @@ bool better(const SearchState& state, const std::vector<Alternative>& tried,
   const Alternative& best = tried.front();
   return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
          leaves_null(state.decisions(), state.library, best) &&
-         (says_as_much(state.problem->settings, state.library, best, self) ||
+         (says_as_much(*state.problem, state.library, best.candidate, self) ||
           (compare(*state.problem, self.heldout, best.heldout).bounded.total > kNoiseUnit &&
            holds_on_conditions(state, best)));
 }
@@ -112,6 +112,11 @@ bool swap_for_better(SearchState& state) {
     const Alternative self{entry.candidate, found.final, found.final_heldout};
     tried.push_back(self);
     rank(state.library, state.problem, tried);
+    // self is among them
+    const auto best = std::find_if(tried.begin(), tried.end(), [&](const Alternative& a) {
+      return a.candidate == self.candidate || !only_how_it_builds_up(state, a);
+    });
+    std::rotate(tried.begin(), best, best + 1);
     if (better(state, tried, self)) {
       take_place(state, i, tried.front());
       swapped = true;

@@ -59,12 +59,6 @@ std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparis
   return out;
 }
 
-/// A rival that is the chosen effect for some of its parameters is no other explanation.
-bool contains(const Candidate& larger, const Candidate& chosen) {
-  return larger.where == chosen.where && std::find(larger.contains.begin(), larger.contains.end(),
-                                                   chosen.effect) != larger.contains.end();
-}
-
 /// A spring and a ripple make any smooth torque of the angle, two masses any load of one joint: the
 /// terms of a series are no causes. The findings with those of their series.
 std::vector<Finding> with_terms(std::vector<Finding> findings,
@@ -112,7 +106,8 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
 }
 
 /// These data cannot tell the rival from the chosen effect, and it is another explanation: another
-/// effect that says nothing wrong and predicts as well. Two simulations that differ by less than
+/// effect that says nothing wrong and predicts as well, and not the chosen one for some of its
+/// parameters. Two simulations that differ by less than
 /// what matters are the same prediction; but a rival that needs more numbers to predict worse
 /// beyond chance is no explanation beside a simpler one.
 bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,

@@ -1,0 +1,76 @@
+// Friction that builds up over less than anybody states leaves its place to the dry friction that
+// it contains. While other names were missing it may have looked larger, so it is asked at the
+// end.
+#include <algorithm>
+#include <optional>
+
+#include "tools/diagnose/explain/steps.h"
+#include "tools/diagnose/fit/start.h"
+
+namespace sanso::diagnose {
+namespace {
+
+bool accepted_already(const SearchState& state, const Candidate& larger) {
+  const std::vector<Accepted>& all = state.found.accepted;
+  return std::any_of(all.begin(), all.end(), [&](const Accepted& entry) {
+    return contains(larger, state.candidate(entry.candidate));
+  });
+}
+
+std::optional<std::size_t> contained_in(const SearchState& state, const Candidate& larger) {
+  for (const std::size_t c : state.open()) {
+    if (contains(larger, state.candidate(c))) return c;
+  }
+  return std::nullopt;
+}
+
+/// Fitted in place of the i-th effect, and put there.
+void take_its_place(SearchState& state, std::size_t i, std::size_t simple) {
+  Selection& found = state.found;
+  const Surroundings& around = *found.around;
+  Model base = found.final.model;
+  base.effects.erase(base.effects.begin() + static_cast<std::ptrdiff_t>(i));
+  Model model = fit(around, best_start(around, base, simple, found.first.best(simple)),
+                    around.settings().fitting.iterations)
+                    .model;
+  std::rotate(model.effects.begin() + static_cast<std::ptrdiff_t>(i), model.effects.end() - 1,
+              model.effects.end());
+  found.final.model = std::move(model);
+  found.accepted[i].candidate = simple;
+  found.accepted[i].alternatives.clear();
+  state.relinearise();
+}
+
+/// True: one effect left or gave its place away.
+bool simplify_one(SearchState& state) {
+  const Selection& found = state.found;
+  for (std::size_t i = 0; i < found.accepted.size(); ++i) {
+    const Candidate& own = state.accepted(i);
+    if (!says_no_more(*state.problem, state.library, found.final.model,
+                      found.accepted[i].candidate))
+      continue;
+    const std::string says = own.title() + " says how dry friction builds up, which nobody states";
+    if (accepted_already(state, own)) {
+      state.say(says);
+      state.drop(i, state.without(i));
+      return true;
+    }
+    if (const std::optional<std::size_t> simple = contained_in(state, own)) {
+      state.say(says + ": " + state.candidate(*simple).title() + " in its place");
+      take_its_place(state, i, *simple);
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool simplify(SearchState& state) {
+  bool any = false;
+  while (simplify_one(state)) any = true;
+  if (any) backward(state, 0);
+  return any;
+}
+
+}  // namespace sanso::diagnose
