@@ -93,6 +93,9 @@ struct ChanceSettings {
   double loss_seen = 0.25;
   double loss_doubted = 2.0;
   double loss_mirrored = 0.03;
+  double mirrored_from = 0.3;
+  double mirrored_alone = 0.2;
+  double loss_left = 0.03;
   int draws = 24;
   int least_draws = 8;
   int all_draws = 240;
@@ -123,6 +126,12 @@ struct ChanceSettings {
           "of the losses found that a jump of the command shows, at least, or they are none");
     field("loss_mirrored", loss_mirrored, "share", 0.0001, 1.0,
           "of what losses mend that commands which go too far would: no loss does that");
+    field("mirrored_from", mirrored_from, "share", 0.01, 1.0,
+          "of all commands lost: from here on all of that is allowed");
+    field("mirrored_alone", mirrored_alone, "share", 0.0, 1.0,
+          "of that where losses are far apart: less is rounding of the search");
+    field("loss_left", loss_left, "share", 0.0001, 1.0,
+          "of the error beyond noise that losses may leave: of many, the smallest are not found");
     field("loss_doubted", loss_doubted, "factor", 0.1, 100.0,
           "times what a misfit may be: from here the worst shots tell enough");
     field(

@@ -66,15 +66,24 @@ void accept_random(SearchState& state, const ScatterScore& score) {
   backward(state, 1);
 }
 
+/// What commands that go too far may mend of what losses do: where many are lost, a change too far
+/// between two of them takes up a little of both.
+double mirror_allowed(const ChanceSettings& settings, double lost) {
+  return settings.loss_mirrored *
+         std::clamp(lost / settings.mirrored_from, settings.mirrored_alone, 1.0);
+}
+
 /// The gate that lost commands fail; empty: none.
 std::string refused_by(const SearchState& state, const LossScore& found) {
   const CandidateParameter& parameter = state.candidate(found.candidate).parameters.front();
   if (found.unseen) return "refused: no run of losses there would show most of them";
   if (!found.blind) return "refused: chance does not choose what shows little, or a recording";
   if (found.misfit > state.decisions().standard_errors) return "refused: losses are whole";
-  if (found.mirrored > state.problem->settings.chance.loss_mirrored)
+  if (found.mirrored > mirror_allowed(state.problem->settings.chance, found.size))
     return "refused: commands that go too far would mend as much";
-  if (found.left > state.decisions().adequate) return "refused: more than noise is left";
+  if (found.left > state.decisions().adequate &&
+      found.left_share > state.problem->settings.chance.loss_left)
+    return "refused: more than noise is left";
   if (found.energy <= state.practical()) return "refused: changes less than what matters";
   if (found.low <= parameter.null || found.size >= parameter.high)
     return "refused: ends at a bound";
@@ -90,10 +99,10 @@ bool judge_losses(SearchState& state) {
   const std::string refused = refused_by(state, found);
   state.say(fmt::format(
       "lost commands: {}: {} found, {} of {} that would show: {:.3g} [{:.3g}, {:.3g}], p {:.3g}, "
-      "misfit {:.2f}, mirrored {:.3f}, {:.2f} noise levels left, {}",
+      "misfit {:.2f}, mirrored {:.3f}, {:.2f} noise levels left ({:.3f} of what was), {}",
       state.candidate(found.candidate).title(), found.lost.size(), found.seen, found.visible,
       found.size, found.low, found.high, found.p_family, found.misfit, found.mirrored, found.left,
-      refused.empty() ? "accepted" : refused));
+      found.left_share, refused.empty() ? "accepted" : refused));
   if (!refused.empty()) return false;
   ScatterScore s;
   s.candidate = found.candidate;

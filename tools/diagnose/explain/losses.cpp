@@ -70,15 +70,22 @@ double misfit(const Hunt& hunt, const std::vector<std::size_t>& losing) {
   return out.empty() ? INFINITY : median(out);
 }
 
-double position_energy(const Comparison& comparison, const VectorXd& projected) {
-  double sum = 0.0;
+/// Of position errors in noise levels.
+struct Energy {
+  double sum = 0.0, rows = 0.0;
+  double beyond_noise() const { return std::max(0.0, sum - rows); }
+};
+
+Energy position_energy(const Comparison& comparison, const VectorXd& projected) {
+  Energy out;
   for (const Shot& shot : comparison.shots) {
     for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
       if (comparison.channels[c].signal != Signal::q) continue;
-      sum += rows_of(projected, shot, c).squaredNorm();
+      out.sum += rows_of(projected, shot, c).squaredNorm();
+      out.rows += static_cast<double>(shot.rows);
     }
   }
-  return sum;
+  return out;
 }
 
 LossScore score_of(const Hunt& hunt, std::size_t candidate,
@@ -105,8 +112,10 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   out.mirrored = hunt.mirrored();
   const StartElimination& starts = hunt.starts();
   out.repaired = starts.project(hunt.repaired().r);
-  out.energy = position_energy(*problem, starts.project(hunt.error_before())) -
-               position_energy(*problem, out.repaired);
+  const Energy before = position_energy(*problem, starts.project(hunt.error_before())),
+               after = position_energy(*problem, out.repaired);
+  out.energy = before.sum - after.sum;
+  out.left_share = after.beyond_noise() / std::max(before.beyond_noise(), 1e-9);
   Surroundings around{problem, &library, starts, {}};
   around.set_shot_scale(starts.energy_by_shot(hunt.repaired().r));
   out.left = position_error_level(around, hunt.repaired().r, {});

@@ -34,6 +34,8 @@ struct LossScore {
   double energy = 0.0;
   // noise levels in the position error with the losses, see position_error_level
   double left = INFINITY;
+  // of the position error's energy beyond noise, the share that is left with the losses
+  double left_share = 1.0;
   // error with the losses, starts taken out, in noise levels (Observed::floor)
   Eigen::VectorXd repaired;
 };

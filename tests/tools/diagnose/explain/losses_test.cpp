@@ -43,6 +43,7 @@ TEST(Losses, AreFoundAtTheirRows) {
   EXPECT_LE(score.lost.size(), right + 2);
   EXPECT_TRUE(score.blind);
   EXPECT_LT(score.misfit, 2.0);
+  EXPECT_LT(score.left_share, ChanceSettings{}.loss_left);
   EXPECT_LT(score.mirrored, 0.5 * ChanceSettings{}.loss_mirrored);
   EXPECT_NEAR(score.left, 1.0, 0.2);
   EXPECT_LT(score.low, 0.01);
@@ -115,7 +116,8 @@ TEST(Losses, AnotherErrorIsNotMadeOfWholeLosses) {
       found({{"command_delay", {"a"}, {{"delay", 0.004}}, 0}}, {});
   if (!said) return;
   const LossScore& score = *said;
-  EXPECT_TRUE(score.misfit > 2.0 || score.left > 1.42 || !score.blind)
+  const bool more_is_left = score.left > 1.42 && score.left_share > ChanceSettings{}.loss_left;
+  EXPECT_TRUE(score.misfit > 2.0 || more_is_left || !score.blind)
       << score.lost.size() << " found, misfit " << score.misfit << ", left " << score.left;
 }
 
