@@ -67,8 +67,9 @@ void untie(SearchState& state) {
   }
 }
 
-void drop_refuted(SearchState& state) {
+bool drop_refuted(SearchState& state) {
   Selection& found = state.found;
+  bool dropped = false;
   for (std::size_t i = 0; i < found.accepted.size();) {
     if (state.accepted(i).random) {  // it promises scatter, and no change of a residual
       ++i;
@@ -93,9 +94,11 @@ void drop_refuted(SearchState& state) {
     found.refuted.push_back(title + " (" + refuted + ")");
     state.given_up.push_back(found.accepted[i].candidate);
     state.drop(i, std::move(reduced));
+    dropped = true;
     for (Accepted& entry : found.accepted) entry.contradicted.clear();
     i = 0;
   }
+  return dropped;
 }
 
 }  // namespace sanso::diagnose

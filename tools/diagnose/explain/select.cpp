@@ -69,17 +69,17 @@ bool go_forward(SearchState& state, int& step) {
 }
 
 /// Names against what else could stand in their places, and against their own residuals. True: one
-/// took another's place.
+/// took another's place, or left its own.
 bool settle(SearchState& state) {
   const bool simpler = simplify(state);
   one_for_two(state);
   two_for_one(state);
   const bool swapped = swap_for_better(state) || simpler;
   place_instants_anew(state);
-  drop_refuted(state);
+  const bool refuted = drop_refuted(state);
   describe_what_going_on_beats(state);
   state.options.reached(state.found);
-  return swapped;
+  return swapped || refuted;
 }
 
 /// Intervals of the final model, and every effect's gain with all others in place.
@@ -115,7 +115,7 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
   options.reached(state.found);
   int step = 0;
   go_forward(state, step);
-  // a name that took another's place leaves something else
+  // a name that took another's place leaves something else, and one that was refuted stood for it
   if (settle(state) && go_forward(state, step)) settle(state);
   // chance scatters what the other names were judged by, and hid smaller ones
   if (judge_chance(state)) {

@@ -48,8 +48,9 @@ void two_for_one(SearchState& state);
 bool swap_for_better(SearchState& state);
 
 /// With everything else refitted, an effect whose own residual contradicts it is no explanation.
-/// One without which predictions would be far worse stays as a description of the data.
-void drop_refuted(SearchState& state);
+/// One without which predictions would be far worse stays as a description of the data. True: one
+/// left.
+bool drop_refuted(SearchState& state);
 
 /// An effect of a model that predicts its joints worse, beyond chance, than constant velocity does
 /// (going_on.h) describes them and names nothing.
