@@ -27,8 +27,8 @@ std::string names(const std::vector<Finding>& findings, const std::optional<Unex
 std::string answer(const Evidence& evidence, const std::optional<Unexplained>& unnamed) {
   std::string text = names(evidence.findings, unnamed);
   std::string described;
-  for (const std::string& d : evidence.search.described)
-    described += (described.empty() ? "" : "; ") + d;
+  for (const auto& some : {evidence.search.described, evidence.search.doubtful})
+    for (const std::string& d : some) described += (described.empty() ? "" : "; ") + d;
   if (!described.empty()) text += " Described, not explained, by " + described + ".";
   if (evidence.findings.empty() && !evidence.search.refuted.empty())
     text += " Not " + evidence.search.refuted.front() + ", though predictions gain from it.";
@@ -84,13 +84,17 @@ Evidence without_tolerated(Evidence evidence) {
 }
 
 /// What may be nothing improves a prediction and names no cause: it is told as a description. Where
-/// most shots agree that something of the kind is there, only its size is in doubt.
+/// most shots agree that something of the kind is there, only its size is in doubt. Two figures may
+/// each be nothing and not both; one, where nothing else was found, says of no mismatch.
 Evidence without_what_may_be_nothing(Evidence evidence) {
   const auto may_be_nothing = [&](const Finding& f) {
     return f.spans_null && f.agreed_low < evidence.decisions.mostly_agree;
   };
+  const bool one_figure =
+      evidence.findings.size() == 1 && evidence.findings.front().parameters.size() == 1;
   for (const Finding& f : evidence.findings) {
-    if (may_be_nothing(f)) evidence.search.described.push_back(sentence(f));
+    if (!may_be_nothing(f)) continue;
+    (one_figure ? evidence.search.doubtful : evidence.search.described).push_back(sentence(f));
   }
   std::erase_if(evidence.findings, may_be_nothing);
   return evidence;

@@ -23,6 +23,9 @@ struct SearchRecord {
   bool detected = false;
   // stay in the model though a residual speaks against them: "effect at place (residual)"
   std::vector<std::string> described;
+  // all that was found, one figure whose interval contains the null: it may be nothing, and is no
+  // mismatch
+  std::vector<std::string> doubtful;
   // predictions gained from them, and a residual spoke against them: likewise
   std::vector<std::string> refuted;
   std::string nearest_effect;  // strongest of the first screening; empty: nothing was screened

@@ -150,6 +150,22 @@ TEST(Conclude, WhatMayBeNothingIsDescribedAndNamesNoCause) {
   EXPECT_EQ(conclude(e).findings.size(), 2U);
 }
 
+TEST(Conclude, OneFigureThatMayBeNothingIsNoMismatch) {
+  Evidence e = found(VerdictStatus::present_unnamed);
+  e.findings[0].spans_null = true;
+  EXPECT_EQ(conclude(e).status, VerdictStatus::absent);
+  EXPECT_NE(conclude(e).answer.find("Described, not explained, by backlash"), std::string::npos);
+  Evidence left = e;
+  left.left.level = 3.0;
+  EXPECT_EQ(conclude(left).status, VerdictStatus::present_unnamed) << "more than noise is left";
+  Evidence two = e;
+  two.findings.push_back(e.findings[0]);
+  EXPECT_EQ(conclude(two).status, VerdictStatus::present_unnamed) << "both may not be nothing";
+  Evidence shape = e;
+  shape.findings[0].parameters["loss"] = {0.1, -0.1, 0.3, "-", false};
+  EXPECT_EQ(conclude(shape).status, VerdictStatus::present_unnamed) << "nor both figures of one";
+}
+
 TEST(Conclude, IsAFunctionOfTheEvidence) {
   for (const Row& row : with_findings()) {
     EXPECT_EQ(verdict_json(conclude(row.evidence)), verdict_json(conclude(row.evidence)));
