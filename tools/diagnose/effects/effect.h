@@ -69,6 +69,7 @@ enum class Role {
   instant,   // of a recording, from which on: tried on a grid
   event,     // of a recording, at which something short begins: tried where errors stand alone
   duration,  // of an event: its edges are tried in halving steps
+  filter,    // a time constant: where the filter runs is not known, in the device or row by row
   // of the joint: a probe's sign says from which end of its motion; tried on a grid between the
   // ends
   position,

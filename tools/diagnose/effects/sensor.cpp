@@ -68,7 +68,7 @@ Effect velocity_filter() {
       .code = "S3",
       .name = "filter of the velocity channel",
       .form = "dq channel through first order `time`",
-      .parameters = {{"time", "s", 0, 0, 0.05, 0.005}},
+      .parameters = {{"time", "s", 0, 0, 0.05, 0.005, Unit::none, false, Role::filter}},
       .probes = {{0.01}},
       .sign = 1,
       .residuals = kR1 | kR2,

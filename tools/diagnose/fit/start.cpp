@@ -243,8 +243,9 @@ Model with_best_places(const Surroundings& around, Model model) {
 }
 
 bool has_places(const Candidate& effect) {
-  return std::any_of(effect.parameters.begin(), effect.parameters.end(),
-                     [](const CandidateParameter& p) { return p.role != Role::size; });
+  return std::any_of(
+      effect.parameters.begin(), effect.parameters.end(),
+      [](const CandidateParameter& p) { return p.role != Role::size && p.role != Role::filter; });
 }
 
 /// `model`, or its last effect begun from another of these probes; then with one more limit on,

@@ -53,6 +53,8 @@ std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparis
       v.low = std::max(p.low, theta[i] - kNormal95 * sigma);
       v.high = std::min(p.high, theta[i] + kNormal95 * sigma);
       v.at_bound = entry.at_bound[i] != 0 && !at_null(p, theta[i]);
+      // run row by row, a filter of a larger time constant lags as much by half a row
+      if (p.role == Role::filter) v.high += 0.5 * row;
     }
     out[p.name] = v;
   }
