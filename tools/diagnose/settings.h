@@ -24,7 +24,7 @@ struct ToleranceSettings {
   double zero = 0.0015;
   double lag = 0.0005;
   double armature = 0.1;
-  double creep = 0.03;
+  double creep = 0.05;
   double bend = 0.00077;
   double precision = 3.0;
   double reach = 1.0;
