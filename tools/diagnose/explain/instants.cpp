@@ -30,6 +30,13 @@ double ends(const Comparison& c, const Shot& s) {
   return c.sources[s.source].drive.t[s.window.last];
 }
 
+/// s; slow recordings have longer shots than the settings say.
+double longest_shot(const Comparison& c) {
+  double out = 0.0;
+  for (const Shot& s : c.shots) out = std::max(out, ends(c, s) - begins(c, s));
+  return out;
+}
+
 /// What a model leaves by shot, by the instant of one of its effects.
 class ByInstant {
  public:
@@ -144,7 +151,7 @@ Instant best_instant(const Problem& everything, const Library& library, const Mo
   const Eigen::VectorXd lesser = with.cwiseMin(without);
   const double unit = typical_energy(lesser);
   Curve coarse = at_ends(c, without, with, unit);
-  const double around = least(coarse).first, shot = c.settings.data.shot_seconds,
+  const double around = least(coarse).first, shot = longest_shot(c),
                row = gate::sampling_interval(c.sources.front().drive.t);
   const double from = std::max(0.0, around - 1.5 * shot), until = around + 1.5 * shot;
   const std::vector<std::size_t> near = shots_in(c, from, until);
