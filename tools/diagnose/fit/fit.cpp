@@ -266,9 +266,10 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
   out.fixed.assign(c.size(), 0);
   Eigen::MatrixXd H = normal.H;
   for (Eigen::Index i = 0; i < c.size(); ++i) {
-    const double width = c.high(i) - c.low(i);
+    // a limit that may be off reaches as far as kOff: what is near its lower end is said in units
+    const double near = 1e-6 * std::min(1.0, c.high(i) - c.low(i));
     const bool structural = i < c.effects() && c.parameter(i).structural;
-    if (!structural && x[i] > c.low(i) + 1e-6 * width && x[i] < c.high(i) - 1e-6 * width) continue;
+    if (!structural && x[i] > c.low(i) + near && x[i] < c.high(i) - near) continue;
     out.fixed[i] = 1;
   }
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));

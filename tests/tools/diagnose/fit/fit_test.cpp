@@ -192,6 +192,24 @@ TEST(HeldOutGain, OfShotsAlikeBothMeasuresSayTheSame) {
   EXPECT_NEAR(gain.whole, 50 * 99.0 * std::log(199.0 / 99.0), 1e-9 * gain.whole);
 }
 
+/// A limit that may be off has a range of a million: what is small in it is not at its end.
+TEST(Fit, ALimitIsAtItsBoundOnlyThere) {
+  const SmallComparison c = rubbing(1, 2, {"servo_profile"});
+  const int profile = c.of("servo_profile");
+  ASSERT_GE(profile, 0);
+  const CandidateParameter& speed = c.library[profile].parameters[0];
+  const double off = speed.high, steepest = c.library[profile].parameters[1].high;
+  const Surroundings around = make_surroundings(c.problem, c.library, nominal(c));
+  const auto held = [&](double at) {
+    return fit(around, with(c, profile, {at, steepest}), 0).fixed[0] != 0;
+  };
+  EXPECT_TRUE(held(speed.low));
+  EXPECT_FALSE(held(1.01 * speed.low));
+  EXPECT_FALSE(held(3.0 * speed.low));
+  EXPECT_FALSE(held(0.99 * off));
+  EXPECT_TRUE(held(off));
+}
+
 TEST(Fit, AModelMovesInsideItsBounds) {
   const SmallComparison c = rubbing(4);
   const Surroundings around = make_surroundings(c.problem, c.library, nominal(c));
