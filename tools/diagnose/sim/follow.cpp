@@ -1,6 +1,6 @@
 // Figures of every recording that remembers, then its lane. Recordings share lanes where their
-// robots are equal but for the gains of servos, and nothing but motion and commands depends on
-// time.
+// robots are equal but for the gains of servos and what links weigh, and nothing but motion and
+// commands depends on time.
 #include "tools/diagnose/sim/follow.h"
 
 #include <algorithm>
@@ -86,15 +86,22 @@ bool alike_but_for_gains(JointParams a, const JointParams& b) {
   return a == b;
 }
 
-/// One robot but for the gains of its servos, and nothing of it depends on time.
+/// The same but for what links and their payloads weigh.
+bool alike_but_for_bodies(RobotTree a, const RobotTree& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t j = 0; j < a.size(); ++j) a.joints[j].body = b.joints[j].body;
+  return a == b;
+}
+
+/// One robot but for the gains of its servos and what its links weigh, and nothing of it depends on
+/// time.
 bool one_robot(const SimParams& a, const SimParams& b) {
   return !depends_on_time(a) && a.supply_level == b.supply_level &&
          a.supply_slope == b.supply_slope && a.supply_resistance == b.supply_resistance &&
          a.gravity == b.gravity &&
          std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(), b.joints.end(),
                     alike_but_for_gains) &&
-         a.forces == b.forces && a.late_payloads == b.late_payloads && a.settings == b.settings &&
-         a.tree == b.tree;
+         a.forces == b.forces && a.settings == b.settings && alike_but_for_bodies(a.tree, b.tree);
 }
 
 }  // namespace

@@ -22,7 +22,9 @@ class FollowRun {
         const std::size_t k = f_.simulated[n];
         integrator_.set_gains(i, k, lane_[i].joints()[k]);
       }
+      integrator_.set_bodies(i, *lane_[i].recording->figures);
     }
+    integrator_.settle_bodies();
   }
 
   /// Inner states at the wanted rows of every recording, to where they go.
@@ -206,7 +208,8 @@ class FollowRun {
     to.velocity_channel = of(in.velocity_channel);
   }
 
-  const SimFigures& f_;  // of the first; all are alike but for time, motion, commands and gains
+  // of the first; all are alike but for time, motion, commands, gains and bodies
+  const SimFigures& f_;
   const FollowedJoints serves_;
   const std::size_t count_;
   Integrator<T> integrator_;

@@ -60,6 +60,8 @@ class Integrator {
  public:
   explicit Integrator(const SimFigures& figures)
       : f_(figures), settings_(figures.params->settings), tree_(figures.tree) {
+    late_payloads_ = f_.late_payloads;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) weighs_[lane] = &f_;
     for (std::size_t i = 0; i < f_.joint_count; ++i) {
       const std::size_t k = f_.simulated[i];
       for (std::size_t lane = 0; lane < kLanes; ++lane) set_gains(lane, k, f_.joints[k]);
@@ -75,6 +77,14 @@ class Integrator {
     set_lane(to.i, lane, own.i);
     set_lane(to.goal, lane, own.goal);
   }
+
+  /// One lane's links weigh what these figures say; settle_bodies() when all are set.
+  void set_bodies(std::size_t lane, const SimFigures& own) {
+    weighs_[lane] = &own;
+    late_payloads_ = late_payloads_ || own.late_payloads;
+    for (std::size_t j = 0; j < f_.n; ++j) tree_.set_body(lane, j, own.tree.body[j]);
+  }
+  void settle_bodies() { tree_.settle_bodies(); }
 
   /// Starts anew at any instant (payloads that come late are looked up for it).
   void restart(T t) {
@@ -152,7 +162,7 @@ class Integrator {
   }
 
   void update_bodies(T t) {
-    if (!f_.late_payloads && !f_.forces) return;
+    if (!late_payloads_ && !f_.forces) return;
     T next;
     load(next_change_, next);
     if (!any(no_more(next, t))) return;
@@ -161,12 +171,13 @@ class Integrator {
     bool changed = false;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       if (at[lane] < next_change_[lane]) continue;
-      next_change_[lane] = sanso::diagnose::next_change(f_, at[lane]);
-      if (f_.late_payloads) {
-        const std::size_t on = payloads_on(f_, at[lane]);
+      const SimFigures& own = *weighs_[lane];
+      next_change_[lane] = sanso::diagnose::next_change(own, at[lane]);
+      if (late_payloads_) {
+        const std::size_t on = payloads_on(own, at[lane]);
         if (on != payloads_on_[lane]) {
           BodyFigures bodies[kMaxJoints];
-          bodies_at(f_, at[lane], bodies);
+          bodies_at(own, at[lane], bodies);
           for (std::size_t j = 0; j < f_.n; ++j) tree_.set_body(lane, j, bodies[j]);
           payloads_on_[lane] = on;
           changed = true;
@@ -375,6 +386,8 @@ class Integrator {
   const SimulationSettings settings_;  // a copy: nothing that a step writes can change it
   Tree<T> tree_;
   GainsOf<T> gains_[kMaxJoints];
+  const SimFigures* weighs_[kLanes];  // whose bodies and late payloads the lane has
+  bool late_payloads_ = false;        // some lane has
   std::size_t payloads_on_[kLanes];
   double next_change_[kLanes];  // s, of payloads and forces
   std::size_t warm_row_[kLanes][kMaxJoints];

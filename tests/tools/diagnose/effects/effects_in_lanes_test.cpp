@@ -95,6 +95,10 @@ TEST_P(EveryEffectInLanes, RemembersInStepWhatItRemembersAlone) {
           joint.nominal.p_gain *= 1.0 + 0.2 * static_cast<double>(r);
           joint.nominal.kp *= 1.0 + 0.2 * static_cast<double>(r);
         }
+        BodyInertia& tip = params[r].tree.joints.back().body;
+        tip.mass *= 1.0 + 0.1 * static_cast<double>(r);
+        const double from_s = r % 2 == 0 ? -kNone : recordings[r].drive.t[25 + 7 * r];
+        if (r > 1) params[r].late_payloads.push_back({0, tip, from_s});
         const Trial& own = recordings[r];
         all.push_back({&params[r], &own.drive, &own.motion, own.windows});
       }

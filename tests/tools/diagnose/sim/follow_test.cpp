@@ -24,14 +24,16 @@ std::vector<std::vector<std::size_t>> groups(const Change& change) {
   return in_step(all);
 }
 
-TEST(Follow, RecordingsAreInStepWhereRobotsAreOneButForTheirGains) {
+TEST(Follow, RecordingsAreInStepWhereRobotsAreOneButForGainsAndBodies) {
   using Groups = std::vector<std::vector<std::size_t>>;
   const Groups one{{0, 1, 2}}, two{{0}, {1, 2}};
   EXPECT_EQ(groups([](SimParams&) {}), one);
   EXPECT_EQ(groups([](SimParams& p) { p.joints[1].nominal.kp *= 2.0; }), one);
   EXPECT_EQ(groups([](SimParams& p) { p.joints[1].p_scale = 2.0; }), two);
   EXPECT_EQ(groups([](SimParams& p) { p.joints[1].integral_rate = 0.5; }), two);
-  EXPECT_EQ(groups([](SimParams& p) { p.tree.joints[2].body.mass *= 1.1; }), two);
+  EXPECT_EQ(groups([](SimParams& p) { p.tree.joints[2].body.mass *= 1.1; }), one);
+  EXPECT_EQ(groups([](SimParams& p) { p.late_payloads.push_back({2, {}, 0.5}); }), one);
+  EXPECT_EQ(groups([](SimParams& p) { p.tree.joints[2].axis = {1, 0, 0}; }), two);
   EXPECT_EQ(groups([](SimParams& p) { p.forces.push_back({1, {1, 0, 0}}); }), two);
   EXPECT_EQ(groups([](SimParams& p) { p.joints[0].derating = 0.01; }), (Groups{{0}, {1}, {2}}))
       << "temperatures are each recording's own";
