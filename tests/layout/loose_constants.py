@@ -17,6 +17,7 @@ KEPT = {
     ("effects/effect.h", "kOff"): "a mark for 'not switched on' that files hold: compared for equality, never scaled",
     ("effects/whole_figures.h", "kJointFigures"): "members of the enumeration above it",
     ("explain/chance.cpp", "kStream"): "names a stream of random draws",
+    ("explain/polling.cpp", "kStream"): "names a stream of random draws",
     ("explain/rivals.h", "kNoiseUnit"): "two units of energy are one of log-likelihood",
     ("explain/whole_time.cpp", "kSeed"): "names a stream of random draws",
     ("fit/fit.h", "kGainMeasures"): "how many measures the comparison has",

@@ -21,6 +21,7 @@ struct Pass {
   std::function<void(Window&)> move_start = [](Window&) {};
   std::vector<char> wanted = {};        // by joint; empty: all
   std::uint64_t seed = 0;               // not 0: chance is drawn
+  bool polled = false;                  // commands wait for servos that look now and then
   std::vector<LostCommand> lost = {};   // sorted
   std::vector<char> wanted_shots = {};  // by shot; empty: all
 };
@@ -71,6 +72,14 @@ struct Run {
   }
 };
 
+/// A servo that looks now and then, as often as the delay is long at least, takes a command up to
+/// half its period early or late of the mean.
+void poll(SimParams& params, double longest_s) {
+  for (JointParams& joint : params.joints)
+    joint.command_scatter =
+        0.5 * std::min(joint.nominal.command_delay_s + joint.command_delay, longest_s);
+}
+
 Run make_run(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
              const Batch& batch) {
   Run run;
@@ -85,6 +94,7 @@ Run make_run(const Problem& problem, const Library& library, const Model& model,
   run.held = drive_with_lost(run.source->drive, batch.source, pass.lost);
   run.params = run.source->nominal;
   library.apply(model, run.params);
+  if (pass.polled) poll(run.params, problem->settings.tolerances.poll);
   run.options.motion = &run.source->motion;
   run.options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem->settings.fitting.search_step;
   run.options.wanted = pass.wanted;
@@ -165,6 +175,16 @@ Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& li
                                        const Model& model, std::uint64_t seed) {
   Pass pass;
   pass.seed = seed;
+  Eigen::VectorXd r(problem->size);
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
+Eigen::VectorXd polled_prediction_error(const Problem& problem, const Library& library,
+                                        const Model& model, std::uint64_t seed) {
+  Pass pass;
+  pass.seed = seed;
+  pass.polled = true;
   Eigen::VectorXd r(problem->size);
   one_pass(problem, library, model, pass, r);
   return r;

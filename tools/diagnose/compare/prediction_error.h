@@ -20,6 +20,11 @@ Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
 Eigen::VectorXd drawn_prediction_error(const Problem& problem, const Library& library,
                                        const Model& model, std::uint64_t seed);
 
+/// The same where every command waits for a servo that looks now and then
+/// (ToleranceSettings::poll): what a model says of the delay is the mean of what was drawn.
+Eigen::VectorXd polled_prediction_error(const Problem& problem, const Library& library,
+                                        const Model& model, std::uint64_t seed);
+
 /// A command that did not reach the servo of `joint`: the one of the row before stays.
 struct LostCommand {
   std::size_t source = 0, joint = 0;

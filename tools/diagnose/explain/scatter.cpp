@@ -40,12 +40,7 @@ Expected scatter_of(const Surroundings& around, const Model& model, std::size_t 
     rough[m] = rough_part(*problem, r);
     whole[m] = around.starts.project(r);
   });
-  const auto variance = [draws](const std::vector<VectorXd>& all) {
-    VectorXd sum = VectorXd::Zero(all.front().size()), square = sum;
-    for (const VectorXd& x : all) sum += x, square += x.cwiseAbs2();
-    return VectorXd((square - sum.cwiseAbs2() / draws).cwiseMax(0.0) / (draws - 1.0));
-  };
-  return {variance(rough), variance(whole)};
+  return {variance_of(rough), variance_of(whole)};
 }
 
 /// The search's shots, begun and fitted anew.

@@ -41,6 +41,13 @@ std::vector<Piece> pieces_of(const Comparison& comparison) {
   return out;
 }
 
+Eigen::VectorXd variance_of(const std::vector<Eigen::VectorXd>& draws) {
+  const auto count = static_cast<double>(draws.size());
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(draws.front().size()), square = sum;
+  for (const Eigen::VectorXd& x : draws) sum += x, square += x.cwiseAbs2();
+  return (square - sum.cwiseAbs2() / count).cwiseMax(0.0) / (count - 1.0);
+}
+
 VectorXd rough_part(const Comparison& comparison, const VectorXd& x) {
   VectorXd out = VectorXd::Zero(x.size());
   for (const Piece& p : pieces_of(comparison)) {

@@ -24,6 +24,9 @@ struct Piece {
 /// Shot by shot, channel by channel: the order of stacked entries.
 std::vector<Piece> pieces_of(const Comparison& comparison);
 
+/// Variance of every entry over draws, at least two.
+Eigen::VectorXd variance_of(const std::vector<Eigen::VectorXd>& draws);
+
 /// Second differences within every shot and channel, (x[k] - (x[k-1] + x[k+1]) / 2); 0 at a piece's
 /// ends. Slow errors of a model vanish in it.
 Eigen::VectorXd rough_part(const Comparison& comparison, const Eigen::VectorXd& x);

@@ -25,7 +25,8 @@ ProblemOptions everything(ProblemOptions options, const Settings& settings) {
 ///
 ///   r(z) - r - A z      A z a fit would have taken up
 ///
-/// and what counts is its largest mean square, by channel and shot.
+/// and so do commands that wait until servos look. What counts is the largest mean square, by
+/// channel and shot.
 Eigen::MatrixXd tolerated(const Surroundings& around, const Model& model,
                           const Eigen::VectorXd& r) {
   const Library& library = *around.library;
@@ -42,9 +43,10 @@ Eigen::MatrixXd tolerated(const Surroundings& around, const Model& model,
       z[k] = 2.0 * random.uniform() - 1.0;
       moved.nuisance[k] += library.nuisances[k].tolerance * z[k];
     }
+    const std::uint64_t waits = random.bits() | 1U;
     drawn[b] = mean_squares(
-        problem,
-        around.starts.project(prediction_error(problem, library, moved) - r - around.A * z));
+        problem, around.starts.project(polled_prediction_error(problem, library, moved, waits) - r -
+                                       around.A * z));
   });
   Eigen::MatrixXd out = drawn.front();
   for (const Eigen::MatrixXd& one : drawn) out = out.cwiseMax(one);

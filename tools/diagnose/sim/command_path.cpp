@@ -1,5 +1,5 @@
-// Hold and loss change the series once, at construction; without a seed, loss is its expected
-// value.
+// Hold, loss and scatter change the series once, at construction; without a seed, loss is its
+// expected value and nothing scatters.
 #include "tools/diagnose/sim/command_path.h"
 
 #include <algorithm>
@@ -9,8 +9,22 @@
 namespace sanso::diagnose {
 namespace {
 
-std::vector<double> altered(const std::vector<double>& command, const JointParams& joint,
-                            std::mt19937_64* random) {
+/// Commands that arrive a little early or late, by what they are in the mean between two rows.
+void scatter(const std::vector<double>& command, const std::vector<double>& t, double most,
+             std::mt19937_64& random, std::vector<double>& out) {
+  std::uniform_real_distribution<> late(-most, most);
+  for (std::size_t k = 1; k < out.size(); ++k) {
+    const double share = late(random) / (t[k] - t[k - 1]), change = command[k] - command[k - 1];
+    if (!std::isfinite(change)) continue;
+    if (share > 0.0)
+      out[k] -= std::min(share, 1.0) * change;
+    else
+      out[k - 1] -= std::max(share, -1.0) * change;
+  }
+}
+
+std::vector<double> altered(const std::vector<double>& command, const std::vector<double>& t,
+                            const JointParams& joint, std::mt19937_64* random) {
   std::vector<double> out = command;
   for (std::size_t k = 1; k < out.size(); ++k) {
     if (joint.hold_cycles > 1 && k % static_cast<std::size_t>(joint.hold_cycles) != 0)
@@ -23,6 +37,8 @@ std::vector<double> altered(const std::vector<double>& command, const JointParam
       }
     }
   }
+  if (joint.command_scatter > 0.0 && random != nullptr)
+    scatter(std::vector<double>(out), t, joint.command_scatter, *random, out);
   return out;
 }
 
@@ -35,8 +51,9 @@ CommandPath::CommandPath(const SimParams& params, const Drive& drive, std::uint6
     const JointParams& joint = params.joints[j];
     const std::vector<double>* series =
         drive.joints[j].command.empty() ? nullptr : &drive.joints[j].command;
-    if (series != nullptr && (joint.hold_cycles > 1 || joint.loss > 0.0)) {
-      altered_[j] = altered(*series, joint, random_seed == 0 ? nullptr : &random);
+    if (series != nullptr &&
+        (joint.hold_cycles > 1 || joint.loss > 0.0 || joint.command_scatter > 0.0)) {
+      altered_[j] = altered(*series, drive.t, joint, random_seed == 0 ? nullptr : &random);
       series = &altered_[j];
     }
     series_.push_back(series);

@@ -13,7 +13,8 @@ namespace sanso::diagnose {
 
 class CommandPath {
  public:
-  /// random_seed 0: a lost command is replaced by its expectation; otherwise losses are drawn.
+  /// random_seed 0: a lost command is replaced by its expectation; otherwise losses are drawn, and
+  /// when commands are taken.
   CommandPath(const SimParams& params, const Drive& drive, std::uint64_t random_seed);
 
   using Command = CommandOf<double>;
@@ -30,7 +31,7 @@ class CommandPath {
  private:
   const std::vector<double>& t_;
   std::vector<const std::vector<double>*> series_;  // by joint; null: no command (passive)
-  std::vector<std::vector<double>> altered_;        // storage of series that hold or loss changes
+  std::vector<std::vector<double>> altered_;        // storage of series that are not the drive's
   std::vector<double> delay_;                       // s
 };
 

@@ -30,8 +30,10 @@ struct JointParams {
   double command_delay = 0.0;  // s, added to nominal.command_delay_s
   double sensor_delay = 0.0;   // s, added to nominal.sensor_delay_s
   int hold_cycles = 1;         // the servo takes every n-th command
-  double loss = 0.0;           // probability that a command is lost and the one before stays
-  double jitter = 0.0;         // s, standard deviation of the instant of a reading
+  // s, drawn anew for every command: it is taken up to so much early or late
+  double command_scatter = 0.0;
+  double loss = 0.0;    // probability that a command is lost and the one before stays
+  double jitter = 0.0;  // s, standard deviation of the instant of a reading
   // firmware
   double p_scale = 1.0;  // on p_gain / kp
   // N m s/rad of additional damping by the servo (at nominal voltage)

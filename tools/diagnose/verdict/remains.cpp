@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/diagnose/compare/parallel.h"
+#include "tools/diagnose/explain/polling.h"
 #include "tools/diagnose/verdict/velocity.h"
 
 namespace sanso::diagnose {
@@ -61,6 +62,18 @@ double remaining_share(const Selection& selection) {
   return before > 0.0 ? std::clamp(after / before, 0.0, 1.0) : 0.0;
 }
 
+/// Noise levels of the position error; what commands do that wait to be taken is no more left than
+/// chance that has a name.
+double level_left(const Selection& selection, unsigned long seed) {
+  const Surroundings& around = *selection.around;
+  const Eigen::VectorXd& named = selection.expected_scatter;
+  const double level = position_error_level(around, selection.final.r, named);
+  if (level <= around.settings().decisions.adequate) return level;
+  const Eigen::VectorXd polled = scatter_of_polling(selection, seed);
+  return position_error_level(around, selection.final.r,
+                              named.size() > 0 ? Eigen::VectorXd(polled + named) : polled);
+}
+
 std::vector<Stretch> stretches_of(const Comparison& comparison, const std::vector<Event>& events) {
   std::vector<Stretch> out;
   for (const Event& e : events) {
@@ -81,8 +94,7 @@ Remains what_is_left(const std::vector<Source>& sources, const std::vector<Noise
   const std::size_t joints = whole.comparison().joints.size();
   Remains out;
   out.share = remaining_share(selection);
-  out.level =
-      position_error_level(*selection.around, selection.final.r, selection.expected_scatter);
+  out.level = level_left(selection, seed);
   out.missing = missing_torque(sources, noise, library, selection.final.model, settings);
   out.torque = predictable(out.missing, joints, seed, kTorqueStream, settings);
   out.velocity = predictable(velocity_errors(sources, noise, settings), joints, seed,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/support/small_comparison.h"
+#include "tools/diagnose/explain/polling.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -52,6 +53,25 @@ std::vector<ScatterScore> judged(const std::vector<EffectEntry>& effects, bool d
 
 const std::string& name_of(const Library& library, const ScatterScore& s) {
   return library[s.candidate].effect;
+}
+
+/// A tolerated wait of commands scatters a joint that moves, as far as the delay may be a wait.
+TEST(Scatter, OfPollingGrowsWithTheDelayUpToTheLongestWait) {
+  const auto scatter = [](const std::string& delay_s) {
+    const ModelFolder model =
+        test::pendulum(std::string(kServo) + "\ncommand_delay_s = " + delay_s + "\n");
+    const test::SmallComparison c(model, {record({}, 0, false)}, {{"q:a", kQuantum, 1e-4, {}}},
+                                  {"timing_jitter"});
+    Selection found;
+    found.around = make_surroundings(c.problem, c.library, Model{});
+    found.final = fit(*found.around, Model{}, 0);
+    return scatter_of_polling(found, 1).sum();
+  };
+  EXPECT_LT(scatter("0.0"), 1e-9) << "rounding of a variance";
+  const double one = scatter("0.001"), two = scatter("0.002");
+  EXPECT_GT(one, 0.0);
+  EXPECT_NEAR(two / one, 4.0, 0.4) << "a variance: the same draws, twice as far";
+  EXPECT_NEAR(scatter("0.009") / scatter("0.004"), 1.0, 0.2) << "longer delays are ways";
 }
 
 TEST(Scatter, QuantisedReadingsOfACleanWorldAreNoChance) {

@@ -107,6 +107,27 @@ TEST(CommandPath, DrawnLossKeepsTheCommandBeforeAndIsTheSameForOneSeed) {
   EXPECT_GT(differs, 0);
 }
 
+/// Every command of a second lies 1 above the one before, 10 ms apart.
+TEST(CommandPath, WaitsThatAreDrawnMoveNoCommandFartherThanTheyLast) {
+  Path p;
+  p.params.joints[0].command_scatter = 0.002;
+  const CommandPath never(p.params, p.drive, 0), drawn(p.params, p.drive, 5),
+      again(p.params, p.drive, 5), other(p.params, p.drive, 6);
+  double sum = 0.0, most = 0.0;
+  bool differs = false;
+  for (std::size_t k = 0; k < p.drive.rows(); ++k) {
+    EXPECT_EQ(never.series(0)[k], p.drive.joints[0].command[k]) << "nothing scatters undrawn";
+    EXPECT_EQ(drawn.series(0)[k], again.series(0)[k]);
+    const double off = drawn.series(0)[k] - p.drive.joints[0].command[k];
+    differs = differs || drawn.series(0)[k] != other.series(0)[k];
+    sum += off, most = std::max(most, std::abs(off));
+  }
+  EXPECT_TRUE(differs);
+  EXPECT_LT(std::abs(sum) / static_cast<double>(p.drive.rows()), 0.05) << "early as often as late";
+  EXPECT_GT(most, 0.1);
+  EXPECT_LE(most, 0.2 + 1e-9) << "2 of 10 ms";
+}
+
 TEST(CommandPath, AnEmptyCellIsOffUntilTheNextCommand) {
   Path p;
   p.drive.joints[0].command[20] = NAN;
