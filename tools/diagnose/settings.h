@@ -24,7 +24,7 @@ struct ToleranceSettings {
   double zero = 0.0015;
   double lag = 0.0005;
   double poll = 0.0025;
-  double armature = 0.1;
+  double armature = 0.125;
   double creep = 0.05;
   double bend = 0.00077;
   double precision = 3.0;
@@ -44,7 +44,8 @@ struct ToleranceSettings {
     field("lag", lag, "s", 1e-06, 0.05, "instants inside a bus cycle are not known better");
     field("poll", poll, "s", 0.0, 0.1,
           "a delay of commands up to it may be a wait for a servo that looks now and then");
-    field("armature", armature, "relative", 0.0001, 0.9, "rotor inertia");
+    field("armature", armature, "relative", 0.0001, 0.9,
+          "rotor inertia: a tenth by the data sheet, and what steps of time make of it");
     field("creep", creep, "rad/s", 1e-06, 1.0,
           "below it laws of dry friction differ that are alike above: bristles, regularised signs");
     field("bend", bend, "rad", 1e-07, 0.1,
