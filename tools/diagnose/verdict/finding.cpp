@@ -257,14 +257,23 @@ bool is_tolerated(const Finding& finding, const Candidate& candidate, const SimP
   for (std::size_t k = 0; k < candidate.parameters.size(); ++k) {
     const CandidateParameter& p = candidate.parameters[k];
     if (p.structural || is_of(law.shape, k)) continue;
-    const double off = distance(finding.parameters.at(p.name), p.null);
+    const VerdictParameter& v = finding.parameters.at(p.name);
+    if (v.at_bound) return false;  // its interval has one side
+    const double off = distance(v, p.null);
     if (!is_of(law.parameters, k) && off > 0.0) return false;
     beyond = std::hypot(beyond, off);
   }
-  return std::all_of(candidate.joints.begin(), candidate.joints.end(), [&](std::size_t j) {
-    const double unit = law.unit(nominal, j);
+  const auto small = [&](std::size_t j) {
+    // null: the figure is in the tolerance's unit
+    const double unit = law.unit == nullptr ? 1.0 : law.unit(nominal, j);
     return unit > 0.0 && beyond * unit <= tolerances.*law.within;
-  });
+  };
+  if (!candidate.joints.empty())
+    return std::all_of(candidate.joints.begin(), candidate.joints.end(), small);
+  for (std::size_t j = 0; j < nominal.size(); ++j) {  // of the whole robot: at every joint
+    if (!small(j)) return false;
+  }
+  return true;
 }
 
 std::vector<Finding> accepted_so_far(const Library& library, const Selection& selection) {

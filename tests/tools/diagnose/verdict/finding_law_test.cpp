@@ -152,6 +152,24 @@ TEST(Tolerated, ASlideHasNoAngle) {
   EXPECT_FALSE(ripple.tolerated(f));
 }
 
+/// What acts on the whole robot names no joint: that is every joint, and not none.
+TEST(Tolerated, ASupplyThatIsFarLowerIsNoTolerance) {
+  SmallEffect supply("battery_drift");
+  supply.candidate.joints.clear();
+  const double gain = ToleranceSettings{}.gain;
+  Finding f;
+  const auto tolerated = [&](double level, double slope, bool bound = false) {
+    f.parameters["level"] = {level, level - 0.001, level + 0.001, "-", bound};
+    f.parameters["slope"] = {slope, slope - 0.001, slope + 0.001, "1/min", false};
+    return supply.tolerated(f);
+  };
+  EXPECT_TRUE(tolerated(0.5 * gain, 0.0));
+  EXPECT_FALSE(tolerated(-5.0 * gain, 0.0)) << "a tenth lower";
+  EXPECT_FALSE(tolerated(0.5 * gain, 0.02)) << "it falls";
+  f.parameters["level"] = {-0.2, -0.2, 0.1, "-", true};
+  EXPECT_FALSE(supply.tolerated(f)) << "at its bound the interval has one side";
+}
+
 IncidenceRow row(Signal signal, const char* regime, double low, double high) {
   return {{signal, regime}, 20.0, 0.5 * (low + high), low, high};
 }
