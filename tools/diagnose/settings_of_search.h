@@ -26,6 +26,7 @@ struct FittingSettings {
   int attempts = 6;
   int thinned_from = 60;
   int thinned_every = 3;
+  double recalled = 0.5;
   int steps_anew = 3;
   int steps_without = 4;
   double farthest_start = 3.0;
@@ -70,6 +71,8 @@ struct FittingSettings {
           "from here on the place where a fit begins is looked for on some of them");
     field("thinned_every", thinned_every, "shots", 1, 1000,
           "one of which is kept then: twenty tell where a fit begins");
+    field("recalled", recalled, "s", 0.01, 1000.0,
+          "where starts are sought, what joints remember is followed from so long before a shot");
     field("steps_anew", steps_anew, "steps", 1, 1000,
           "of a fit where starts and tolerances were linearised once more");
     field("steps_without", steps_without, "steps", 1, 1000,

@@ -65,6 +65,8 @@ struct Comparison {
   std::size_t size = 0;  // length of the stacked residual
   std::size_t groups = 1, conditions = 1;
   double used_share = 1.0;  // of the recorded time that the shots cover
+  // s before a shot from which what joints remember is followed; infinite: from the beginning
+  double recalled_s = kNone;
   // s on the recordings' clocks: around them all recordings' shots are compared
   std::vector<double> instants;
   std::vector<std::size_t> struck;  // joints whose errors stand alone there

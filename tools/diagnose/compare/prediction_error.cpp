@@ -65,10 +65,11 @@ struct Run {
   std::vector<std::size_t> shots;  // those that are wanted
   std::vector<Window> windows;     // theirs
   std::vector<InnerStates> starts;
+  double recalled_s = kNone;
 
   const Drive& drive() const { return held ? *held : source->drive; }
   Followed followed() const {
-    return {&params, &drive(), options.motion, windows, options.random_seed};
+    return {&params, &drive(), options.motion, windows, options.random_seed, recalled_s};
   }
 };
 
@@ -91,6 +92,7 @@ Run make_run(const Problem& problem, const Library& library, const Model& model,
   }
   if (run.shots.empty()) return run;
   run.source = &problem->sources[batch.source];
+  run.recalled_s = problem->recalled_s;
   run.held = drive_with_lost(run.source->drive, batch.source, pass.lost);
   run.params = run.source->nominal;
   library.apply(model, run.params);

@@ -74,8 +74,10 @@ Problem resmoothed(const Problem& problem, const std::vector<double>& jitter) {
   return {std::make_shared<const Comparison>(std::move(out)), problem.scales, problem.correction};
 }
 
-Problem with_shots(const Problem& problem, const std::vector<std::size_t>& shots) {
+Problem with_shots(const Problem& problem, const std::vector<std::size_t>& shots,
+                   double recalled_s) {
   Comparison out = *problem;
+  out.recalled_s = std::min(out.recalled_s, recalled_s);
   const std::size_t channels = out.channels.size();
   out.shots.clear();
   out.size = 0;

@@ -66,8 +66,10 @@ double shot_seconds(const std::vector<Source>& sources, const DataSettings& sett
 /// rest. Shots begin on the new motion. Scales and correction stay.
 Problem resmoothed(const Problem& problem, const std::vector<double>& jitter);
 
-/// The same with these shots only, in this order; what is known of them goes with them.
-Problem with_shots(const Problem& problem, const std::vector<std::size_t>& shots);
+/// The same with these shots only, in this order; what is known of them goes with them. Joints
+/// remember no more than `recalled_s` [s] before a shot.
+Problem with_shots(const Problem& problem, const std::vector<std::size_t>& shots,
+                   double recalled_s = kNone);
 
 /// Writes (measured - predicted) / sigma of one shot into its rows of the stacked `r`; rows without
 /// a measurement become 0.

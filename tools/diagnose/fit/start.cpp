@@ -283,7 +283,7 @@ Surroundings some_shots(const Surroundings& around, const Model& model) {
   std::vector<std::size_t> kept;
   const auto every = static_cast<std::size_t>(fitting.thinned_every);
   for (std::size_t s = every / 2; s < problem->shots.size(); s += every) kept.push_back(s);
-  const Problem few = with_shots(problem, kept);
+  const Problem few = with_shots(problem, kept, fitting.recalled);
   Eigen::MatrixXd A(static_cast<Eigen::Index>(few->size), around.A.cols());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     block_of(A, few->shots[i], 0, few->channels.size()) =

@@ -22,6 +22,7 @@ struct Prepared {
         joints(remembering(*recording.params, figures)) {
     for (const Window& w : recording.windows) rows.push_back(w.first);
     states.resize(rows.size() * figures.n);
+    cut(figures.heats ? kNone : recording.recalled_s);
   }
   Prepared(const Prepared&) = delete;
   Prepared& operator=(const Prepared&) = delete;
@@ -41,17 +42,30 @@ struct Prepared {
     return out;
   }
 
-  FollowFigures lane() {
+  /// Windows of which each begins within what is recalled of the one before are one stretch.
+  void cut(double recalled_s) {
+    const std::span<const double> t(figures.t, figures.rows);
+    for (std::size_t w = 0; w < rows.size(); ++w) {
+      const auto from = std::lower_bound(t.begin(), t.end(), t[rows[w]] - recalled_s);
+      const auto first = static_cast<std::size_t>(from - t.begin());
+      if (w == 0 || first > rows[w - 1]) stretches.push_back({first, w, w});
+      stretches.back().end = w + 1;
+    }
+  }
+
+  FollowFigures lane(std::size_t stretch) {
+    const auto [first, begin, end] = stretches[stretch];
     FollowFigures out;
     out.figures = &figures;
     for (std::size_t j = 0; j < figures.n; ++j) {
       out.q[j] = motion.q[j].data();
       out.dq[j] = motion.dq[j].data();
     }
-    out.last = rows.back();
-    out.wanted = rows.data();
-    out.wanted_count = rows.size();
-    out.out = states.data();
+    out.first = first;
+    out.last = rows[end - 1];
+    out.wanted = rows.data() + begin;
+    out.wanted_count = end - begin;
+    out.out = states.data() + begin * figures.n;
     return out;
   }
   std::vector<InnerStates> by_window() const {
@@ -65,7 +79,11 @@ struct Prepared {
   CommandPath commands;
   SimFigures figures;
   FollowedJoints joints;
+  struct Stretch {
+    std::size_t first, begin, end;  // its first row; windows [begin, end)
+  };
   std::vector<std::size_t> rows;  // where windows begin
+  std::vector<Stretch> stretches;
   std::vector<InnerState> states;
 };
 
@@ -131,7 +149,8 @@ std::vector<std::vector<InnerStates>> follow(std::span<const Followed> recording
     std::vector<FollowFigures> lanes;
     for (const std::size_t i : group) {
       prepared.push_back(std::make_unique<Prepared>(recordings[i], options));
-      lanes.push_back(prepared.back()->lane());
+      for (std::size_t s = 0; s < prepared.back()->stretches.size(); ++s)
+        lanes.push_back(prepared.back()->lane(s));
     }
     const FollowedJoints& joints = prepared.front()->joints;
     if (joints.count == 0) continue;

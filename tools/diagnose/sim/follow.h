@@ -1,5 +1,5 @@
 // What servos and transmissions remember where windows begin: recordings are followed from their
-// beginning up to there.
+// beginning up to there, or from a while before.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,7 @@ struct Followed {
   const MeasuredMotion* motion = nullptr;
   std::span<const Window> windows;  // in order of `first`
   std::uint64_t random_seed = 0;    // SimOptions::random_seed
+  double recalled_s = kNone;        // s before a window from which it is followed
 };
 
 /// Inner states by window, for each recording; none where nothing is remembered. Recordings of

@@ -17,6 +17,7 @@ class FollowRun {
       : f_(*recordings->figures), serves_(serves), count_(count), integrator_(f_) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       lane_[i].recording = recordings + (i < count ? i : count - 1);
+      lane_[i].row = lane_[i].recording->first;
       for (std::size_t k = 0; k < kMaxJoints; ++k) lane_[i].cursor[k] = CommandPath::kUnset;
       for (std::size_t n = 0; n < f_.joint_count; ++n) {
         const std::size_t k = f_.simulated[n];
@@ -41,11 +42,11 @@ class FollowRun {
     });
   }
 
-  /// Calls at_row(lane, row) at every row of every recording.
+  /// Calls at_row(lane, row) at every row that is followed, of every recording.
   template <class AtRow>
   void run(const AtRow& at_row) {
     begin();
-    for (std::size_t i = 0; i < count_; ++i) at_row(i, std::size_t{0});
+    for (std::size_t i = 0; i < count_; ++i) at_row(i, lane_[i].row);
     while (schedule()) {
       step();
       for (std::size_t i = 0; i < count_; ++i) {
@@ -70,7 +71,7 @@ class FollowRun {
 
   void begin() {
     double start[kLanes];
-    for (std::size_t i = 0; i < kLanes; ++i) start[i] = lane_[i].t()[0];
+    for (std::size_t i = 0; i < kLanes; ++i) start[i] = lane_[i].t()[lane_[i].row];
     T t;
     load(start, t);
     integrator_.restart(t);

@@ -69,9 +69,9 @@ struct WindowFigures {
 /// ascending order.
 struct FollowFigures {
   const SimFigures* figures = nullptr;
-  const double* q[kMaxJoints];   // by joint and row, rad: the motion, as its sensors show it
-  const double* dq[kMaxJoints];  // rad/s
-  std::size_t last = 0;          // row to which it is followed
+  const double* q[kMaxJoints];      // by joint and row, rad: the motion, as its sensors show it
+  const double* dq[kMaxJoints];     // rad/s
+  std::size_t first = 0, last = 0;  // rows from and to which it is followed
   const std::size_t* wanted = nullptr;
   std::size_t wanted_count = 0;
   InnerStateOf<double>* out = nullptr;

@@ -102,14 +102,17 @@ TEST_P(EveryEffectInLanes, RemembersInStepWhatItRemembersAlone) {
         const Trial& own = recordings[r];
         all.push_back({&params[r], &own.drive, &own.motion, own.windows});
       }
-      SimOptions options;
-      options.unit = &lane_units().back();
-      std::vector<std::vector<InnerStates>> alone;
-      for (const Followed& r : all) alone.push_back(follow({&r, 1}, options).front());
-      for (const LaneUnit& unit : lane_units()) {
-        options.unit = unit.runs_here() ? &unit : nullptr;
-        EXPECT_TRUE(remembers_alike(alone, follow(all, options), trial.drive.joints.size()))
-            << trial.name << ' ' << unit.name;
+      for (const double recalled_s : {kNone, 0.08}) {
+        for (Followed& r : all) r.recalled_s = recalled_s;
+        SimOptions options;
+        options.unit = &lane_units().back();
+        std::vector<std::vector<InnerStates>> alone;
+        for (const Followed& r : all) alone.push_back(follow({&r, 1}, options).front());
+        for (const LaneUnit& unit : lane_units()) {
+          options.unit = unit.runs_here() ? &unit : nullptr;
+          EXPECT_TRUE(remembers_alike(alone, follow(all, options), trial.drive.joints.size()))
+              << trial.name << ' ' << unit.name << ' ' << recalled_s;
+        }
       }
     }
   }

@@ -39,5 +39,44 @@ TEST(Follow, RecordingsAreInStepWhereRobotsAreOneButForGainsAndBodies) {
       << "temperatures are each recording's own";
 }
 
+/// A pendulum with bristles that swings for 4 s, and what they are at windows far apart.
+std::vector<double> bristles(double recalled_s) {
+  const ModelFolder model =
+      test::pendulum("actuator = \"position_pd\"\nkp = 2\nkd = 0.1\ncoulomb = 0.1\n");
+  const Drive drive =
+      test::make_test_drive(model, 4.0, 0.01, [](int, double t) { return std::sin(5 * t); });
+  SimParams params = make_params(model);
+  params.joints[0].presliding_compliance = 0.2;
+  params.joints[0].presliding_damping = 0.02;
+  MeasuredMotion motion;
+  motion.q.resize(1), motion.dq.resize(1);
+  for (const double t : drive.t) {
+    motion.q[0].push_back(0.3 * std::sin(5 * t));
+    motion.dq[0].push_back(1.5 * std::cos(5 * t));
+  }
+  const std::vector<Window> windows{{130, 150, {}, {}}, {240, 260, {}, {}}, {330, 350, {}, {}}};
+  Followed one{&params, &drive, &motion, windows};
+  one.recalled_s = recalled_s;
+  SimOptions options;
+  options.max_step_s = 0.002;
+  std::vector<double> out;
+  const std::vector<std::vector<InnerStates>> followed = follow({&one, 1}, options);
+  for (const InnerStates& at : followed.front()) out.push_back(at[0].bristle);
+  return out;
+}
+
+TEST(Follow, WhatIsRecalledOfALongTimeIsAllOfIt) {
+  const std::vector<double> all = bristles(kNone);
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_NE(all[0], 0.0);
+  EXPECT_EQ(bristles(100.0), all);
+  EXPECT_EQ(bristles(4.0), all) << "the first window's beginning reaches the recording's";
+  const std::vector<double> half = bristles(0.5), none = bristles(0.0);
+  for (std::size_t w = 0; w < all.size(); ++w) {
+    EXPECT_NEAR(half[w], all[w], 1e-3 * std::abs(all[w])) << "bristles forget";
+    EXPECT_EQ(none[w], 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
