@@ -248,7 +248,7 @@ Effect servo_deadband() {
       .code = "E10",
       .name = "dead zone of the servo's output",
       .form = "output below `zone` of full gives nothing, above it the rest",
-      .parameters = {{"zone", "of full", 0, 0, 0.03, 0.005}},
+      .parameters = {{"zone", "of full", 0, 0, 0.1, 0.005}},
       .smooth = false,
       .probes = {{0.005}, {0.02}},
       .sign = 1,
