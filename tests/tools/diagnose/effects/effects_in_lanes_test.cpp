@@ -107,6 +107,7 @@ TEST_P(EveryEffectInLanes, RemembersInStepWhatItRemembersAlone) {
         SimOptions options;
         options.unit = &lane_units().back();
         std::vector<std::vector<InnerStates>> alone;
+        alone.reserve(all.size());
         for (const Followed& r : all) alone.push_back(follow({&r, 1}, options).front());
         for (const LaneUnit& unit : lane_units()) {
           options.unit = unit.runs_here() ? &unit : nullptr;

@@ -20,6 +20,7 @@ std::vector<std::vector<std::size_t>> groups(const Change& change) {
   change(robots[2]);
   const MeasuredMotion motion;
   std::vector<Followed> all;
+  all.reserve(robots.size());
   for (const SimParams& robot : robots) all.push_back({&robot, &drive, &motion, windows});
   return in_step(all);
 }
