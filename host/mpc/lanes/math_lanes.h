@@ -1,4 +1,4 @@
-// Tangent operators and elementary functions for several states in step: x ⊖ y, exp, softplus. Per
+// Tangent operators and what they are made of, for several states in step: x ⊖ y. Per
 // instruction set.
 #pragma once
 
@@ -57,21 +57,6 @@ inline void quat_minus_small(const T* a, const T* b, T* out) {
   out[0] = factor * x;
   out[1] = factor * y;
   out[2] = factor * z;
-}
-
-/// e^a for |a| < 700; relative error under 1e-15.
-template <int W>
-inline kernel::Pack<W> exp_of(kernel::Pack<W> a) {
-  using P = kernel::Pack<W>;
-  const double log2e = 1.4426950408889634074, ln2_high = 6.93147180369123816490e-01,
-               ln2_low = 1.90821492927058770002e-10;
-  const P n = kernel::round_of(a * log2e);
-  const P r = (a - n * ln2_high) - n * ln2_low;  // |r| <= ln 2 / 2
-  P sum = 1.0;
-  for (int k = 13; k >= 1; --k) sum = 1.0 + r * (1.0 / k) * sum;
-  // 2^n: the exponent field of a double
-  const auto bits = (__builtin_convertvector(n.v, typename P::Mask) + 1023) << 52;
-  return sum * P(__builtin_bit_cast(typename P::Lanes, bits));
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

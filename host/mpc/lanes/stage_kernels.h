@@ -5,6 +5,7 @@
 #include "host/mpc/lane_kernels.h"
 #include "host/mpc/lanes/math_lanes.h"
 #include "host/mpc/lanes/residual_lanes.h"
+#include "shared/model/kernel/exponential.h"
 #include "shared/policy/layer_kernels.h"
 
 namespace sanso::mpc::SANSO_ISA {
@@ -76,8 +77,9 @@ inline void layer_inputs(const StageContext& c, const ReflexContext& reflex, con
   if (reflex.on) {
     for (int i = 0; i < kNu; ++i) {
       const Quad q = load_row(x[model::kXJoint + i]);
-      sum[i] += policy::reflex_complement_kernel(q, reflex.lower[i], reflex.upper[i],
-                                                 reflex.settings, [](Quad v) { return exp_of(v); });
+      sum[i] +=
+          policy::reflex_complement_kernel(q, reflex.lower[i], reflex.upper[i], reflex.settings,
+                                           [](Quad v) { return kernel::exp_inside(v); });
     }
   }
   for (int i = 0; i < kNu; ++i) store(u[i], sum[i]);

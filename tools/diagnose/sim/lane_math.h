@@ -5,14 +5,18 @@
 // inline function and no template from outside.
 #pragma once
 
+#include "shared/model/kernel/exponential.h"
 #include "shared/model/kernel/trig.h"
 
 namespace sanso::diagnose::SANSO_ISA {
 
 namespace kernel = sanso::model::SANSO_ISA;
 using kernel::abs_of;
+using kernel::exp_of;
+using kernel::log1p_of;
 using kernel::max_of;
 using kernel::min_of;
+using kernel::power_of;
 using kernel::sqrt_of;
 template <int W>
 using Pack = kernel::Pack<W>;
@@ -100,33 +104,6 @@ inline T clamped(T x, T low, T high) {
 template <class T>
 inline T with_sign(T size, T of) {
   return choose(less(of, T(0.0)), -size, size);
-}
-
-/// A function of the C library, lane by lane.
-template <class Function>
-inline double each(double a, const Function& function) {
-  return function(a);
-}
-template <int W, class Function>
-inline Pack<W> each(Pack<W> a, const Function& function) {
-  double x[W];
-  store(a, x);
-  for (std::size_t i = 0; i < W; ++i) x[i] = function(x[i]);
-  load(x, a);
-  return a;
-}
-template <class T>
-inline T exp_of(T a) {
-  return each(a, [](double x) { return __builtin_exp(x); });
-}
-template <class T>
-inline T log1p_of(T a) {
-  return each(a, [](double x) { return __builtin_log1p(x); });
-}
-template <class T>
-inline T power_of(T a, double exponent) {
-  if (exponent == 1.0) return a;
-  return each(a, [exponent](double x) { return __builtin_pow(x, exponent); });
 }
 
 }  // namespace sanso::diagnose::SANSO_ISA

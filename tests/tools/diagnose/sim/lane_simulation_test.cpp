@@ -48,11 +48,33 @@ TEST(LaneMath, EveryOperationIsThatOfOneNumber) {
       });
       expect_lane_by_lane(a, b, [](auto x) { return portable::exp_of(-portable::abs_of(x)); });
       expect_lane_by_lane(a, b, [](auto x) { return portable::log1p_of(portable::abs_of(x)); });
+      expect_lane_by_lane(a, b,
+                          [](auto x) { return portable::power_of(portable::abs_of(x), 1.3); });
     }
     expect_lane_by_lane(a, -a, [](auto x) {
       return portable::ripple_at({0.2, -0.7, 3.0}, x) + portable::ripple_slope({0.5, 1, 2}, x);
     });
   }
+}
+
+TEST(LaneMath, ExponentialsAreThoseOfTheLibrary) {
+  const auto near = [](double value, double expected) {
+    EXPECT_NEAR(value, expected, 4e-15 * std::max(std::abs(expected), 1e-290)) << expected;
+  };
+  for (double x = -690.0; x < 690.0; x += 0.7371) near(portable::exp_of(x), std::exp(x));
+  for (double x = -3.0; x < 3.0; x += 0.00917) near(portable::exp_of(x), std::exp(x));
+  EXPECT_LT(portable::exp_of(-kInfinity), 1e-300);
+  for (double x = 1e-12; x < 1e12; x *= 1.173) {
+    near(portable::log1p_of(x), std::log1p(x));
+    for (const double exponent : {0.5, 1.0, 1.37, 2.0}) {
+      // as exact as the logarithm, times what the power is of it
+      const double expected = std::pow(x, exponent);
+      EXPECT_NEAR(portable::power_of(x, exponent), expected,
+                  4e-15 * expected * (1.0 + std::abs(std::log(expected))));
+    }
+  }
+  EXPECT_EQ(portable::log1p_of(0.0), 0.0);
+  EXPECT_LT(portable::power_of(0.0, 0.5), 1e-100);
 }
 
 TEST(LaneMath, AnAnswerIsYesWhereAnyLaneSaysSo) {
