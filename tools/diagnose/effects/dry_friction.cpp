@@ -13,9 +13,7 @@ double bend_of_dry_friction(const JointParams& joint) {
   if (!(all > 0.0)) return 0.0;
   double sum = coulomb * coulomb * joint.presliding_compliance;
   if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0) {
-    double shares[portable::kSlipElements];
-    portable::slip_shares(joint.slip_spread, shares);
-    for (const double share : shares) {
+    for (const double share : portable::slip_shares(joint).share) {
       const double limit = joint.slip_torque * share;
       sum += limit * limit / (joint.slip_stiffness / portable::kSlipElements);
     }

@@ -32,6 +32,7 @@ class Integrator {
     for (std::size_t lane = 0; lane < kLanes; ++lane) weighs_[lane] = &f_;
     for (std::size_t i = 0; i < f_.joint_count; ++i) {
       const std::size_t k = f_.simulated[i];
+      shares_[k] = slip_shares(f_.joints[k]);
       for (std::size_t lane = 0; lane < kLanes; ++lane) set_gains(lane, k, f_.joints[k]);
     }
   }
@@ -260,7 +261,7 @@ class Integrator {
       const T M_kk = M_[k * kMaxJoints + k];
       const T inertia = max_of(M_kk, T(settings_.least_inertia));
       instant_[k] = {h, q_half_[k], state.dq[k], inertia, -bias_[k], warming};
-      part_[k] = transmission_step(joint, servo, instant_[k], inner, settings_);
+      part_[k] = transmission_step(joint, shares_[k], servo, instant_[k], inner, settings_);
     }
     supply_current_ = drawn;
   }
@@ -330,8 +331,8 @@ class Integrator {
       const JointParams& joint = f_.joints[k];
       InnerStateOf<T>& inner = state.inner[k];
       if (gears) {
-        finish_transmission(joint, instant_[k], part_[k], dq_end[k], friction_[k], settings_,
-                            inner);
+        finish_transmission(joint, shares_[k], instant_[k], part_[k], dq_end[k], friction_[k],
+                            settings_, inner);
         out.friction[k] = friction_[k] / h;
         out.passive[k] = part_[k].passive_torque;
       }
@@ -364,6 +365,7 @@ class Integrator {
   T M_[kMaxJoints * kMaxJoints], inverse_[kMaxJoints * kMaxJoints];
   T bias_[kMaxJoints], q_half_[kMaxJoints], dq_mid_[kMaxJoints], dq_end_[kMaxJoints],
       change_[kMaxJoints], friction_[kMaxJoints];
+  SlipShares shares_[kMaxJoints];
   JointPartOf<T> part_[kMaxJoints];
   JointInstantOf<T> instant_[kMaxJoints];
   T supply_current_ = 0.0;  // A, of the step before

@@ -69,25 +69,26 @@ struct Elastic {
 };
 
 /// Shares of the Maxwell elements in the torque: those of (i + 1)^spread.
-inline void slip_shares(double spread, double* shares) {
-  const double two = __builtin_pow(2.0, spread), three = __builtin_pow(3.0, spread);
+struct SlipShares {
+  double share[kSlipElements] = {};
+};
+inline SlipShares slip_shares(const JointParams& joint) {
+  if (!(joint.slip_torque > 0.0)) return {};
+  const double two = __builtin_pow(2.0, joint.slip_spread),
+               three = __builtin_pow(3.0, joint.slip_spread);
   const double total = 1.0 + two + three + two * two;
-  shares[0] = 1.0 / total;
-  shares[1] = two / total;
-  shares[2] = three / total;
-  shares[3] = two * two / total;
+  return {{1.0 / total, two / total, three / total, two * two / total}};
 }
 
 /// Torque [N m] of the slip elements as constant + slope y, for the speed y [rad/s] of a step h
 /// [s]: elements that would slip give their limit.
 template <class T>
-inline Elastic<T> maxwell(const JointParams& joint, T h, T y, const InnerStateOf<T>& inner) {
+inline Elastic<T> maxwell(const JointParams& joint, const SlipShares& shares, T h, T y,
+                          const InnerStateOf<T>& inner) {
   Elastic<T> e;
   const double stiffness = joint.slip_stiffness / kSlipElements;
-  double shares[kSlipElements];
-  slip_shares(joint.slip_spread, shares);
   for (std::size_t i = 0; i < kSlipElements; ++i) {
-    const T limit = joint.slip_torque * shares[i];
+    const T limit = joint.slip_torque * shares.share[i];
     const T stretched = inner.slip[i] + h * y;
     const MaskOf<T> sticks = less(abs_of(stiffness * stretched), limit);
     e.constant += choose(sticks, stiffness * inner.slip[i], with_sign(limit, stretched));
@@ -98,12 +99,11 @@ inline Elastic<T> maxwell(const JointParams& joint, T h, T y, const InnerStateOf
 
 /// Stretches the elements by a step at speed y; those at their limit slip.
 template <class T>
-inline void advance_maxwell(const JointParams& joint, T h, T y, InnerStateOf<T>& inner) {
+inline void advance_maxwell(const JointParams& joint, const SlipShares& shares, T h, T y,
+                            InnerStateOf<T>& inner) {
   const double stiffness = joint.slip_stiffness / kSlipElements;
-  double shares[kSlipElements];
-  slip_shares(joint.slip_spread, shares);
   for (std::size_t i = 0; i < kSlipElements; ++i) {
-    const T limit = joint.slip_torque * shares[i] / stiffness;
+    const T limit = joint.slip_torque * shares.share[i] / stiffness;
     inner.slip[i] = clamped(inner.slip[i] + h * y, -limit, limit);
   }
 }
@@ -188,9 +188,9 @@ struct GearForces {
 
 /// Motor torque, viscous and dry friction at the gears that rub with speed y.
 template <class T>
-inline GearForces<T> gear_forces(const JointParams& joint, const ServoOutputOf<T>& servo,
-                                 const JointInstantOf<T>& at, const InnerStateOf<T>& inner, T y,
-                                 JointPartOf<T>& part) {
+inline GearForces<T> gear_forces(const JointParams& joint, const SlipShares& shares,
+                                 const ServoOutputOf<T>& servo, const JointInstantOf<T>& at,
+                                 const InnerStateOf<T>& inner, T y, JointPartOf<T>& part) {
   const T h = at.h;
   T motor = servo.torque;
   if (!is_none(joint.gear_error))
@@ -205,7 +205,7 @@ inline GearForces<T> gear_forces(const JointParams& joint, const ServoOutputOf<T
   }
   const T budget = friction_budget(joint, motor, at, y, inner);
   if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0)
-    out.elastic = maxwell(joint, h, y, inner);
+    out.elastic = maxwell(joint, shares, h, y, inner);
   MaskOf<T> dry = no_more(T(0.0), T(0.0));  // where no bristle takes the friction's place
   if (joint.presliding_compliance > 0.0) {
     // bristle: dz = y - sigma0 |y| z / budget, torque sigma0 z + sigma1 dz, with the new z
@@ -263,14 +263,15 @@ inline void add_motor_mass(const JointParams& joint, const JointInstantOf<T>& at
 /// The joint's part of one implicit step, before the links are solved: what its torque is, and how
 /// it answers to the link's change of speed.
 template <class T>
-inline JointPartOf<T> transmission_step(const JointParams& joint, const ServoOutputOf<T>& servo,
-                                        const JointInstantOf<T>& at, const InnerStateOf<T>& inner,
+inline JointPartOf<T> transmission_step(const JointParams& joint, const SlipShares& shares,
+                                        const ServoOutputOf<T>& servo, const JointInstantOf<T>& at,
+                                        const InnerStateOf<T>& inner,
                                         const SimulationSettings& settings) {
   JointPartOf<T> part;
   part.two_mass = has_two_masses(joint);
   const T h = at.h;
   const T y = part.two_mass ? at.dq + inner.motor_speed_offset : at.dq;  // where gears rub
-  const GearForces<T> gears = gear_forces(joint, servo, at, inner, y, part);
+  const GearForces<T> gears = gear_forces(joint, shares, servo, at, inner, y, part);
   if (part.two_mass) {
     add_motor_mass(joint, at, gears, inner, y, settings.motor_share, part);
   } else {
@@ -286,9 +287,9 @@ inline JointPartOf<T> transmission_step(const JointParams& joint, const ServoOut
 
 /// Advances the inner states with the step's outcome: dq_end of the link, friction impulse f.
 template <class T>
-inline void finish_transmission(const JointParams& joint, const JointInstantOf<T>& at,
-                                const JointPartOf<T>& part, T dq_end, T f,
-                                const SimulationSettings& settings, InnerStateOf<T>& inner) {
+inline void finish_transmission(const JointParams& joint, const SlipShares& shares,
+                                const JointInstantOf<T>& at, const JointPartOf<T>& part, T dq_end,
+                                T f, const SimulationSettings& settings, InnerStateOf<T>& inner) {
   T y = dq_end;
   if (part.two_mass) {
     y = part.y0 + part.mobility * f + part.coupling * dq_end;
@@ -301,7 +302,8 @@ inline void finish_transmission(const JointParams& joint, const JointInstantOf<T
     const MaskOf<T> bends = less(T(0.0), part.bristle_gain);
     inner.bristle = choose(bends, clamped(z, -part.bristle_gain, part.bristle_gain), inner.bristle);
   }
-  if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0) advance_maxwell(joint, at.h, y, inner);
+  if (joint.slip_torque > 0.0 && joint.slip_stiffness > 0.0)
+    advance_maxwell(joint, shares, at.h, y, inner);
   if (joint.dwell_rate != 0.0) {
     inner.rest_time = choose(less(abs_of(y), T(settings.standing)), inner.rest_time + at.h, T(0.0));
   }
