@@ -10,6 +10,7 @@
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/sim/follow.h"
+#include "tools/diagnose/sim/memory.h"
 #include "tools/diagnose/stats/random.h"
 
 namespace sanso::diagnose {
@@ -24,6 +25,7 @@ struct Pass {
   bool polled = false;                  // commands wait for servos that look now and then
   std::vector<LostCommand> lost = {};   // sorted
   std::vector<char> wanted_shots = {};  // by shot; empty: all
+  const Remembered* known = nullptr;    // of the same shots
 };
 
 /// Shots of one recording: [begin, end); shots are sorted by source.
@@ -65,6 +67,7 @@ struct Run {
   std::vector<std::size_t> shots;  // those that are wanted
   std::vector<Window> windows;     // theirs
   std::vector<InnerStates> starts;
+  bool started = false;  // they are known
   double recalled_s = kNone;
 
   const Drive& drive() const { return held ? *held : source->drive; }
@@ -101,22 +104,32 @@ Run make_run(const Problem& problem, const Library& library, const Model& model,
   run.options.max_step_s = pass.step_s > 0.0 ? pass.step_s : problem->settings.fitting.search_step;
   run.options.wanted = pass.wanted;
   if (pass.seed != 0) run.options.random_seed = Random(pass.seed, batch.source).bits() | 1U;
+  if (const auto* starts = pass.known ? pass.known->of(batch.source, run.params) : nullptr) {
+    run.starts = *starts;
+    run.started = true;
+  }
   return run;
 }
 
-/// Inner states at the starts of all windows: recordings of equal robots in step.
-void follow_runs(std::vector<Run>& runs) {
+/// Inner states at the starts of all windows that are not known: recordings of equal robots in
+/// step.
+void follow_runs(std::vector<Run>& all) {
+  std::vector<Run*> runs;
+  for (Run& run : all) {
+    if (!run.started) runs.push_back(&run);
+  }
   std::vector<Followed> recordings;
   recordings.reserve(runs.size());
-  for (const Run& run : runs) recordings.push_back(run.followed());
+  for (const Run* run : runs) recordings.push_back(run->followed());
   const std::vector<std::vector<std::size_t>> groups = in_step(recordings);
   parallel_for(groups.size(), [&](std::size_t g) {
     std::vector<Followed> members;
     members.reserve(groups[g].size());
     for (const std::size_t i : groups[g]) members.push_back(recordings[i]);
-    std::vector<std::vector<InnerStates>> starts = follow(members, runs[groups[g].front()].options);
+    std::vector<std::vector<InnerStates>> starts =
+        follow(members, runs[groups[g].front()]->options);
     for (std::size_t k = 0; k < members.size(); ++k)
-      runs[groups[g][k]].starts = std::move(starts[k]);
+      runs[groups[g][k]]->starts = std::move(starts[k]);
   });
 }
 
@@ -133,16 +146,23 @@ void simulate_run(const Problem& problem, const Pass& pass, const Run& run, Eige
   }
 }
 
-/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its
-/// own shots, so the result does not depend on the number of threads.
-void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
-              Eigen::VectorXd& r) {
+/// One for each recording of which a shot is wanted; where its shots start is known.
+std::vector<Run> make_runs(const Problem& problem, const Library& library, const Model& model,
+                           const Pass& pass) {
   std::vector<Run> runs;
   for (const Batch& batch : by_source(*problem)) {
     Run run = make_run(problem, library, model, pass, batch);
     if (!run.shots.empty()) runs.push_back(std::move(run));
   }
   follow_runs(runs);
+  return runs;
+}
+
+/// Writes the whitened error of the wanted joints into r. Recordings side by side: each writes its
+/// own shots, so the result does not depend on the number of threads.
+void one_pass(const Problem& problem, const Library& library, const Model& model, const Pass& pass,
+              Eigen::VectorXd& r) {
+  const std::vector<Run> runs = make_runs(problem, library, model, pass);
   parallel_for(runs.size(), [&](std::size_t i) { simulate_run(problem, pass, runs[i], r); });
 }
 
@@ -164,7 +184,49 @@ std::vector<char> branches_with(const Comparison& comparison,
   return wanted;
 }
 
+/// `base` with what a pass that differs from its at these joints only makes of their branches.
+Eigen::VectorXd changed_error(const Problem& problem, const Library& library, const Model& model,
+                              const Eigen::VectorXd& base, const std::vector<std::size_t>& joints,
+                              Pass pass) {
+  SimParams params = problem->sources.front().nominal;
+  library.apply(model, params);
+  if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);
+  Eigen::VectorXd r = base;
+  one_pass(problem, library, model, pass, r);
+  return r;
+}
+
 }  // namespace
+
+Remembered::Remembered(const Problem& problem, const Library& library, const Model& model,
+                       const std::vector<char>& shots)
+    : params_(problem->sources.size()),
+      starts_(problem->sources.size()),
+      known_(problem->sources.size(), 0) {
+  Pass pass;
+  pass.wanted_shots = shots;
+  for (Run& run : make_runs(problem, library, model, pass)) {
+    const std::size_t source = problem->shots[run.shots.front()].source;
+    params_[source] = std::move(run.params);
+    starts_[source] = std::move(run.starts);
+    known_[source] = 1;
+  }
+}
+
+const std::vector<InnerStates>* Remembered::of(std::size_t source, const SimParams& params) const {
+  const bool same = known_[source] != 0 && remember_alike(params_[source], params);
+  return same ? &starts_[source] : nullptr;
+}
+
+bool remember_alike(const Problem& problem, const Library& library, const Model& a,
+                    const Model& b) {
+  return std::all_of(problem->sources.begin(), problem->sources.end(), [&](const Source& source) {
+    SimParams one = source.nominal, other = source.nominal;
+    library.apply(a, one);
+    library.apply(b, other);
+    return remember_alike(one, other);
+  });
+}
 
 Eigen::VectorXd prediction_error(const Problem& problem, const Library& library,
                                  const Model& model) {
@@ -195,8 +257,11 @@ Eigen::VectorXd polled_prediction_error(const Problem& problem, const Library& l
 Eigen::VectorXd prediction_error_near(const Problem& problem, const Library& library,
                                       const Model& model, const Eigen::VectorXd& base,
                                       const std::vector<std::size_t>& joints,
-                                      const std::vector<char>& shots) {
-  return prediction_error_with_lost(problem, library, model, base, {}, shots, joints);
+                                      const std::vector<char>& shots, const Remembered* known) {
+  Pass pass;
+  pass.wanted_shots = shots;
+  pass.known = known;
+  return changed_error(problem, library, model, base, joints, std::move(pass));
 }
 
 bool LostCommand::operator<(const LostCommand& other) const {
@@ -222,12 +287,7 @@ Eigen::VectorXd prediction_error_with_lost(const Problem& problem, const Library
   std::sort(lost.begin(), lost.end());
   pass.lost = std::move(lost);
   pass.wanted_shots = wanted_shots;
-  SimParams params = problem->sources.front().nominal;
-  library.apply(model, params);
-  if (params.supply_resistance == 0.0) pass.wanted = branches_with(*problem, joints);
-  Eigen::VectorXd r = base;
-  one_pass(problem, library, model, pass, r);
-  return r;
+  return changed_error(problem, library, model, base, joints, std::move(pass));
 }
 
 Problem step_corrected(const Problem& problem, const Library& library, const Model& model) {
@@ -253,9 +313,10 @@ Problem step_corrected(const Problem& problem, const Library& library, const Mod
 Eigen::VectorXd prediction_error_from_moved_start(const Problem& problem, const Library& library,
                                                   const Model& model,
                                                   std::optional<std::size_t> joint, double dq0,
-                                                  double ddq0) {
+                                                  double ddq0, const Remembered& known) {
   Eigen::VectorXd r(problem->size);
   Pass pass;
+  pass.known = &known;
   pass.move_start = [&](Window& w) {
     for (std::size_t j = 0; j < w.q.size(); ++j) {
       if (joint && *joint != j) continue;

@@ -27,9 +27,11 @@ std::vector<Eigen::VectorXd> start_derivatives(const Problem& problem, const Lib
   const std::size_t passes = coupled ? 2 * problem->joints.size() : 2;
   std::vector<Eigen::VectorXd> moved(passes);
   Eigen::VectorXd base;
+  const Remembered known(problem, library, model);  // a start that moves changes no memory
   parallel_for(passes + 1, [&](std::size_t i) {
     if (i == passes) {
-      base = prediction_error(problem, library, model);
+      base =
+          prediction_error_from_moved_start(problem, library, model, std::nullopt, 0.0, 0.0, known);
       return;
     }
     const std::optional<std::size_t> joint =
@@ -37,7 +39,7 @@ std::vector<Eigen::VectorXd> start_derivatives(const Problem& problem, const Lib
     const bool position = i % 2 == 0;
     moved[i] = prediction_error_from_moved_start(problem, library, model, joint,
                                                  position ? position_step : 0.0,
-                                                 position ? 0.0 : velocity_step);
+                                                 position ? 0.0 : velocity_step, known);
   });
   for (std::size_t i = 0; i < passes; ++i)
     moved[i] = (moved[i] - base) / (i % 2 == 0 ? position_step : velocity_step);

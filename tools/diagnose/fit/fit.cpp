@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/fit/quick_fit.h"
 #include "tools/diagnose/stats/robust.h"
-#include "tools/diagnose/stats/series.h"
-#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 
@@ -20,14 +20,17 @@ Surroundings make_surroundings(const Problem& problem, const Library& library, c
   Surroundings s{problem, &library, StartElimination(problem, library, model), {}};
   const std::size_t count = library.nuisances.size();
   s.A.resize(problem->size, count);
-  const Eigen::VectorXd base = prediction_error(problem, library, model);
+  const Remembered known(problem, library, model);
+  const Eigen::VectorXd base = prediction_error_near(
+      problem, library, model, Eigen::VectorXd::Zero(problem->size), {}, {}, &known);
   parallel_for(count, [&](std::size_t i) {
     Model moved = model;
     moved.nuisance.resize(library.nuisances.size(), 0.0);
     const double step = library.nuisances[i].tolerance;
     moved.nuisance[i] += step;
-    s.A.col(i) =
-        prediction_error_near(problem, library, moved, base, library.nuisances[i].joints) - base;
+    s.A.col(i) = prediction_error_near(problem, library, moved, base, library.nuisances[i].joints,
+                                       {}, &known) -
+                 base;
   });
   return s;
 }
@@ -137,6 +140,21 @@ std::vector<char> shots_of(const Surroundings& around, bool seen) {
   return out;
 }
 
+/// What the model at x remembers, where some of the models that it is compared with remember the
+/// same.
+template <class Moved>
+std::optional<Remembered> remembered(const Surroundings& around, const Coordinates& coordinates,
+                                     const Eigen::VectorXd& x, const Moved& moved,
+                                     const std::vector<char>& shots) {
+  const Model here = coordinates.model(x);
+  for (Eigen::Index i = 0; i < coordinates.effects(); ++i) {
+    if (!coordinates.parameter(i).structural &&
+        remember_alike(around.problem, *around.library, here, moved(i)))
+      return std::optional<Remembered>(std::in_place, around.problem, *around.library, here, shots);
+  }
+  return std::nullopt;
+}
+
 /// d r / d x at x: effects by differences inside the box, nuisances from the surroundings. `shots`:
 /// the only ones that are wanted, all others are 0; empty: all.
 Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordinates,
@@ -145,18 +163,24 @@ Eigen::MatrixXd jacobian(const Surroundings& around, const Coordinates& coordina
   Eigen::MatrixXd J(r.size(), coordinates.size());
   J.rightCols(around.A.cols()) = around.A;
   const double length = around.settings().fitting.derivative_step;
+  const auto step_of = [&](Eigen::Index i) {
+    return x[i] + length <= coordinates.high(i) ? length : -length;
+  };
+  const auto moved = [&](Eigen::Index i) {
+    Eigen::VectorXd there = x;
+    there[i] += step_of(i);
+    return coordinates.model(there);
+  };
+  const std::optional<Remembered> known = remembered(around, coordinates, x, moved, shots);
   parallel_for(coordinates.effects(), [&](std::size_t i) {
     if (coordinates.parameter(i).structural) {
       J.col(i).setZero();
       return;
     }
-    Eigen::VectorXd moved = x;
-    const double step = x[i] + length <= coordinates.high(i) ? length : -length;
-    moved[i] += step;
-    J.col(i) = (prediction_error_near(around.problem, *around.library, coordinates.model(moved), r,
-                                      coordinates.joints(i), shots) -
+    J.col(i) = (prediction_error_near(around.problem, *around.library, moved(i), r,
+                                      coordinates.joints(i), shots, known ? &*known : nullptr) -
                 r) /
-               step;
+               step_of(i);
   });
   return J;
 }
@@ -336,45 +360,6 @@ double prior_energy(const Surroundings& around, const Model& model) {
     sum += around.settings().tolerances.precision * x * x;
   }
   return sum;
-}
-
-double position_error_level(const Surroundings& around, const Eigen::VectorXd& r,
-                            const Eigen::VectorXd& expected_scatter) {
-  const Problem& problem = around.problem;
-  const Eigen::VectorXd projected = around.starts.project(r);
-  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(r));
-  double square = 0.0, rows = 0.0;
-  for (std::size_t c = 0; c < problem->channels.size(); ++c) {
-    const Observed& channel = problem->channels[c];
-    if (channel.signal != Signal::q) continue;
-    const double sigma = problem.scales.sigma[c];
-    const double unit = sigma * sigma / (channel.floor * channel.floor);
-    for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-      const Shot& shot = problem->shots[s];
-      const double weight = weights[s];
-      Eigen::ArrayXd squares = unit * rows_of(projected, shot, c).array().square();
-      if (expected_scatter.size() > 0)
-        squares /= 1.0 + unit * rows_of(expected_scatter, shot, c).array().max(0.0);
-      square += weight * squares.sum();
-      rows += weight * static_cast<double>(shot.rows);
-    }
-  }
-  return rows > 0.0 ? std::sqrt(square / rows) : 0.0;
-}
-
-std::vector<double> overdispersion(const Comparison& comparison, const Eigen::VectorXd& projected) {
-  std::vector<double> out;
-  for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
-    std::vector<double> values;
-    for (const Shot& shot : comparison.shots) {
-      const auto rows = rows_of(projected, shot, c);
-      const std::span<const double> piece(rows.data(), shot.rows);
-      const double mean_square = rms(piece) * rms(piece);
-      if (mean_square > 0.0) values.push_back(mean_square * autocorrelation_time(piece));
-    }
-    out.push_back(values.empty() ? 1.0 : std::max(1e-6, median(values)));
-  }
-  return out;
 }
 
 std::vector<double> parameter_sigmas(const FitResult& result, const Library& library) {

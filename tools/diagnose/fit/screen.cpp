@@ -25,14 +25,16 @@ Eigen::MatrixXf columns_of(const Surroundings& around, const Eigen::MatrixXd& kn
   Eigen::MatrixXf columns(r.size(), nuisances + count + 1);
   columns.leftCols(nuisances) = known.cast<float>();
   columns.rightCols(1) = r.cast<float>();
+  const Remembered remembered(around.problem, *around.library, model);
   parallel_for(probes.size(), [&](std::size_t i) {
     const ProbeScore& probe = probes[i];
     const Candidate& candidate = (*around.library)[probe.candidate];
     Model with = model;
     with.effects.push_back({probe.candidate, candidate.probes[probe.probe]});
-    columns.col(nuisances + i) =
-        (prediction_error_near(around.problem, *around.library, with, r, candidate.joints) - r)
-            .cast<float>();
+    columns.col(nuisances + i) = (prediction_error_near(around.problem, *around.library, with, r,
+                                                        candidate.joints, {}, &remembered) -
+                                  r)
+                                     .cast<float>();
   });
   return columns;
 }

@@ -158,9 +158,11 @@ TEST_F(Starts, GramsOfTheGroupsAddUp) {
 
 TEST_F(Starts, WhatAMovedStartMakesIsExplainedByTheStart) {
   const Eigen::VectorXd base = prediction_error(c_.problem, c_.library, nominal(c_));
+  const Remembered known(c_.problem, c_.library, nominal(c_));
   for (std::size_t joint = 0; joint < 2; ++joint) {
     const Eigen::VectorXd change =
-        prediction_error_from_moved_start(c_.problem, c_.library, nominal(c_), joint, 2e-4, 2e-3) -
+        prediction_error_from_moved_start(c_.problem, c_.library, nominal(c_), joint, 2e-4, 2e-3,
+                                          known) -
         base;
     EXPECT_GT(change.squaredNorm(), 1.0);
     EXPECT_LT(change.dot(starts_.project(change)), 0.35 * change.squaredNorm()) << joint;

@@ -4,6 +4,7 @@
 #include "tests/tools/diagnose/effects/small_trials.h"
 #include "tools/diagnose/sim/follow.h"
 #include "tools/diagnose/sim/lane_simulation.h"
+#include "tools/diagnose/sim/memory.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -114,6 +115,30 @@ TEST_P(EveryEffectInLanes, RemembersInStepWhatItRemembersAlone) {
           EXPECT_TRUE(remembers_alike(alone, follow(all, options), trial.drive.joints.size()))
               << trial.name << ' ' << unit.name << ' ' << recalled_s;
         }
+      }
+    }
+  }
+}
+
+/// Another effect beside this one either changes nothing that is remembered, bit for bit, or is not
+/// said to remember alike.
+TEST_P(EveryEffectInLanes, RemembersAlikeBesideWhatHasNoPartInIt) {
+  for (const Trial& trial : trials()) {
+    const SimParams own = trial.with(effect_, scaled_probes(effect_, trial.scale).front());
+    const auto remembered = [&](const SimParams& params) {
+      return follow({{{&params, &trial.drive, &trial.motion, trial.windows}}}, {});
+    };
+    const std::vector<std::vector<InnerStates>> alone = remembered(own);
+    for (const Effect& other : library()) {
+      if (!other.apply) continue;
+      for (const Values& theta : scaled_probes(other, trial.scale)) {
+        SimParams both = own;
+        if (other.scope == Scope::robot) other.apply(both, -1, theta);
+        for (std::size_t j = 0; other.scope != Scope::robot && j < both.size(); ++j)
+          other.apply(both, static_cast<int>(j), theta);
+        if (!remember_alike(own, both)) continue;
+        EXPECT_TRUE(remembers_alike(alone, remembered(both), trial.drive.joints.size()))
+            << trial.name << ' ' << other.id;
       }
     }
   }
