@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/compare/parallel.h"
-
 namespace sanso::diagnose {
 namespace {
 
@@ -21,15 +19,10 @@ const std::vector<double>& given(const ReplayTorques& replay, Signal signal) {
   return signal == Signal::pwm ? replay.duty : signal == Signal::i ? replay.current : replay.motor;
 }
 
-void add_source(const Comparison& comparison, const Library& library, const Model& model,
-                std::size_t index, Eigen::VectorXd& out) {
+/// Writes the errors of one recording's shots.
+void add_source(const Comparison& comparison, std::size_t index, const ReplayTorques& replay,
+                Eigen::VectorXd& out) {
   const Source& source = comparison.sources[index];
-  SimParams params = source.nominal;
-  library.apply(model, params);
-  SimOptions options;
-  options.max_step_s = comparison.settings.fitting.search_step;
-  const ReplayTorques replay =
-      replay_torques(in_sensor_time(std::move(params)), source.drive, source.motion, options);
   for (const Shot& shot : comparison.shots) {
     if (shot.source != index) continue;
     for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
@@ -59,10 +52,19 @@ Eigen::VectorXd effort_error(const Comparison& comparison, const Library& librar
   const bool any = std::any_of(comparison.channels.begin(), comparison.channels.end(),
                                [](const Observed& c) { return is_effort(c.signal); });
   if (!any) return out;
-  parallel_for(comparison.sources.size(), [&](std::size_t i) {
-    // every source writes its own shots
-    add_source(comparison, library, model, i, out);
-  });
+  std::vector<SimParams> params;
+  std::vector<Replayed> recordings;
+  params.reserve(comparison.sources.size());
+  for (const Source& source : comparison.sources) {
+    SimParams own = source.nominal;
+    library.apply(model, own);
+    params.push_back(in_sensor_time(std::move(own)));
+    recordings.push_back({&params.back(), &source.drive, &source.motion});
+  }
+  SimOptions options;
+  options.max_step_s = comparison.settings.fitting.search_step;
+  const std::vector<ReplayTorques> replays = replay_torques(recordings, options);
+  for (std::size_t i = 0; i < replays.size(); ++i) add_source(comparison, i, replays[i], out);
   return out;
 }
 

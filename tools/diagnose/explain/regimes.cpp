@@ -168,19 +168,17 @@ Regimes find_regimes(const Comparison& comparison) {
                "cold",       "hot",          "first minute"};
   const std::size_t sources = comparison.sources.size(), n = comparison.joints.size();
   out.mask.assign(sources, std::vector<std::vector<std::vector<char>>>(n));
-  std::vector<ReplayTorques> torques(sources);
-  parallel_for(sources, [&](std::size_t s) {
-    const Source& source = comparison.sources[s];
-    torques[s] = replay_torques(source.nominal, source.drive, source.motion);
-  });
+  std::vector<Replayed> recordings;
+  for (const Source& source : comparison.sources)
+    recordings.push_back({&source.nominal, &source.drive, &source.motion});
+  const std::vector<ReplayTorques> torques = replay_torques(recordings);
   parallel_for(n, [&](std::size_t joint) {
-    std::vector<JointRegimes> recordings;
+    std::vector<JointRegimes> by_source;
     for (std::size_t s = 0; s < sources; ++s)
-      recordings.emplace_back(comparison.sources[s], joint, torques[s],
-                              comparison.settings.regimes);
-    const RegimeLimits scale = scale_of(recordings, comparison.settings.regimes);
+      by_source.emplace_back(comparison.sources[s], joint, torques[s], comparison.settings.regimes);
+    const RegimeLimits scale = scale_of(by_source, comparison.settings.regimes);
     for (std::size_t s = 0; s < sources; ++s)
-      recordings[s].fill(scale, out.mask[s][joint], out.names);
+      by_source[s].fill(scale, out.mask[s][joint], out.names);
   });
   return out;
 }

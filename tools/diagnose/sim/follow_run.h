@@ -42,6 +42,28 @@ class FollowRun {
     });
   }
 
+  /// Torques of every step that ends at a row, and nothing at the first.
+  void write_torques() {
+    run([this](std::size_t i, std::size_t row) {
+      const FollowFigures& r = *lane_[i].recording;
+      for (std::size_t n = 0; n < f_.joint_count; ++n) {
+        const std::size_t k = f_.simulated[n], at = k * r.figures->rows + row;
+        r.torques.motor[at] = of_lane(i, torques_.servo[k].torque);
+        r.torques.friction[at] = of_lane(i, torques_.friction[k]);
+        r.torques.passive[at] = of_lane(i, torques_.passive[k]);
+        r.torques.current[at] = of_lane(i, torques_.servo[k].current);
+        r.torques.duty[at] = of_lane(i, torques_.servo[k].duty);
+      }
+    });
+  }
+
+ private:
+  static double of_lane(std::size_t i, T x) {
+    double all[kLanes];
+    store(x, all);
+    return all[i];
+  }
+
   /// Calls at_row(lane, row) at every row that is followed, of every recording.
   template <class AtRow>
   void run(const AtRow& at_row) {
@@ -54,10 +76,6 @@ class FollowRun {
       }
     }
   }
-  /// Of the step that ended at the row.
-  const StepTorquesOf<T>& torques() const { return torques_; }
-
- private:
   /// One recording on its own clock.
   struct Lane {
     const FollowFigures* recording = nullptr;
@@ -190,11 +208,7 @@ class FollowRun {
 
   void copy_inner(std::size_t i, std::size_t k, InnerStateOf<double>& to) const {
     const InnerStateOf<T>& in = state_.inner[k];
-    const auto of = [i](T x) {
-      double all[kLanes];
-      store(x, all);
-      return all[i];
-    };
+    const auto of = [i](T x) { return of_lane(i, x); };
     to.motor_offset = of(in.motor_offset);
     to.motor_speed_offset = of(in.motor_speed_offset);
     to.bristle = of(in.bristle);

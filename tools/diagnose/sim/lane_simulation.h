@@ -16,6 +16,7 @@ struct LaneUnit {
   std::size_t lanes;
   void (*run)(const SimFigures&, const WindowFigures*, std::size_t);
   void (*follow)(const FollowFigures*, std::size_t, const FollowedJoints&);
+  void (*replay)(const FollowFigures*, std::size_t, const FollowedJoints&);
   bool (*runs_here)();
 };
 /// All that were built; `runs_here` asks the machine. Never empty.
@@ -28,6 +29,9 @@ void run_windows(const SimFigures& figures, std::span<const WindowFigures> windo
 /// figure but time, motion, commands and the servos' gains, and of more than one recording nothing
 /// may depend on time but those. `unit`: null, the narrowest of this machine with a lane for each.
 void follow_recordings(std::span<const FollowFigures> recordings, const FollowedJoints& joints,
+                       const LaneUnit* unit = nullptr);
+/// The same for the torques of every row.
+void replay_recordings(std::span<const FollowFigures> recordings, const FollowedJoints& joints,
                        const LaneUnit* unit = nullptr);
 
 }  // namespace sanso::diagnose

@@ -24,4 +24,15 @@ void follow_in_lanes(const FollowFigures* recordings, std::size_t count,
   }
 }
 
+void replay_in_lanes(const FollowFigures* recordings, std::size_t count,
+                     const FollowedJoints& joints);
+void replay_in_lanes(const FollowFigures* recordings, std::size_t count,
+                     const FollowedJoints& joints) {
+  constexpr std::size_t kWide = SANSO_LANES;
+  for (std::size_t r = 0; r < count; r += kWide) {
+    FollowRun<Pack<SANSO_LANES>> run(recordings + r, count - r < kWide ? count - r : kWide, joints);
+    run.write_torques();
+  }
+}
+
 }  // namespace sanso::diagnose::SANSO_ISA

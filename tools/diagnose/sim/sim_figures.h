@@ -65,6 +65,12 @@ struct WindowFigures {
   double* out_volt = nullptr;
 };
 
+/// Where torques go, N m (A, duty), n x rows each.
+struct TorqueRows {
+  double *motor = nullptr, *friction = nullptr, *passive = nullptr, *current = nullptr,
+         *duty = nullptr;
+};
+
 /// One recording to follow, and where its inner states go: n for each of `wanted`, rows in
 /// ascending order.
 struct FollowFigures {
@@ -75,6 +81,7 @@ struct FollowFigures {
   const std::size_t* wanted = nullptr;
   std::size_t wanted_count = 0;
   InnerStateOf<double>* out = nullptr;
+  TorqueRows torques;  // while it is replayed
 };
 
 /// The joints whose servo, and where `gears` transmission, is followed.

@@ -10,7 +10,6 @@
 
 #include "tools/diagnose/sim/actuator.h"
 #include "tools/diagnose/sim/follow.h"
-#include "tools/diagnose/sim/follow_run.h"
 #include "tools/diagnose/sim/lane_simulation.h"
 
 namespace sanso::diagnose {
@@ -92,40 +91,75 @@ std::vector<Prediction> simulate(const SimParams& params, const Drive& drive,
   return predictions;
 }
 
-ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
-                             const MeasuredMotion& motion, const SimOptions& options) {
-  const CommandPath commands(params, drive, options.random_seed);
-  const SimFigures figures = sim_figures(params, drive, commands, options.max_step_s, {});
-  const std::size_t n = params.size();
-  ReplayTorques out;
-  out.rows = drive.rows();
-  for (auto* v : {&out.motor, &out.friction, &out.passive, &out.current, &out.duty})
-    v->assign(n * out.rows, 0.0);
-  FollowFigures recording;
-  FollowedJoints all;
-  recording.figures = &figures;
-  recording.last = drive.rows() - 1;
-  all.count = figures.joint_count;
-  all.gears = true;
-  std::copy_n(figures.simulated, figures.joint_count, all.joint);
-  for (std::size_t j = 0; j < n; ++j) {
-    recording.q[j] = motion.q[j].data();
-    recording.dq[j] = motion.dq[j].data();
+namespace {
+
+/// One recording's figures, which point at each other, and room for its torques.
+struct PreparedReplay {
+  PreparedReplay(const Replayed& recording, const SimOptions& options)
+      : of(recording),
+        commands(*of.params, *of.drive, options.random_seed),
+        figures(sim_figures(*of.params, *of.drive, commands, options.max_step_s, {})) {
+    torques.rows = of.drive->rows();
+    for (auto* v :
+         {&torques.motor, &torques.friction, &torques.passive, &torques.current, &torques.duty})
+      v->assign(of.params->size() * torques.rows, 0.0);
   }
-  const auto run = std::make_unique<portable::FollowRun<double>>(&recording, 1, all);
-  run->run([&](std::size_t, std::size_t row) {
-    const portable::StepTorquesOf<double>& torques = run->torques();
-    for (std::size_t j = 0; j < n; ++j) {
-      const std::size_t at = j * out.rows + row;
-      const JointParams& joint = params.joints[j];
-      const double viscous = joint.nominal.viscous + joint.viscous;
-      out.motor[at] = torques.servo[j].torque;
-      out.friction[at] = torques.friction[j] - viscous * motion.dq[j][row];
-      out.passive[at] = torques.passive[j];
-      out.current[at] = torques.servo[j].current;
-      out.duty[at] = torques.servo[j].duty;
+  PreparedReplay(const PreparedReplay&) = delete;
+  PreparedReplay& operator=(const PreparedReplay&) = delete;
+
+  FollowFigures lane() {
+    FollowFigures out;
+    out.figures = &figures;
+    out.last = torques.rows - 1;
+    for (std::size_t j = 0; j < figures.n; ++j) {
+      out.q[j] = of.motion->q[j].data();
+      out.dq[j] = of.motion->dq[j].data();
     }
-  });
+    out.torques = {torques.motor.data(), torques.friction.data(), torques.passive.data(),
+                   torques.current.data(), torques.duty.data()};
+    return out;
+  }
+  /// Viscous friction is told as friction too.
+  ReplayTorques told() {
+    for (std::size_t j = 0; j < figures.n; ++j) {
+      const JointParams& joint = of.params->joints[j];
+      const double viscous = joint.nominal.viscous + joint.viscous;
+      for (std::size_t row = 0; row < torques.rows; ++row)
+        torques.friction[j * torques.rows + row] -= viscous * of.motion->dq[j][row];
+    }
+    return std::move(torques);
+  }
+
+  const Replayed of;
+  CommandPath commands;
+  SimFigures figures;
+  ReplayTorques torques;
+};
+
+}  // namespace
+
+std::vector<ReplayTorques> replay_torques(std::span<const Replayed> recordings,
+                                          const SimOptions& options) {
+  const std::vector<Window> any(1);  // what is in step does not depend on windows
+  std::vector<Followed> followed;
+  followed.reserve(recordings.size());
+  for (const Replayed& r : recordings) followed.push_back({r.params, r.drive, r.motion, any});
+  std::vector<ReplayTorques> out(recordings.size());
+  for (const std::vector<std::size_t>& group : in_step(followed)) {
+    std::vector<std::unique_ptr<PreparedReplay>> prepared;
+    std::vector<FollowFigures> lanes;
+    for (const std::size_t i : group) {
+      prepared.push_back(std::make_unique<PreparedReplay>(recordings[i], options));
+      lanes.push_back(prepared.back()->lane());
+    }
+    const SimFigures& figures = prepared.front()->figures;
+    FollowedJoints all;
+    all.count = figures.joint_count;
+    all.gears = true;
+    std::copy_n(figures.simulated, figures.joint_count, all.joint);
+    replay_recordings(lanes, all, options.unit);
+    for (std::size_t k = 0; k < group.size(); ++k) out[group[k]] = prepared[k]->told();
+  }
   return out;
 }
 

@@ -85,9 +85,16 @@ struct ReplayTorques {
   std::vector<double> passive;   // N m, springs, cogging, stops, drag
   std::vector<double> current, duty;
 };
-/// `motion`: as measured, by joint and row of `drive`.
-ReplayTorques replay_torques(const SimParams& params, const Drive& drive,
-                             const MeasuredMotion& motion, const SimOptions& options = {});
+/// A recording of a robot, and its joints as measured, by joint and row.
+struct Replayed {
+  const SimParams* params = nullptr;
+  const Drive* drive = nullptr;
+  const MeasuredMotion* motion = nullptr;
+};
+/// By recording. Those of robots that are equal but for their servos' gains and their links' masses
+/// are replayed in step, which changes no bit. `options`: its step, its unit.
+std::vector<ReplayTorques> replay_torques(std::span<const Replayed> recordings,
+                                          const SimOptions& options = {});
 
 /// Jitter: every reading of a position is taken a little early or late (JointParams::jitter),
 /// in place.

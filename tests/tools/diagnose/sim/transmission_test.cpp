@@ -199,7 +199,7 @@ TEST(Replay, ExplainsTheMotionThatTheSimulatorMade) {
   const Drive drive =
       make_test_drive(lever.model, 2.0, 0.005, [&](int, double t) { return torque(t); });
   const MeasuredMotion motion{{p.q}, {p.dq}};
-  const ReplayTorques replay = replay_torques(lever.params, drive, motion);
+  const ReplayTorques replay = replay_torques({{{&lever.params, &drive, &motion}}}).front();
   int compared = 0;
   for (std::size_t r = 1; r + 1 < p.rows; ++r) {
     if (std::min(std::abs(p.dq[r - 1]), std::abs(p.dq[r])) < 0.05) continue;
