@@ -200,9 +200,11 @@ std::vector<Eigen::MatrixXd> StartElimination::gram_by_group(const Eigen::Matrix
   return gram_of(columns, comparison_->groups, group_of, weights);
 }
 
-Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r) const {
-  Eigen::VectorXd energy(comparison_->shots.size());
+Eigen::VectorXd StartElimination::energy_by_shot(const Eigen::VectorXd& r,
+                                                 const std::vector<char>& wanted) const {
+  Eigen::VectorXd energy = Eigen::VectorXd::Zero(comparison_->shots.size());
   for (std::size_t s = 0; s < comparison_->shots.size(); ++s) {
+    if (!wanted.empty() && wanted[s] == 0) continue;
     const Shot& shot = comparison_->shots[s];
     double total = rows_of(r, shot, 0, comparison_->channels.size()).squaredNorm();
     for (const Block& block : blocks_) {

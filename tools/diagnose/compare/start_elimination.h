@@ -30,8 +30,9 @@ class StartElimination {
   /// The same by held-out group; their sum is gram().
   std::vector<Eigen::MatrixXd> gram_by_group(const Eigen::MatrixXf& columns,
                                              const Eigen::VectorXd& weights) const;
-  /// r' M r by shot.
-  Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r) const;
+  /// r' M r by shot. `wanted`: the only ones (by shot, not 0), 0 for all others; empty: all.
+  Eigen::VectorXd energy_by_shot(const Eigen::VectorXd& r,
+                                 const std::vector<char>& wanted = {}) const;
   /// M r: what of an error cannot come from the starts.
   Eigen::VectorXd project(const Eigen::VectorXd& r) const;
 

@@ -146,7 +146,8 @@ void Hunt::try_out(std::size_t joint, const std::vector<Hunted>& hunted,
     }
     const VectorXd r =
         prediction_error_with_lost(problem_, library_, model_, state_.r, lost, wanted, {joint});
-    const VectorXd after = starts_.energy_by_shot(r), made = starts_.energy_by_shot(r - state_.r);
+    const VectorXd after = starts_.energy_by_shot(r, wanted),
+                   made = starts_.energy_by_shot(r - state_.r, wanted);
     for (std::size_t i = 0; i < of.size(); ++i) {
       if (pass >= of[i].size()) continue;
       Change& c = of[i][pass];
