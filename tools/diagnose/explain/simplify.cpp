@@ -3,6 +3,7 @@
 // end.
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "tools/diagnose/explain/steps.h"
 #include "tools/diagnose/fit/start.h"
@@ -10,11 +11,11 @@
 namespace sanso::diagnose {
 namespace {
 
-bool accepted_already(const SearchState& state, const Candidate& larger) {
-  const std::vector<Accepted>& all = state.found.accepted;
-  return std::any_of(all.begin(), all.end(), [&](const Accepted& entry) {
-    return contains(larger, state.candidate(entry.candidate));
-  });
+std::optional<std::size_t> accepted_already(const SearchState& state, const Candidate& larger) {
+  for (const Accepted& entry : state.found.accepted) {
+    if (contains(larger, state.candidate(entry.candidate))) return entry.candidate;
+  }
+  return std::nullopt;
 }
 
 std::optional<std::size_t> contained_in(const SearchState& state, const Candidate& larger) {
@@ -41,36 +42,46 @@ void take_its_place(SearchState& state, std::size_t i, std::size_t simple) {
   state.relinearise();
 }
 
-/// True: one effect left or gave its place away.
-bool simplify_one(SearchState& state) {
+/// A name that said no more than what took its place.
+struct Simplified {
+  std::size_t larger, simple;
+};
+
+/// What left or gave its place away; none: nothing did.
+std::optional<Simplified> simplify_one(SearchState& state) {
   const Selection& found = state.found;
   for (std::size_t i = 0; i < found.accepted.size(); ++i) {
     const Candidate& own = state.accepted(i);
     if (!says_no_more(*state.problem, state.library, found.final.model,
                       found.accepted[i].candidate))
       continue;
+    const std::size_t larger = found.accepted[i].candidate;
     const std::string says = own.title() + " says how dry friction builds up, which nobody states";
-    if (accepted_already(state, own)) {
+    if (const std::optional<std::size_t> there = accepted_already(state, own)) {
       state.say(says);
       state.drop(i, state.without(i));
-      return true;
+      return Simplified{larger, *there};
     }
     if (const std::optional<std::size_t> simple = contained_in(state, own)) {
       state.say(says + ": " + state.candidate(*simple).title() + " in its place");
       take_its_place(state, i, *simple);
-      return true;
+      return Simplified{larger, *simple};
     }
   }
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace
 
 bool simplify(SearchState& state) {
-  bool any = false;
-  while (simplify_one(state)) any = true;
-  if (any) backward(state, 0);
-  return any;
+  std::vector<Simplified> all;
+  while (const std::optional<Simplified> one = simplify_one(state)) all.push_back(*one);
+  if (!all.empty()) backward(state, 0);
+  // whose simpler part is not even needed
+  for (const Simplified& one : all) {
+    if (!state.found.final.model.has(one.simple)) state.given_up.push_back(one.larger);
+  }
+  return !all.empty();
 }
 
 }  // namespace sanso::diagnose

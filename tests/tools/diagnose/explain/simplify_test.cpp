@@ -24,6 +24,25 @@ TEST(Simplify, BesideDryFrictionItLeaves) {
   EXPECT_TRUE(simplify(s.state));
   EXPECT_EQ(s.names(), Names{"coulomb_friction"});
   EXPECT_NEAR(s.state.found.final.model.effects[0].theta[0], 0.08, 0.01);
+  EXPECT_TRUE(s.state.given_up.empty()) << "its part is needed";
+}
+
+TEST(Simplify, OfWhichNotEvenAPartIsNeededIsNotAskedAgain) {
+  Standing s({}, {"presliding_friction"}, kRubs);
+  EXPECT_TRUE(simplify(s.state));
+  EXPECT_TRUE(s.names().empty());
+  EXPECT_EQ(s.state.given_up, std::vector{s.c.of("presliding_friction")});
+}
+
+TEST(Search, NeverHasTheSameNamesTwice) {
+  Standing s({kRubbing}, {"coulomb_friction"}, kRubs);
+  const Alternative again{s.c.of("coulomb_friction"), s.state.found.final,
+                          s.state.found.final_heldout};
+  s.state.drop(0, s.state.without(0));
+  EXPECT_EQ(refused_by(s.state, again), "stood beside the same names before");
+  Alternative other = again;
+  other.candidate = other.fit.model.effects[0].candidate = s.c.of("presliding_friction");
+  EXPECT_EQ(s.state.been.count(names_of(other.fit.model)), 0U);
 }
 
 TEST(Simplify, FrictionThatBendsStays) {
