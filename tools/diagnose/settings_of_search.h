@@ -11,7 +11,6 @@ struct FittingSettings {
   int iterations = 7;
   int first_iterations = 3;
   double polish_share = 0.3;
-  double overpromised = 3.0;
   double linear_reach = 4.0;
   double converged = 0.001;
   double inside_bound = 0.05;
@@ -42,8 +41,6 @@ struct FittingSettings {
     field("iterations", iterations, "steps", 1, 1000, "Gauss-Newton steps; most fits stop after 4");
     field("first_iterations", first_iterations, "steps", 1, 1000,
           "after these a rival far behind the best is not polished further");
-    field("overpromised", overpromised, "factor", 1.0, 1000.0,
-          "times what its derivatives promise: a rival that would still be far behind is given up");
     field("polish_share", polish_share, "share", 0.01, 10.0,
           "far behind: by this share of what the best rival removes");
     field("linear_reach", linear_reach, "factor", 0.5, 100.0,

@@ -246,10 +246,6 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  const Screening& screening, const std::vector<Alternative>& known,
                                  double beside) {
   std::vector<Alternative> out(which.size());
-  const auto near_to = [&](double best) {
-    return best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);
-  };
-  const double wanted = std::isfinite(beside) ? near_to(beside) : INFINITY;
   const Surroundings some = some_shots(around, base);
   parallel_for(which.size(), [&](std::size_t i) {
     Alternative& a = out[i];
@@ -268,15 +264,16 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
       const Surroundings& where = is_event((*around.library)[a.candidate]) ? around : some;
       start = best_start(where, base, a.candidate, screening.best(a.candidate));
     }
-    a.fit = fit(around, start, around.settings().fitting.first_iterations, wanted);
+    a.fit = fit(around, start, around.settings().fitting.first_iterations);
   });
   double best = beside;
   for (const Alternative& a : out) best = std::min(best, a.fit.objective);
-  const double near = near_to(best);
+  const double near =
+      best + around.settings().fitting.polish_share * std::max(0.0, base_objective - best);
   parallel_for(which.size(), [&](std::size_t i) {
     Alternative& a = out[i];
     const bool as_before = a.far_behind;
-    a.far_behind = a.fit.objective > near || a.fit.given_up;
+    a.far_behind = a.fit.objective > near;
     if (as_before && a.far_behind) return;
     // what was far behind where channels and shots were weighed otherwise
     if (as_before) a.fit = fit(around, a.fit.model, around.settings().fitting.first_iterations);

@@ -64,7 +64,6 @@ void SearchState::calibrate(const Screening& screening) {
 }
 
 void SearchState::relinearise() {
-  been.insert(names_of(found.final.model));
   problem = step_corrected(problem, library, found.final.model);
   found.around = make_surroundings(problem, library, found.final.model);
   found.around->set_shot_scale(
@@ -111,13 +110,6 @@ std::string SearchState::residual_against(const FitResult& without, const FitRes
   return refuted_by(incidence(*found.around, regimes, without, with), decisions());
 }
 
-std::vector<std::size_t> names_of(const Model& model) {
-  std::vector<std::size_t> out;
-  for (const Chosen& c : model.effects) out.push_back(c.candidate);
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 bool beyond_chance_of_many(const DecisionSettings& decisions, const HeldoutGain& gain) {
   const double asked = std::max(1, decisions.rivals + decisions.pairs);
   const double level = decisions.gain_level / kGainMeasures;
@@ -137,8 +129,6 @@ bool only_how_it_builds_up(const SearchState& state, const Alternative& a) {
 
 std::string refused_by(const SearchState& state, const Alternative& a) {
   const Selection& found = state.found;
-  // what made one of them leave would do so again
-  if (state.been.count(names_of(a.fit.model)) > 0) return "stood beside the same names before";
   const HeldoutGain gain =
       state.gain_of(a.fit.model.effects.back(), found.final_heldout, a.heldout);
   if (!beyond_chance_of_many(state.decisions(), gain))

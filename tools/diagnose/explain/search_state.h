@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -29,8 +28,8 @@ struct SearchState {
   Selection found;
   // lost commands that scatter alone speaks for: none of them could be pointed at
   std::optional<std::size_t> unpointed;
-  std::vector<std::size_t> given_up;        // candidates that their own residual contradicted
-  std::set<std::vector<std::size_t>> been;  // names_of() every model that the search has had
+  // candidates that their own residual contradicted, or of which not even a part was needed
+  std::vector<std::size_t> given_up;
 
   const DecisionSettings& decisions() const { return problem->settings.decisions; }
   const Candidate& candidate(std::size_t i) const { return library[i]; }
@@ -67,9 +66,6 @@ struct SearchState {
   /// The residual that what `with` adds to `without` should have changed and did not; empty: none.
   std::string residual_against(const FitResult& without, const FitResult& with) const;
 };
-
-/// Its candidates, in their order in the library.
-std::vector<std::size_t> names_of(const Model& model);
 
 /// A step asks as many candidates as are fitted, and the luckiest is accepted first: the level is
 /// theirs together (Bonferroni). The bootstrap's quantiles do not reach so far out; they are

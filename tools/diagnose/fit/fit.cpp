@@ -269,19 +269,10 @@ void take_step(const Surroundings& around, const Coordinates& c, const Normal& n
   if (!improved) at.converged = true;
 }
 
-/// What the derivatives promise, many times over, would leave the objective above `wanted`.
-bool out_of_reach(const Surroundings& around, const Coordinates& c, const Normal& normal,
-                  const Eigen::VectorXd& x, double wanted) {
-  const Eigen::VectorXd step = c.inside(x + step_inside(c, normal, x, 0.0)) - x;
-  const double promised = std::max(0.0, -step.dot(2.0 * normal.g + normal.H * step));
-  return normal.objective - around.settings().fitting.overpromised * promised > wanted;
-}
-
 /// Goes on from `from` with prediction error `error`; `out.J` holds its derivative already where
 /// `derived`.
 FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd from,
-                Eigen::VectorXd error, FitResult out, bool derived, int iterations,
-                double wanted = INFINITY) {
+                Eigen::VectorXd error, FitResult out, bool derived, int iterations) {
   out.parameters = c.effects();
   Point at{std::move(from), std::move(error)};
   Normal normal;
@@ -289,8 +280,6 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
     if (iteration > 0 || !derived) out.J = jacobian(around, c, at.x, at.r);
     normal = assemble(around, c, out.J, at.r, at.x);
     if (iteration >= iterations || at.converged) break;
-    out.given_up = iteration > 0 && out_of_reach(around, c, normal, at.x, wanted);
-    if (out.given_up) break;
     take_step(around, c, normal, at);
   }
   out.converged = at.converged;
@@ -313,11 +302,11 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
 
 }  // namespace
 
-FitResult fit(const Surroundings& around, const Model& start, int iterations, double wanted) {
+FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   const Coordinates c(around, start);
   const Eigen::VectorXd x = c.inside(c.of(start));
   return go_on(around, c, x, prediction_error(around.problem, *around.library, c.model(x)), {},
-               false, iterations, wanted);
+               false, iterations);
 }
 
 FitResult resume(const Surroundings& around, FitResult from, int iterations) {

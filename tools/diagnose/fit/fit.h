@@ -6,7 +6,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -48,14 +47,11 @@ struct FitResult {
   std::vector<char> fixed;     // by the same coordinates: held at a bound, or structural
   int parameters = 0;          // number of effect parameters = leading columns of J
   bool converged = false;
-  bool given_up = false;  // it would not have come down to what was wanted
 };
 
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and
-/// linearises. `wanted`: the fit is given up after a step where the objective would stay above
-/// this even if it fell by `overpromised` times what its derivatives promise.
-FitResult fit(const Surroundings& around, const Model& start, int iterations,
-              double wanted = INFINITY);
+/// linearises.
+FitResult fit(const Surroundings& around, const Model& start, int iterations);
 /// Goes on with a fit in the same surroundings, from its prediction error and derivatives.
 FitResult resume(const Surroundings& around, FitResult from, int iterations);
 

@@ -34,17 +34,6 @@ TEST(Simplify, OfWhichNotEvenAPartIsNeededIsNotAskedAgain) {
   EXPECT_EQ(s.state.given_up, std::vector{s.c.of("presliding_friction")});
 }
 
-TEST(Search, NeverHasTheSameNamesTwice) {
-  Standing s({kRubbing}, {"coulomb_friction"}, kRubs);
-  const Alternative again{s.c.of("coulomb_friction"), s.state.found.final,
-                          s.state.found.final_heldout};
-  s.state.drop(0, s.state.without(0));
-  EXPECT_EQ(refused_by(s.state, again), "stood beside the same names before");
-  Alternative other = again;
-  other.candidate = other.fit.model.effects[0].candidate = s.c.of("presliding_friction");
-  EXPECT_EQ(s.state.been.count(names_of(other.fit.model)), 0U);
-}
-
 TEST(Simplify, FrictionThatBendsStays) {
   const EffectEntry bends = hidden("presliding_friction", "a",
                                    {{"coulomb", 0.1}, {"compliance", 0.08}, {"damping", 0.05}});
