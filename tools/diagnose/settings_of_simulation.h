@@ -13,6 +13,7 @@ struct LibrarySettings {
   double current = 2.3;
   double length = 0.1;
   double reserve = 3.0;
+  double periods = 1.75;
   template <class Field>
   void visit(Field&& field) {
     field("torque", torque, "N m", 0.001, 10000.0,
@@ -23,6 +24,8 @@ struct LibrarySettings {
     field("length", length, "m", 0.001, 100.0, "from its joint to its link's centre of mass");
     field("reserve", reserve, "factor", 0.5, 100.0,
           "times the largest torque asked for: what a joint can do where no motor is stated");
+    field("periods", periods, "periods", 0.1, 100.0,
+          "of a ripple that its joint goes through, at least: fewer may be a part of any bend");
   }
 };
 

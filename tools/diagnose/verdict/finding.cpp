@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
 
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/gate/checks.h"
@@ -144,6 +146,7 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   f.parameters =
       parameters_of(*selection.around->problem, c, selection.final.model.effects[i].theta, entry);
   f.spans_null = spans_null(c, f.parameters);
+  f.unrepeated = unrepeated(*selection.around->problem, c, selection.final.model.effects[i].theta);
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
   f.regime = strongest_regime(f.incidence);
   f.one_of.push_back(c.effect);
@@ -154,6 +157,17 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
     f.rivals.push_back(std::move(rival));
   }
   return f;
+}
+
+/// Of the joint's positions in all recordings [rad; m].
+double range_of(const Comparison& comparison, std::size_t joint) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Source& s : comparison.sources) {
+    const auto [least, most] =
+        std::minmax_element(s.motion.q[joint].begin(), s.motion.q[joint].end());
+    low = std::min(low, *least), high = std::max(high, *most);
+  }
+  return high - low;
 }
 
 /// How far an interval lies from a value; 0: it contains it.
@@ -199,6 +213,8 @@ std::string stopped_at_bounds(const Finding& finding) {
 
 std::string reserve(const Finding& finding) {
   if (finding.spans_null) return "its interval contains the null";
+  if (finding.unrepeated)
+    return "its joint goes through too few periods to tell it from what bends over the angle";
   if (finding.terms.empty()) return stopped_at_bounds(finding);
   std::string text = "with";
   for (const std::string& t : finding.terms) text += " " + t;
@@ -209,7 +225,8 @@ std::string reserve(const Finding& finding) {
 }
 
 VerdictStatus status_of(const Finding& finding) {
-  if (!finding.terms.empty() || finding.spans_null) return VerdictStatus::present_unnamed;
+  if (!finding.terms.empty() || finding.spans_null || finding.unrepeated)
+    return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
   return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
                                             : VerdictStatus::present_unnamed;
@@ -244,6 +261,18 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
     asked = true;
   }
   return asked;
+}
+
+bool unrepeated(const Comparison& comparison, const Candidate& c,
+                const std::vector<double>& theta) {
+  const double phase = 2.0 * std::numbers::pi * comparison.settings.library.periods;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::order) continue;
+    for (const std::size_t j : c.joints) {
+      if (theta[i] * range_of(comparison, j) < phase) return true;
+    }
+  }
+  return false;
 }
 
 bool is_tolerated(const Finding& finding, const Candidate& candidate, const SimParams& nominal,

@@ -53,6 +53,9 @@ struct Finding {
   std::vector<std::string> terms;  // findings that are terms of one series with this one
   unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share
   bool spans_null = false;         // its interval contains what changes nothing
+  // a ripple over the angle of which its joint goes through less than LibrarySettings::periods:
+  // whatever bends over the angle would look so
+  bool unrepeated = false;
   // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing
   bool tolerated = false;
   std::vector<Rival> rivals;
@@ -63,8 +66,8 @@ struct Finding {
 /// there is of another size or another structure.
 std::string stopped_at_bounds(const Finding& finding);
 
-/// Why a finding is not confirmed: an interval that contains the null, a bound, or terms that
-/// together describe any torque of the angle; empty: nothing.
+/// Why a finding is not confirmed: an interval that contains the null, a ripple that was not seen
+/// to repeat, a bound, or terms that together describe any torque of the angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
 /// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names
@@ -92,6 +95,11 @@ unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree
 /// contain the null.
 bool spans_null(const Candidate& candidate,
                 const std::map<std::string, VerdictParameter>& parameters);
+
+/// Whether it is a ripple (Role::order) and at one of its joints order times the range of all
+/// recordings is less than LibrarySettings::periods.
+bool unrepeated(const Comparison& comparison, const Candidate& candidate,
+                const std::vector<double>& theta);
 
 /// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
 /// An amplitude is as small as the nearest point of its components' intervals: its phase is free,

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/support/small_world.h"
 #include "tools/diagnose/effects/effect.h"
 
@@ -46,6 +48,39 @@ TEST(SpansNull, ChanceIsJudgedByItsSize) {
       c, {{"share", {0.02, 0.01, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
   EXPECT_TRUE(spans_null(
       c, {{"share", {0.02, 0.0, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
+}
+
+/// Two recordings of two joints: together 2 rad at the first, 0.1 rad at the second.
+Comparison two_short_motions() {
+  Comparison c;
+  c.sources.resize(2);
+  c.sources[0].motion.q = {{-1.0, 0.0, 0.5}, {0.0, 0.1, 0.0}};
+  c.sources[1].motion.q = {{1.0, 0.5, 0.0}, {0.0, 0.0, 0.05}};
+  return c;
+}
+
+TEST(Unrepeated, IsARippleOfWhichTheRecordingsSeeTooFewPeriods) {
+  const Comparison c = two_short_motions();
+  Candidate ripple;
+  ripple.joints = {0};
+  ripple.parameters = {parameter("sine", 0.0), parameter("order", 2.0, true)};
+  ripple.parameters[1].role = Role::order;
+  const double least = std::numbers::pi * c.settings.library.periods;
+  EXPECT_TRUE(unrepeated(c, ripple, {0.1, 0.99 * least}));
+  EXPECT_FALSE(unrepeated(c, ripple, {0.1, 1.01 * least}));
+  ripple.joints = {0, 1};  // one number for both, and one of them hardly moves
+  EXPECT_TRUE(unrepeated(c, ripple, {0.1, 1.01 * least}));
+  ripple.parameters[1].role = Role::size;
+  EXPECT_FALSE(unrepeated(c, ripple, {0.1, 2.0}));
+}
+
+TEST(Unrepeated, IsNoName) {
+  Finding f;
+  f.effect = "cogging";
+  f.one_of = {"cogging", "joint_stop"};
+  f.unrepeated = true;
+  EXPECT_EQ(status_of(f), VerdictStatus::present_unnamed);
+  EXPECT_NE(reserve(f).find("too few periods"), std::string::npos);
 }
 
 Candidate at(const char* effect, std::size_t joint) {
