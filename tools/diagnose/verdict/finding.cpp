@@ -255,7 +255,8 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
   bool asked = false;
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
-    if (c.random ? i > 0 : p.structural) continue;
+    // where something begins is not how much of it there is
+    if (c.random ? i > 0 : p.structural || p.role == Role::position) continue;
     const VerdictParameter& v = parameters.at(p.name);
     if (v.low > p.null || v.high < p.null || v.at_bound) return false;
     asked = true;

@@ -50,6 +50,15 @@ TEST(SpansNull, ChanceIsJudgedByItsSize) {
       c, {{"share", {0.02, 0.0, 0.03, "-", false}}, {"seed", {1.0, 1.0, 1.0, "-", false}}}));
 }
 
+TEST(SpansNull, WhereAStopBeginsIsNotHowHardItIs) {
+  Candidate c;
+  c.parameters = {parameter("position", 0.0), parameter("stiffness", 0.0)};
+  c.parameters[0].role = Role::position;
+  const VerdictParameter place{0.9, 0.87, 0.93, "rad", false};
+  EXPECT_TRUE(spans_null(c, {{"position", place}, {"stiffness", {2.0, 0.0, 4.0, "-", false}}}));
+  EXPECT_FALSE(spans_null(c, {{"position", place}, {"stiffness", {2.0, 1.0, 3.0, "-", false}}}));
+}
+
 /// Two recordings of two joints: together 2 rad at the first, 0.1 rad at the second.
 Comparison two_short_motions() {
   Comparison c;
