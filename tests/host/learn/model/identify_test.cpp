@@ -9,12 +9,10 @@
 #include <random>
 
 #include "host/learn/model/pseudo_inertia.h"
-#include "shared/model/op3_step.h"
+#include "tests/host/learn/model/identify_windows.h"
 
 namespace sanso::learn {
 namespace {
-
-constexpr std::uint64_t kSeed = 11;
 
 TEST(PseudoInertia, RoundTripOfEveryLink) {
   const model::ModelParameters nominal = model::nominal_parameters();
@@ -92,80 +90,11 @@ TEST(CrossEntropy, NotANumberIsWorst) {
   EXPECT_LT(state.best_loss, 1.0);
 }
 
-// Windows of a robot that is the model with other parameters: standing with bent knees, targets
-// moving about that pose.
-std::vector<PredictionWindow> windows_of_world(const model::ModelParameters& truth, int count) {
-  const model::StepModel step_model = model::make_step_model(truth);
-  const model::Ground ground = model::make_plane();
-  model::Input pose;
-  // upright, base 0.245 m (ROBOTIS kinematics)
-  pose << 0, 0, 0.56, -1.13, -0.57, 0, 0, 0, -0.56, 1.13, 0.57, 0;
-  std::mt19937_64 rng(kSeed);
-  std::normal_distribution<double> normal;
-  std::vector<PredictionWindow> windows;
-  model::StepScratch scratch;
-  for (int w = 0; w < count; ++w) {
-    PredictionWindow window;
-    window.trial = static_cast<std::uint32_t>(w);
-    model::State x = model::neutral_state();
-    x[2] = 0.245;
-    x.segment<model::kNumJoints>(model::kXJoint) = pose;
-    for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJointRate + j] = 0.3 * normal(rng);
-    window.x[0] = x;
-    for (int k = 0; k < kPredictionSteps; ++k) {
-      for (int j = 0; j < model::kNumJoints; ++j) window.u[k][j] = pose[j] + 0.08 * normal(rng);
-      model::analytical_step(step_model, ground, x.data(), window.u[k].data(), 0.06, 1, x.data(),
-                             scratch);
-      window.x[k + 1] = x;
-    }
-    windows.push_back(window);
-  }
-  return windows;
-}
-
-model::Tangent state_weights() {
-  model::Tangent w = model::Tangent::Constant(3.0);
-  w.segment<3>(0) << 300, 300, 1000;
-  w.segment<3>(3) << 60, 60, 20;
-  w.segment<12>(24).setConstant(0.02);
-  return w;
-}
-
 TEST(NStepLoss, IsZeroForTheModelThatMadeTheData) {
   // not a multiple of the lanes
   const auto windows = windows_of_world(model::nominal_parameters(), 11);
   const auto model = model::make_step_model(model::nominal_parameters());
   EXPECT_LT(n_step_loss(windows, model, model::make_plane(), state_weights()), 1e-12);
-}
-
-double total_mass(const model::ModelParameters& theta) {
-  double sum = 0;
-  for (const auto& body : theta.body) sum += body.mass;
-  return sum;
-}
-
-TEST(Identify, RecoversStiffnessPerMassAndCentreOfMass) {
-  model::ModelParameters truth = model::nominal_parameters();
-  for (auto& servo : truth.servo) servo.stiffness *= 0.7;
-  truth.body[0].com[0] += 0.015;
-  const auto windows = windows_of_world(truth, 64);
-  const ParameterMap map(model::nominal_parameters());
-  IdentifySettings settings;
-  settings.search.generations = 30;
-  settings.prior_weight = 0.005;
-  const Identification found =
-      identify(windows, map, model::make_plane(), state_weights(), settings, kSeed);
-  EXPECT_LT(found.loss, 0.05 * found.loss_initial);
-  // Positions alone do not tell the scale of all forces together: stiffness is known relative to
-  // the robot's mass.
-  const double mass_ratio = total_mass(found.parameters) / total_mass(truth);
-  double stiffness_ratio = 0;
-  for (int j = 0; j < model::kNumJoints; ++j) {
-    stiffness_ratio +=
-        found.parameters.servo[j].stiffness / truth.servo[j].stiffness / model::kNumJoints;
-  }
-  EXPECT_NEAR(stiffness_ratio / mass_ratio, 1.0, 0.05);
-  EXPECT_NEAR(found.parameters.body[0].com[0], truth.body[0].com[0], 0.004);
 }
 
 TEST(Identify, ThreadsDoNotChangeTheResult) {
