@@ -4,11 +4,13 @@
 //   L(t) = sum over shots of k log(1 + e_s(t) / k)       k: median over shots of the lesser e_s
 //
 // first at the shots' own ends (two simulations in all), then by halves inside the shots there.
-// Interval: L(t) < L(best) + chance, no closer than a row.
+// Interval: L(t) < L(best) + chance and a row; where L crosses it lies between two instants looked
+// at, sqrt(L - L(best)) taken for straight there (a parabola's are).
 #include "tools/diagnose/explain/instants.h"
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,7 @@
 #include "tools/diagnose/compare/start_elimination.h"
 #include "tools/diagnose/explain/whole_time.h"
 #include "tools/diagnose/fit/fit.h"
+#include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -112,10 +115,17 @@ const std::pair<double, double>& least(const Curve& curve) {
 std::pair<double, double> piece_below(Curve curve, double level) {
   std::sort(curve.begin(), curve.end());
   const auto best = std::find(curve.begin(), curve.end(), least(curve));
+  const auto height = [&](double value) { return std::sqrt(std::max(0.0, value - best->second)); };
+  const auto crossing = [&](const auto& inside, const auto& outside) {
+    const double below = height(level) - height(inside.second),
+                 whole = height(outside.second) - height(inside.second);
+    return inside.first + (outside.first - inside.first) * below / whole;
+  };
   auto low = best, high = best;
   while (low != curve.begin() && std::prev(low)->second < level) --low;
   while (std::next(high) != curve.end() && std::next(high)->second < level) ++high;
-  return {low->first, high->first};
+  return {low == curve.begin() ? low->first : crossing(*low, *std::prev(low)),
+          std::next(high) == curve.end() ? high->first : crossing(*high, *std::next(high))};
 }
 
 /// Moves the k-th parameter of the i-th effect until it stands: a load that began too early was
@@ -141,7 +151,77 @@ void place_anew(SearchState& state, std::size_t i, std::size_t k) {
   }
 }
 
+/// d r / d instant [1/s], a column each; its coordinate in the fit, the seconds of one unit there.
+struct InstantColumns {
+  Eigen::MatrixXd columns;
+  std::vector<Eigen::Index> coordinate;
+  std::vector<double> typical;
+};
+
+InstantColumns derivatives_by_instants(const Surroundings& around, const FitResult& fit) {
+  const double row = longest_row(*around.problem);
+  InstantColumns out{Eigen::MatrixXd(fit.r.size(), 0), {}, {}};
+  Eigen::Index coordinate = 0;
+  for (std::size_t i = 0; i < fit.model.effects.size(); ++i) {
+    const Candidate& c = (*around.library)[fit.model.effects[i]];
+    for (std::size_t k = 0; k < c.parameters.size(); ++k, ++coordinate) {
+      const CandidateParameter& p = c.parameters[k];
+      const double at = fit.model.effects[i].theta[k];
+      if (!is_instant(p) || at_null(p, at)) continue;
+      const auto error_at = [&](double instant) {
+        Model there = fit.model;
+        there.effects[i].theta[k] = instant;
+        return prediction_error_near(around.problem, *around.library, there, fit.r, c.joints);
+      };
+      const double before = std::max(p.low, at - row), after = std::min(p.high, at + row);
+      if (after <= before) continue;
+      const Eigen::VectorXd by = (error_at(after) - error_at(before)) / (after - before);
+      if (by.isZero()) continue;
+      out.columns.conservativeResize(Eigen::NoChange, out.columns.cols() + 1);
+      out.columns.rightCols(1) = by;
+      out.coordinate.push_back(coordinate);
+      out.typical.push_back(p.typical);
+    }
+  }
+  return out;
+}
+
 }  // namespace
+
+bool is_instant(const CandidateParameter& p) {
+  return p.structural &&
+         (p.role == Role::event || p.role == Role::instant || p.role == Role::duration);
+}
+
+double longest_row(const Comparison& comparison) {
+  double out = 0.0;
+  for (const Source& s : comparison.sources)
+    out = std::max(out, gate::sampling_interval(s.drive.t));
+  return out;
+}
+
+Eigen::MatrixXd spread_of_instants(const Surroundings& around, const FitResult& fit,
+                                   double inflation) {
+  const Eigen::Index n = fit.J.cols();
+  const InstantColumns by = derivatives_by_instants(around, fit);
+  const auto m = static_cast<Eigen::Index>(by.coordinate.size());
+  if (m == 0) return Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd all(fit.J.rows(), n + m);
+  all << fit.J, by.columns;
+  const Eigen::VectorXd weights = around.weights(around.starts.energy_by_shot(fit.r));
+  const Eigen::MatrixXd gram = around.starts.gram(all, weights) / std::max(1.0, inflation);
+  Eigen::MatrixXd H = gram.topLeftCorner(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) H(i, i) += prior(around, fit.parameters, i);
+  const auto across = gram.topRightCorner(n, m);
+  Eigen::MatrixXd K = -H.ldlt().solve(across);
+  Eigen::MatrixXd precision = gram.bottomRightCorner(m, m) + across.transpose() * K;
+  precision.diagonal().array() += std::pow(around.settings().data.shot_seconds, -2.0);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    K.row(by.coordinate[i]).setZero();
+    K(by.coordinate[i], i) = 1.0 / by.typical[i];
+  }
+  return K * precision.ldlt().solve(K.transpose());
+}
 
 Instant best_instant(const Problem& everything, const Library& library, const Model& model,
                      std::size_t effect, std::size_t parameter) {

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "tools/diagnose/explain/instants.h"
@@ -85,8 +86,12 @@ bool settle(SearchState& state) {
 /// Intervals of the final model, and every effect's gain with all others in place.
 void finish(SearchState& state) {
   Selection& found = state.found;
-  if (!found.accepted.empty())
-    found.final.covariance = robust_covariance(*found.around, found.final, left_over(state));
+  Eigen::MatrixXd by_instants;
+  if (!found.accepted.empty()) {
+    const double inflation = left_over(state);
+    by_instants = spread_of_instants(*found.around, found.final, inflation);
+    found.final.covariance = robust_covariance(*found.around, found.final, inflation) + by_instants;
+  }
   for (Accepted& entry : found.accepted) {
     if (entry.candidate == state.unpointed)
       entry.contradicted = "no lost command could be pointed at, scatter alone speaks for them";
@@ -97,7 +102,10 @@ void finish(SearchState& state) {
     Accepted& entry = found.accepted[i];
     const std::size_t count = state.accepted(i).parameters.size();
     for (std::size_t k = 0; k < count; ++k, ++next) {
-      entry.sigma.push_back(sigma[next]);
+      const CandidateParameter& p = state.accepted(i).parameters[k];
+      const auto at = static_cast<Eigen::Index>(next);
+      entry.sigma.push_back(p.structural ? p.typical * std::sqrt(by_instants(at, at))
+                                         : sigma[next]);
       entry.at_bound.push_back(found.final.fixed[next]);
     }
     entry.without = found.accepted.size() == 1 ? found.nominal : state.without(i);

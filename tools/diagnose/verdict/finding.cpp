@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "tools/diagnose/effects/effect.h"
-#include "tools/diagnose/gate/checks.h"
+#include "tools/diagnose/explain/instants.h"
 #include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
@@ -19,19 +19,6 @@ double deviation(const DecisionSettings& decisions, const CandidateParameter& p,
                  double sigma) {
   return std::hypot(sigma,
                     decisions.same_law * std::min(std::abs(value), std::abs(value - p.null)));
-}
-
-/// Searched, not fitted, and known to a row of the recordings.
-bool is_instant(const CandidateParameter& p) {
-  return p.structural &&
-         (p.role == Role::event || p.role == Role::instant || p.role == Role::duration);
-}
-
-double longest_row(const Comparison& comparison) {
-  double out = 0.0;
-  for (const Source& s : comparison.sources)
-    out = std::max(out, gate::sampling_interval(s.drive.t));
-  return out;
 }
 
 std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparison,
@@ -46,7 +33,10 @@ std::map<std::string, VerdictParameter> parameters_of(const Comparison& comparis
     if (c.random && i == 0) v.at_bound = theta[i] >= p.high * (1.0 - 1e-6);
     if (c.random && i == 0)
       v.low = std::max(p.low, entry.low), v.high = std::min(p.high, entry.high);
-    if (is_instant(p) && !at_null(p, theta[i])) v.low = theta[i] - row, v.high = theta[i] + row;
+    if (is_instant(p) && !at_null(p, theta[i])) {  // searched in steps of a row
+      const double half = row + kNormal95 * entry.sigma[i];
+      v.low = std::max(p.low, theta[i] - half), v.high = std::min(p.high, theta[i] + half);
+    }
     if (p.role == Role::instant && entry.began)
       v.low = std::min(theta[i], entry.began->first),
       v.high = std::max(theta[i], entry.began->second);
@@ -314,7 +304,8 @@ std::vector<Finding> accepted_so_far(const Library& library, const Selection& se
     Accepted entry;
     const Candidate& c = library[selection.accepted[i].candidate];
     for (std::size_t k = 0; k < c.parameters.size(); ++k, ++next) {
-      entry.sigma.push_back(next < sigma.size() ? sigma[next] : 0.0);
+      const bool fitted = next < sigma.size() && !c.parameters[k].structural;
+      entry.sigma.push_back(fitted ? sigma[next] : 0.0);
       entry.at_bound.push_back(next < selection.final.fixed.size() ? selection.final.fixed[next]
                                                                    : char{0});
     }

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
+
 #include "tests/support/noisy_world.h"
 #include "tools/diagnose/explain/whole_time.h"
 
@@ -85,6 +88,71 @@ TEST(PlaceInstants, PutsTheSearchToTheInstantThatAllOfTheTimeShows) {
   ASSERT_TRUE(found.accepted[0].began);
   EXPECT_LE(found.accepted[0].began->first, 5.31);
   EXPECT_GE(found.accepted[0].began->second, 5.31);
+}
+
+/// Four recordings of 8 s with a push of 2 N for 0.12 s, and a fit that has it.
+struct Pushed {
+  Pushed() {
+    ProblemOptions options;
+    options.instants = {kPush[kStart]};
+    options.struck = {0};
+    const ModelFolder world =
+        hiding(model, {hidden("external_push", "arm",
+                              {{"x", kPush[0]}, {"from", kPush[3]}, {"duration", kPush[4]}})});
+    problem = make_problem(
+        make_sources(model, recordings_of(world, 4, 8.0, 29), noise_of(model), Settings{}),
+        noise_of(model), options, Settings{});
+    library.candidates = place_library(*problem, {"external_push"}).candidates;
+    library.nuisances = make_nuisances(*problem);
+    around.emplace(make_surroundings(problem, library, thought(0.0)));
+    found = fit(*around, thought(0.0), 10);
+  }
+  Model thought(double longer) const {
+    Model m;
+    m.nuisance.assign(library.nuisances.size(), 0.0);
+    m.effects.push_back({0, kPush});
+    m.effects[0].theta[kDuration] += longer;
+    return m;
+  }
+
+  static constexpr int kStart = 3, kDuration = 4;
+  const ModelFolder model = pendulum(kNoisyServo);
+  const std::vector<double> kPush{2.0, 0.0, 0.0, 4.15, 0.12};
+  Problem problem;
+  Library library;
+  std::optional<Surroundings> around;
+  FitResult found;
+};
+
+TEST(SpreadOfInstants, SaysWhatTheErrorRisesByWhereAPushLastsLonger) {
+  const Pushed world;
+  const Eigen::MatrixXd spread = spread_of_instants(*world.around, world.found, 1.0);
+  // the beginning stands still below: variance of the duration given it
+  const Eigen::Matrix2d together = spread.block<2, 2>(Pushed::kStart, Pushed::kStart);
+  const double typical = world.library.candidates[0].parameters[Pushed::kDuration].typical;
+  const double deviation = typical / std::sqrt(together.inverse()(1, 1));
+  EXPECT_GT(deviation, 1e-4);
+  EXPECT_LT(deviation, 0.03);
+  const double longer = 0.02;
+  double rise = -world.found.objective;
+  for (const double sign : {-1.0, 1.0})
+    rise += 0.5 * fit(*world.around, world.thought(sign * longer), 10).objective;
+  EXPECT_NEAR(std::sqrt(rise), longer / deviation, 0.35 * longer / deviation);
+}
+
+TEST(SpreadOfInstants, AStrongerPushMayBeAShorterOne) {
+  const Pushed world;
+  const Eigen::MatrixXd spread = spread_of_instants(*world.around, world.found, 1.0);
+  EXPECT_LT(spread(0, Pushed::kDuration),
+            -0.9 * std::sqrt(spread(0, 0) * spread(Pushed::kDuration, Pushed::kDuration)));
+  const Eigen::MatrixXd crude = spread_of_instants(*world.around, world.found, 4.0);
+  EXPECT_NEAR(crude(0, 0), 4.0 * spread(0, 0), 0.1 * crude(0, 0));
+}
+
+TEST(SpreadOfInstants, OfWhatNoShotShowsIsNothing) {
+  Pushed world;
+  world.found.model.effects[0].theta[Pushed::kStart] = 100.0;  // after the last of them
+  EXPECT_TRUE(spread_of_instants(*world.around, world.found, 1.0).isZero());
 }
 
 }  // namespace
