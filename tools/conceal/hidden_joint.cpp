@@ -61,6 +61,11 @@ double encoder_angle(const JointTruth& j, double q) {
          j.encoder_cosine * std::cos(q);
 }
 
+double recorded_angle(const JointTruth& j, double q) {
+  return encoder_angle(j, q) + j.record_offset + j.record_sine * std::sin(q) +
+         j.record_cosine * std::cos(q);
+}
+
 void run_servo(const JointTruth& j, double goal, bool on, double link_angle, double period_s,
                JointMemory& m) {
   const double counts = std::round(encoder_angle(j, link_angle) / j.quantum);

@@ -58,6 +58,8 @@ struct JointTruth {
   int hold_cycles = 1;
   // sensor
   double offset = 0, encoder_sine = 0, encoder_cosine = 0, encoder_scale = 0, velocity_filter_s = 0;
+  // of the recording's own encoder, which the servo does not read
+  double record_offset = 0, record_sine = 0, record_cosine = 0;
   double quantum = 0.00153398078788564;
   // physics that the diagnosis's library has no name for
   double cubic_spring = 0;   // N m/rad^3
@@ -80,6 +82,8 @@ bool two_masses(const JointTruth& joint);
 
 /// What the encoder shows for a link angle, before its steps.
 double encoder_angle(const JointTruth& joint, double link_angle);
+/// What is recorded for that angle.
+double recorded_angle(const JointTruth& joint, double link_angle);
 
 /// Instant of the command that a servo acts on at time t, s. On average `command_delay_s` before t,
 /// whatever the mailbox.

@@ -210,7 +210,7 @@ void sense_joint(const JointTruth& joint, const Log& log, std::size_t j, std::si
     const double blend =
         joint.velocity_filter_s > 0 ? 1 - std::exp(-kControlPeriod_s / joint.velocity_filter_s) : 1;
     filtered += blend * (log.dq[j].at(t) - filtered);
-    q[row] = encoder_angle(joint, log.q[j].at(t));
+    q[row] = recorded_angle(joint, log.q[j].at(t));
     dq[row] = filtered;
     current[row] = log.current[j].at(t);
     duty[row] = log.duty[j].values[static_cast<std::size_t>(

@@ -77,7 +77,8 @@ SeverityMeter::SeverityMeter(const WorldTruth& without, std::vector<Experiment> 
   const std::size_t n = baseline.size() / 2;
   for (std::size_t c = 0; c < baseline.size(); ++c) {
     const double quantum = c < n ? without.joints[c].quantum : kRateQuantum;
-    Channel channel{quantum / std::sqrt(12.0), baseline[c], {}};
+    const double offset = c < n ? without.joints[c].record_offset : 0.0;
+    Channel channel{quantum / std::sqrt(12.0), offset, baseline[c], {}};
     extend(channel.nuisances, Column(baseline[c].size(), 1.0));
     channels_.push_back(std::move(channel));
   }
@@ -98,6 +99,9 @@ double SeverityMeter::ratio(const WorldTruth& with) const {
     for (const Column& nuisance : channel.nuisances) subtract(d, inner(d, nuisance), nuisance);
     const double rms = std::sqrt(inner(d, d) / static_cast<double>(d.size()));
     if (std::isfinite(rms)) loudest = std::max(loudest, rms / channel.noise);
+    if (c >= with.joints.size()) continue;
+    const double of_record = std::abs(with.joints[c].record_offset - channel.record_offset);
+    loudest = std::max(loudest, of_record / channel.noise);
   }
   return loudest;
 }

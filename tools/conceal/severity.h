@@ -10,7 +10,8 @@ namespace sanso::conceal {
 class SeverityMeter {
  public:
   /// Nuisances: one encoder offset, mass and length of the links, viscous and dry friction, one
-  /// lag; each channel refits them by itself.
+  /// lag; each channel refits them by itself. The offset is the servo's too: one of the record
+  /// alone is heard in full.
   SeverityMeter(const WorldTruth& without, std::vector<Experiment> experiments, std::uint64_t seed);
 
   /// Ratio of a world that has the effects; 0 = nothing to see.
@@ -19,6 +20,7 @@ class SeverityMeter {
  private:
   struct Channel {
     double noise;                                // standard deviation of one sample
+    double record_offset;                        // positions: of the world without effects
     std::vector<double> baseline;                // over all experiments
     std::vector<std::vector<double>> nuisances;  // orthonormal
   };

@@ -182,6 +182,11 @@ TEST(Severity, NuisancesAloneAreQuiet) {
   heavier.robot.links[0].mass *= 1.03;
   for (double& i : heavier.robot.links[0].inertia) i *= 1.03;
   EXPECT_LT(meter.ratio(heavier), 0.3);
+  // a zero of the servo's is one of them, one of the record alone is not
+  WorldTruth zero = world, record = world;
+  zero.joints[0].offset = record.joints[0].record_offset = 0.002;
+  EXPECT_LT(meter.ratio(zero), 1.5);
+  EXPECT_NEAR(meter.ratio(record), 0.002 / (world.joints[0].quantum / std::sqrt(12.0)), 1e-6);
 }
 
 TEST(Hideables, AreCalledAsTheLibraryCallsThem) {

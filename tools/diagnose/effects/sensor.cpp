@@ -11,14 +11,18 @@ Effect imu(Effect effect) {
   return of_chapter({Family::sensor, Port::sensor, Scope::robot, kR2 | kR6}, std::move(effect));
 }
 
+/// Of a parameter `of_record`, which is 0 or 1.
+bool of_record(double parameter) { return parameter > 0.5; }
+
 Effect encoder_offset() {
   return encoder({
       .id = "encoder_offset",
       .code = "S1",
       .name = "encoder offset",
-      .form = "reading + offset",
-      .parameters = {{"offset", "rad", 0, -0.3, 0.3, 0.02, Unit::angle}},
-      .probes = {{0.02}},
+      .form = "reading + offset (of_record: in the recording alone, the servo reads its own)",
+      .parameters = {{"offset", "rad", 0, -0.3, 0.3, 0.02, Unit::angle},
+                     {"of_record", "-", 0, 0, 1, 1, Unit::none, true}},
+      .probes = {{0.02, 0}, {0.02, 1}},
       .cluster = "E",
       .confounders = {"link_com", "ground_slope", "imu_misalignment", "cable_spring"},
       .regimes = {"standstill", "high load"},
@@ -28,12 +32,15 @@ Effect encoder_offset() {
       .tolerances = {{.name = "zero",
                       .order = 8,
                       .deviation = &ToleranceSettings::zero,
-                      .direction = everywhere({1.0}),
+                      .direction = everywhere({1.0, 0.0}),
                       .sliding = 0.1}},
       .effort = {.kind = EffortKind::zero,
                  .tolerance = EffortTolerance{3, &ToleranceSettings::zero, where_it_turns}},
       .drive = DriveQuestion{JointFigure::zero, true},
-      .apply = adds(&JointParams::encoder_offset),
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            (of_record(x[1]) ? joint(p, j).record_offset : joint(p, j).encoder_offset) += x[0];
+          },
   });
 }
 
@@ -42,11 +49,17 @@ Effect encoder_nonlinearity() {
       .id = "encoder_nonlinearity",
       .code = "S2",
       .name = "encoder nonlinearity or scale",
-      .form = "(1 + scale) q + sine sin(q) + cosine cos(q)",
+      .form = "(1 + scale) q + sine sin(q) + cosine cos(q) (of_record: in the recording alone)",
       .parameters = {{"sine", "rad", 0, -0.1, 0.1, 0.005, Unit::angle},
                      {"cosine", "rad", 0, -0.1, 0.1, 0.005, Unit::angle},
-                     {"scale", "-", 0, -0.05, 0.05, 0.01}},
-      .probes = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.02}},
+                     {"scale", "-", 0, -0.05, 0.05, 0.01},
+                     {"of_record", "-", 0, 0, 1, 1, Unit::none, true}},
+      .probes = {{0.01, 0, 0, 0},
+                 {0, 0.01, 0, 0},
+                 {0, 0, 0.02, 0},
+                 {0.01, 0, 0, 1},
+                 {0, 0.01, 0, 1},
+                 {0, 0, 0.02, 1}},
       .confounders = {"gear_kinematic_error", "link_geometry"},
       .contains = {"encoder_offset"},
       .regimes = {"standstill", "low speed"},
@@ -56,8 +69,11 @@ Effect encoder_nonlinearity() {
       .law = {&ToleranceSettings::zero, {0, 1}, {}, where_it_turns},
       .apply =
           [](SimParams& p, int j, Theta x) {
-            if (x[0] != 0.0 || x[1] != 0.0) joint(p, j).encoder_error = {x[0], x[1], 1.0};
-            joint(p, j).encoder_scale += x[2];
+            JointParams& to = joint(p, j);
+            const bool record = of_record(x[3]);
+            if (x[0] != 0.0 || x[1] != 0.0)
+              (record ? to.record_error : to.encoder_error) = {x[0], x[1], 1.0};
+            (record ? to.record_scale : to.encoder_scale) += x[2];
           },
   });
 }

@@ -240,7 +240,7 @@ class Integrator {
       const T link_velocity = has_two_masses(joint) ? dq_mid_[k] : state.dq[k];
       const ServoInputOf<T> input{commands[k],
                                   h,
-                                  encoder_reading(joint, side),
+                                  servo_reading(joint, side),
                                   at_motor ? motor_velocity : link_velocity,
                                   motor_velocity,
                                   supply,

@@ -32,11 +32,17 @@ inline T ripple_slope(const Ripple& r, T x) {
   return r.order * (r.sine * cosine - r.cosine * sine);
 }
 
-/// Encoder reading for a position of the side it sits on.
+/// What the servo's loop reads for a position of the side its encoder sits on.
 template <class T>
-inline T encoder_reading(const JointParams& joint, T x) {
+inline T servo_reading(const JointParams& joint, T x) {
   return (1.0 + joint.encoder_scale) * x + ripple_at(joint.encoder_error, x) -
          ripple_at(joint.gear_error, x) + joint.encoder_offset;
+}
+/// What the recording holds for that position.
+template <class T>
+inline T encoder_reading(const JointParams& joint, T x) {
+  return servo_reading(joint, x) + joint.record_scale * x + ripple_at(joint.record_error, x) +
+         joint.record_offset;
 }
 
 /// Velocity and acceleration limits of the goal, as a servo with an internal profile follows it.

@@ -97,10 +97,14 @@ struct JointParams {
   double stop_stiffness = 0.0, stop_position = kNone, stop_side = 1.0;
   // its damping over sqrt(stiffness inertia): what of an impact it swallows
   double stop_loss = 0.0;
-  // sensor
-  double encoder_offset = 0.0;   // rad
-  Ripple encoder_error;          // rad over q
-  double encoder_scale = 0.0;    // relative
+  // sensor: what the servo and the recording read
+  double encoder_offset = 0.0;  // rad
+  Ripple encoder_error;         // rad over q
+  double encoder_scale = 0.0;   // relative
+  // of the recording alone: it has an encoder of its own, or writes the servo's reading otherwise
+  double record_offset = 0.0;
+  Ripple record_error;
+  double record_scale = 0.0;
   double velocity_filter = 0.0;  // s, first order, on the dq channel only
 
   bool operator==(const JointParams&) const = default;

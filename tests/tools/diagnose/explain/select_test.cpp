@@ -52,6 +52,25 @@ TEST(Select, KeepsNothingOfARobotWithinItsTolerances) {
   EXPECT_TRUE(s.selection.accepted.empty()) << s.names();
 }
 
+TEST(Select, TellsAZeroOfTheRecordFromOneOfTheServo) {
+  for (const double of_record : {0.0, 1.0}) {
+    const double offset = of_record > 0.0 ? -0.01 : 0.08;  // of the servo it only moves gravity
+    const Searched s(compared(
+        pendulum(kNoisyServo),
+        {hidden("link_com", "arm", {{"x", 0.012}}),
+         hidden("encoder_offset", "a", {{"offset", offset}, {"of_record", of_record}})},
+        {"encoder_offset", "link_com", "cable_spring", "coulomb_friction", "tether"}, 5, 3));
+    const auto zero = std::find_if(
+        s.selection.final.model.effects.begin(), s.selection.final.model.effects.end(),
+        [&](const Chosen& e) { return s.c.library[e.candidate].effect == "encoder_offset"; });
+    ASSERT_NE(zero, s.selection.final.model.effects.end()) << of_record << ": " << s.names();
+    EXPECT_EQ(zero->theta[1], of_record) << s.names();
+    if (of_record > 0.0) {
+      EXPECT_NEAR(zero->theta[0], offset, 0.001);
+    }
+  }
+}
+
 TEST(Select, NamesWhatWasHiddenAtTheJointWhereItWas) {
   for (const std::string joint : {"a", "b"}) {
     const Searched s(compared(two_links(kNoisyServo),

@@ -33,11 +33,13 @@ void load_friction(SimParams& p) { p.joints[0].load_friction = 0.1; }
 void spring(SimParams& p) { p.joints[0].spring = 0.3; }
 void gain(SimParams& p) { p.joints[0].p_scale = 1.2; }
 void encoder(SimParams& p) { p.joints[0].encoder_offset = 0.01; }
+void record(SimParams& p) { p.joints[0].record_offset = 0.01; }
 
 TEST(Memory, SlipAndRestFollowTheMotionAlone) {
   for (const Change c : {mass, viscous, coulomb, load_friction, spring})
     EXPECT_TRUE(alike(slips, c));
-  EXPECT_FALSE(alike(slips, encoder)) << "the motion is what the encoder shows";
+  for (const Change c : {encoder, record})
+    EXPECT_FALSE(alike(slips, c)) << "the motion is what the encoder shows";
 }
 
 TEST(Memory, BristlesBendToDryFriction) {
