@@ -106,8 +106,8 @@ bool was_lost(const Alternative& a, const std::vector<Alternative>& singles) {
   });
 }
 
-/// `single`: one of them alone, where its own fit was lost and it stands by itself after all.
-/// Whether the other is missing too is asked of the step after.
+/// `single`: one of them alone, where its own fit was lost and it stands by itself after all, with
+/// or without need of the other: whether that is missing too is asked of the step after.
 std::string refused_by(const SearchState& state, const FittedPair& f,
                        const std::vector<Alternative>& singles,
                        std::optional<Alternative>& single) {
@@ -121,10 +121,16 @@ std::string refused_by(const SearchState& state, const FittedPair& f,
     return residual;
   for (const std::size_t i : {last - 1, last}) {
     Alternative other = alone(state, f, i);
-    if (std::string why = refused_at(state, f, i, other); !why.empty()) return why;
+    const std::string why = refused_at(state, f, i, other);
+    const bool found_again = was_lost(other, singles) && stands(state, other);
+    if (!why.empty()) {
+      single.reset();
+      if (found_again) single = std::move(other);
+      return why;
+    }
     const bool better = !single || bounded_energy(other.heldout, typical_energy(f.heldout)) <
                                        bounded_energy(single->heldout, typical_energy(f.heldout));
-    if (better && was_lost(other, singles) && stands(state, other)) single = std::move(other);
+    if (better && found_again) single = std::move(other);
   }
   return "";
 }
@@ -172,7 +178,7 @@ bool accept_pair(SearchState& state, int step, const Screening& screening,
         100 * gain.energy.lower / state.whole(), 100 * gain.bounded.total / gain.whole,
         100 * gain.bounded.lower / gain.whole,
         refused.empty() ? ", accepted" : ", refused: " + refused));
-    if (!refused.empty()) continue;
+    if (!refused.empty() && !single) continue;
     if (single)
       accept_single(state, f, std::move(*single));
     else
