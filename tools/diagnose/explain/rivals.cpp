@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/effects/dry_friction.h"
@@ -121,6 +122,17 @@ bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, 
   return false;
 }
 
+/// Of the joint's positions in all recordings [rad; m].
+double range_of(const Comparison& comparison, std::size_t joint) {
+  double low = INFINITY, high = -low;
+  for (const Source& s : comparison.sources) {
+    const auto [least, most] =
+        std::minmax_element(s.motion.q[joint].begin(), s.motion.q[joint].end());
+    low = std::min(low, *least), high = std::max(high, *most);
+  }
+  return high - low;
+}
+
 }  // namespace
 
 bool says_no_more(const Comparison& comparison, const Library& library, const Model& model,
@@ -137,6 +149,18 @@ bool says_no_more(const Comparison& comparison, const Library& library, const Mo
 
 bool says_no_more(const Comparison& comparison, const Library& library, const Alternative& a) {
   return says_no_more(comparison, library, a.fit.model, a.candidate);
+}
+
+bool unrepeated(const Comparison& comparison, const Candidate& c,
+                const std::vector<double>& theta) {
+  const double phase = 2.0 * std::numbers::pi * comparison.settings.library.periods;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+    if (c.parameters[i].role != Role::order) continue;
+    for (const std::size_t j : c.joints) {
+      if (theta[i] * range_of(comparison, j) < phase) return true;
+    }
+  }
+  return false;
 }
 
 bool contains(const Candidate& larger, const Candidate& simple) {

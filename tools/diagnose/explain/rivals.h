@@ -33,6 +33,10 @@ bool says_no_more(const Comparison& comparison, const Library& library, const Al
 /// `larger` says no more, and `simple` is what it contains.
 bool says_as_much(const Comparison& comparison, const Library& library, std::size_t simple,
                   const Alternative& larger);
+/// It is a ripple (Role::order), and at one of its joints order times the range of all recordings
+/// is less than LibrarySettings::periods: it may be a part of what bends over the angle.
+bool unrepeated(const Comparison& comparison, const Candidate& candidate,
+                const std::vector<double>& theta);
 /// At the same place, and for some of its parameters what `simple` is.
 bool contains(const Candidate& larger, const Candidate& simple);
 

@@ -13,14 +13,23 @@
 namespace sanso::diagnose {
 namespace {
 
-/// The best of those tried is another effect, and no gate speaks against it. It predicts better, or
-/// says as much with less.
+/// It stands for want of a name: whatever predicts as well with fewer numbers may be one (rank).
+bool not_seen_to_repeat(const SearchState& state, const Alternative& a) {
+  const std::vector<Chosen>& effects = a.fit.model.effects;
+  return std::any_of(effects.begin(), effects.end(), [&](const Chosen& e) {
+    return e.candidate == a.candidate && unrepeated(*state.problem, state.library[e], e.theta);
+  });
+}
+
+/// The best of those tried is another effect, and no gate speaks against it. It predicts better,
+/// says as much with less, or as much as a ripple that nobody saw repeat.
 bool better(const SearchState& state, const std::vector<Alternative>& tried,
             const Alternative& self) {
   const Alternative& best = tried.front();
   return best.candidate != self.candidate && !best.far_behind && !at_bound(state.library, best) &&
          leaves_null(state.decisions(), state.library, best) &&
          (says_as_much(*state.problem, state.library, best.candidate, self) ||
+          not_seen_to_repeat(state, self) ||
           (compare(*state.problem, self.heldout, best.heldout).bounded.total > kNoiseUnit &&
            holds_on_conditions(state, best)));
 }

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
-#include <numbers>
 
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/instants.h"
@@ -149,17 +147,6 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   return f;
 }
 
-/// Of the joint's positions in all recordings [rad; m].
-double range_of(const Comparison& comparison, std::size_t joint) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const Source& s : comparison.sources) {
-    const auto [least, most] =
-        std::minmax_element(s.motion.q[joint].begin(), s.motion.q[joint].end());
-    low = std::min(low, *least), high = std::max(high, *most);
-  }
-  return high - low;
-}
-
 /// How far an interval lies from a value; 0: it contains it.
 double distance(const VerdictParameter& p, double from) {
   return std::max({0.0, p.low - from, from - p.high});
@@ -252,18 +239,6 @@ bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter
     asked = true;
   }
   return asked;
-}
-
-bool unrepeated(const Comparison& comparison, const Candidate& c,
-                const std::vector<double>& theta) {
-  const double phase = 2.0 * std::numbers::pi * comparison.settings.library.periods;
-  for (std::size_t i = 0; i < c.parameters.size(); ++i) {
-    if (c.parameters[i].role != Role::order) continue;
-    for (const std::size_t j : c.joints) {
-      if (theta[i] * range_of(comparison, j) < phase) return true;
-    }
-  }
-  return false;
 }
 
 bool is_tolerated(const Finding& finding, const Candidate& candidate, const SimParams& nominal,

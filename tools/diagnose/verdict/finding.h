@@ -96,11 +96,6 @@ unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree
 bool spans_null(const Candidate& candidate,
                 const std::map<std::string, VerdictParameter>& parameters);
 
-/// Whether it is a ripple (Role::order) and at one of its joints order times the range of all
-/// recordings is less than LibrarySettings::periods.
-bool unrepeated(const Comparison& comparison, const Candidate& candidate,
-                const std::vector<double>& theta);
-
 /// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
 /// An amplitude is as small as the nearest point of its components' intervals: its phase is free,
 /// so that no component alone says how large it is.

@@ -7,6 +7,7 @@
 
 #include "tests/support/small_world.h"
 #include "tools/diagnose/effects/effect.h"
+#include "tools/diagnose/explain/rivals.h"
 
 namespace sanso::diagnose {
 namespace {
