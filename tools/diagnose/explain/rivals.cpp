@@ -15,6 +15,7 @@
 #include "tools/diagnose/effects/dry_friction.h"
 #include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/fit/start.h"
+#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -182,8 +183,14 @@ int free_parameters(const Candidate& c) {
       }));
 }
 
-bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical) {
-  return behind.certainty() > settings.standard_errors && behind.removed() > practical;
+double errors_ahead(const DecisionSettings& settings, std::size_t rivals) {
+  if (rivals < 2) return settings.standard_errors;
+  return normal_score(normal_tail(settings.standard_errors) / static_cast<double>(rivals));
+}
+
+bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical,
+            std::size_t rivals) {
+  return behind.certainty() > errors_ahead(settings, rivals) && behind.removed() > practical;
 }
 
 double practical_energy(const Comparison& comparison) {

@@ -20,9 +20,14 @@ struct Alternative {
   double similarity = 0.0;  // of its signature to the chosen one's
 };
 
-/// The best alternative predicts better than this one by more than `standard_errors` and by more
+/// Standard errors by which the best of several has to be ahead of one of its `rivals`. The best is
+/// partly the luckiest: that some rival as good is shut out is as rare as of one rival
+/// `standard_errors` make it (Bonferroni).
+double errors_ahead(const DecisionSettings& settings, std::size_t rivals);
+/// The best alternative predicts better than this one, of `rivals`, by more than chance and by more
 /// than what matters.
-bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical);
+bool beaten(const DecisionSettings& settings, const HeldoutGain& behind, double practical,
+            std::size_t rivals = 1);
 
 /// All that an effect of `model` says is said by what it contains: with it the joint's dry friction
 /// builds up over no more than ToleranceSettings::bend.

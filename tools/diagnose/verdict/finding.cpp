@@ -101,14 +101,15 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
 /// effect that says nothing wrong and predicts as well, and not the chosen one for some of its
 /// parameters. Two simulations that differ by less than
 /// what matters are the same prediction; but a rival that needs more numbers to predict worse
-/// beyond chance is no explanation beside a simpler one.
+/// beyond chance is no explanation beside a simpler one. Chance is that of all `rivals`.
 bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,
-             const Alternative& a, const Rival& rival) {
+             const Alternative& a, const Rival& rival, std::size_t rivals) {
   const DecisionSettings& decisions = selection.around->settings().decisions;
   const bool needs_more = free_parameters(library[a.candidate]) > free_parameters(chosen) &&
-                          a.behind.certainty() > decisions.standard_errors;
-  const bool level = !needs_more && !a.far_behind &&
-                     !beaten(decisions, a.behind, practical_energy(*selection.around->problem));
+                          a.behind.certainty() > errors_ahead(decisions, rivals);
+  const bool level =
+      !needs_more && !a.far_behind &&
+      !beaten(decisions, a.behind, practical_energy(*selection.around->problem), rivals);
   const bool other_place = rival.effect == chosen.effect;
   return level && rival.said_wrong.empty() && !contains(library[a.candidate], chosen) &&
          !other_place;
@@ -138,10 +139,14 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
   f.regime = strongest_regime(f.incidence);
   f.one_of.push_back(c.effect);
+  const auto rivals =
+      static_cast<std::size_t>(std::count_if(entry.alternatives.begin(), entry.alternatives.end(),
+                                             [](const Alternative& a) { return !a.far_behind; }));
   for (const Alternative& a : entry.alternatives) {
     Rival rival = rival_of(library, selection, regimes, entry, a);
     const bool listed = std::find(f.one_of.begin(), f.one_of.end(), rival.effect) != f.one_of.end();
-    if (!listed && as_good(library, selection, c, a, rival)) f.one_of.push_back(rival.effect);
+    if (!listed && as_good(library, selection, c, a, rival, rivals))
+      f.one_of.push_back(rival.effect);
     f.rivals.push_back(std::move(rival));
   }
   return f;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tests/support/standing_search.h"
+#include "tools/diagnose/stats/significance.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -287,6 +288,26 @@ TEST(Beaten, NeedsToBeSureAndToMatter) {
   EXPECT_TRUE(beaten(decisions, behind, 90.0)) << "nor does the other have to be";
   behind.energy.total = -100.0;
   EXPECT_FALSE(beaten(decisions, behind, 0.0)) << "who predicts better is not beaten";
+}
+
+TEST(Beaten, TheBestOfManyHasToBeFartherAhead) {
+  const DecisionSettings decisions;
+  EXPECT_EQ(errors_ahead(decisions, 1), decisions.standard_errors);
+  EXPECT_EQ(errors_ahead(decisions, 0), decisions.standard_errors);
+  double before = decisions.standard_errors;
+  for (const std::size_t rivals : {2u, 4u, 8u, 16u}) {
+    const double ahead = errors_ahead(decisions, rivals);
+    EXPECT_GT(ahead, before);
+    before = ahead;
+    // by chance, of so many that are as good one stands so far behind
+    EXPECT_NEAR(normal_tail(ahead) * static_cast<double>(rivals),
+                normal_tail(decisions.standard_errors), 1e-6);
+  }
+  HeldoutGain behind;
+  behind.energy = behind.bounded = {100.0, 40.0, 20.0};  // 2.45 deviations
+  EXPECT_TRUE(beaten(decisions, behind, 0.0));
+  EXPECT_TRUE(beaten(decisions, behind, 0.0, 2));
+  EXPECT_FALSE(beaten(decisions, behind, 0.0, 8));
 }
 
 TEST(Pair, OneWhoseOwnFitWasLostIsAcceptedByItself) {
