@@ -7,8 +7,6 @@
 
 namespace sanso::conceal {
 
-using plant::operator*;
-
 namespace {
 
 using Column = std::vector<double>;
@@ -48,7 +46,9 @@ std::vector<WorldTruth> nuisance_worlds(const WorldTruth& world) {
     link.mass *= 1.02;
     for (double& i : link.inertia) i *= 1.02;
   }
-  for (LinkSpec& link : worlds[1].robot.links) link.com = 1.02 * link.com;
+  for (LinkSpec& link : worlds[1].robot.links) {
+    for (double& x : link.com) x *= 1.02;
+  }
   for (JointTruth& joint : worlds[2].joints) joint.viscous *= 1.1;
   for (JointTruth& joint : worlds[3].joints) joint.coulomb *= 1.1;
   for (JointTruth& joint : worlds[4].joints) joint.command_delay_s += 0.001;

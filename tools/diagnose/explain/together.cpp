@@ -121,7 +121,7 @@ std::string refused_by(const SearchState& state, const FittedPair& f,
     return residual;
   for (const std::size_t i : {last - 1, last}) {
     Alternative other = alone(state, f, i);
-    const std::string why = refused_at(state, f, i, other);
+    std::string why = refused_at(state, f, i, other);
     const bool found_again = was_lost(other, singles) && stands(state, other);
     if (!why.empty()) {
       single.reset();

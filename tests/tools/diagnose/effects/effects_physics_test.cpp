@@ -260,7 +260,7 @@ TEST(EncoderOffset, OfTheRecordAloneLeavesTheServoItsOwn) {
   const ModelFolder model = test::pendulum(
       "actuator = \"position_pd\"\nkp = 3\nkd = 0.1\ntorque_limit = 0\narmature = 0.01\n");
   const Drive drive = make_test_drive(model, 4.0, 0.005, [](int, double) { return 0.8; });
-  const auto settled = [&](const char* effect, std::vector<double> theta) {
+  const auto settled = [&](const char* effect, const std::vector<double>& theta) {
     return simulate(with(model, effect, theta), drive, std::vector{whole(drive, {0.8}, {0})})[0]
         .q.back();
   };
