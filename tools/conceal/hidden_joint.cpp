@@ -62,8 +62,7 @@ double encoder_angle(const JointTruth& j, double q) {
 }
 
 double recorded_angle(const JointTruth& j, double q) {
-  return encoder_angle(j, q) + j.record_offset + j.record_sine * std::sin(q) +
-         j.record_cosine * std::cos(q);
+  return encoder_angle(j, q) + j.record_offset;
 }
 
 void run_servo(const JointTruth& j, double goal, bool on, double link_angle, double period_s,

@@ -58,8 +58,7 @@ struct JointTruth {
   int hold_cycles = 1;
   // sensor
   double offset = 0, encoder_sine = 0, encoder_cosine = 0, encoder_scale = 0, velocity_filter_s = 0;
-  // of the recording's own encoder, which the servo does not read
-  double record_offset = 0, record_sine = 0, record_cosine = 0;
+  double record_offset = 0;  // of the recording alone: the servo does not read it
   double quantum = 0.00153398078788564;
   // physics that the diagnosis's library has no name for
   double cubic_spring = 0;   // N m/rad^3

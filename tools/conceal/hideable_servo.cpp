@@ -117,12 +117,9 @@ std::vector<Hideable> clock_and_sensor_effects() {
       on_joint("encoder_nonlinearity", 0.01, 0.03,
                [](JointTruth& j, double s, Random& r) {
                  const double phase = r.uniform(0, 2 * plant::kPi);
-                 const double sine = s * std::sin(phase), cosine = s * std::cos(phase);
-                 const bool of_record = r.chance(0.5);
-                 (of_record ? j.record_sine : j.encoder_sine) = sine;
-                 (of_record ? j.record_cosine : j.encoder_cosine) = cosine;
-                 return Parameters{
-                     {"sine", sine}, {"cosine", cosine}, {"of_record", of_record ? 1.0 : 0.0}};
+                 j.encoder_sine = s * std::sin(phase);
+                 j.encoder_cosine = s * std::cos(phase);
+                 return Parameters{{"sine", j.encoder_sine}, {"cosine", j.encoder_cosine}};
                }),
       on_joint("velocity_filter", 0.015, 0.05,
                [](JointTruth& j, double s, Random&) {

@@ -53,10 +53,11 @@ void compare_parameters(const json& effect, const json& finding, Score& score) {
     if (truth != 0)
       score.relative_error[key] =
           std::abs(fitted.at("value").get<double>() - truth) / std::abs(truth);
-    if (fitted.contains("low") && fitted.at("low").is_number() && fitted.at("high").is_number()) {
-      score.covered[key] =
-          fitted.at("low").get<double>() <= truth && truth <= fitted.at("high").get<double>();
-    }
+    if (!fitted.contains("low") || !fitted.at("low").is_number() || !fitted.at("high").is_number())
+      continue;
+    const auto low = fitted.at("low").get<double>(), high = fitted.at("high").get<double>();
+    // a form or an order that was chosen is told without an interval
+    if (low < high) score.covered[key] = low <= truth && truth <= high;
   }
 }
 

@@ -11,9 +11,6 @@ Effect imu(Effect effect) {
   return of_chapter({Family::sensor, Port::sensor, Scope::robot, kR2 | kR6}, std::move(effect));
 }
 
-/// Of a parameter `of_record`, which is 0 or 1.
-bool of_record(double parameter) { return parameter > 0.5; }
-
 Effect encoder_offset() {
   return encoder({
       .id = "encoder_offset",
@@ -39,7 +36,8 @@ Effect encoder_offset() {
       .drive = DriveQuestion{JointFigure::zero, true},
       .apply =
           [](SimParams& p, int j, Theta x) {
-            (of_record(x[1]) ? joint(p, j).record_offset : joint(p, j).encoder_offset) += x[0];
+            const bool of_record = x[1] > 0.5;
+            (of_record ? joint(p, j).record_offset : joint(p, j).encoder_offset) += x[0];
           },
   });
 }
@@ -49,17 +47,11 @@ Effect encoder_nonlinearity() {
       .id = "encoder_nonlinearity",
       .code = "S2",
       .name = "encoder nonlinearity or scale",
-      .form = "(1 + scale) q + sine sin(q) + cosine cos(q) (of_record: in the recording alone)",
+      .form = "(1 + scale) q + sine sin(q) + cosine cos(q)",
       .parameters = {{"sine", "rad", 0, -0.1, 0.1, 0.005, Unit::angle},
                      {"cosine", "rad", 0, -0.1, 0.1, 0.005, Unit::angle},
-                     {"scale", "-", 0, -0.05, 0.05, 0.01},
-                     {"of_record", "-", 0, 0, 1, 1, Unit::none, true}},
-      .probes = {{0.01, 0, 0, 0},
-                 {0, 0.01, 0, 0},
-                 {0, 0, 0.02, 0},
-                 {0.01, 0, 0, 1},
-                 {0, 0.01, 0, 1},
-                 {0, 0, 0.02, 1}},
+                     {"scale", "-", 0, -0.05, 0.05, 0.01}},
+      .probes = {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.02}},
       .confounders = {"gear_kinematic_error", "link_geometry"},
       .contains = {"encoder_offset"},
       .regimes = {"standstill", "low speed"},
@@ -69,11 +61,8 @@ Effect encoder_nonlinearity() {
       .law = {&ToleranceSettings::zero, {0, 1}, {}, where_it_turns},
       .apply =
           [](SimParams& p, int j, Theta x) {
-            JointParams& to = joint(p, j);
-            const bool record = of_record(x[3]);
-            if (x[0] != 0.0 || x[1] != 0.0)
-              (record ? to.record_error : to.encoder_error) = {x[0], x[1], 1.0};
-            (record ? to.record_scale : to.encoder_scale) += x[2];
+            if (x[0] != 0.0 || x[1] != 0.0) joint(p, j).encoder_error = {x[0], x[1], 1.0};
+            joint(p, j).encoder_scale += x[2];
           },
   });
 }

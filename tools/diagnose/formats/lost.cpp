@@ -87,7 +87,7 @@ const Row kRows[] = {
     {0, "encoder offset, scale or ripple",
      [](const P& j) {
        return j.encoder_offset != 0.0 || j.encoder_scale != 0.0 || !j.encoder_error.zero() ||
-              j.record_offset != 0.0 || j.record_scale != 0.0 || !j.record_error.zero();
+              j.record_offset != 0.0;
      }},
     {0, "filter of the velocity channel", [](const P& j) { return j.velocity_filter != 0.0; }},
 };

@@ -71,14 +71,14 @@ double encoder_reading(const JointParams& joint, double x) {
 }
 
 double encoder_slope(const JointParams& joint, double x) {
-  return 1.0 + joint.encoder_scale + joint.record_scale + ripple_slope(joint.encoder_error, x) +
-         ripple_slope(joint.record_error, x) - ripple_slope(joint.gear_error, x);
+  return 1.0 + joint.encoder_scale + ripple_slope(joint.encoder_error, x) -
+         ripple_slope(joint.gear_error, x);
 }
 
 double position_for_reading(const JointParams& joint, double reading) {
-  const double scale = 1.0 + joint.encoder_scale + joint.record_scale;
+  const double scale = 1.0 + joint.encoder_scale;
   double x = (reading - joint.encoder_offset - joint.record_offset) / scale;
-  if (joint.encoder_error.zero() && joint.record_error.zero() && joint.gear_error.zero()) return x;
+  if (joint.encoder_error.zero() && joint.gear_error.zero()) return x;
   // contracts: slopes are small
   for (int k = 0; k < 8; ++k) x -= (encoder_reading(joint, x) - reading) / scale;
   return x;

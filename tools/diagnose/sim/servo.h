@@ -41,8 +41,7 @@ inline T servo_reading(const JointParams& joint, T x) {
 /// What the recording holds for that position.
 template <class T>
 inline T encoder_reading(const JointParams& joint, T x) {
-  return servo_reading(joint, x) + joint.record_scale * x + ripple_at(joint.record_error, x) +
-         joint.record_offset;
+  return servo_reading(joint, x) + joint.record_offset;
 }
 
 /// Velocity and acceleration limits of the goal, as a servo with an internal profile follows it.

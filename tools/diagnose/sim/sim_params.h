@@ -101,10 +101,8 @@ struct JointParams {
   double encoder_offset = 0.0;  // rad
   Ripple encoder_error;         // rad over q
   double encoder_scale = 0.0;   // relative
-  // of the recording alone: it has an encoder of its own, or writes the servo's reading otherwise
+  // rad, of the recording alone: its zero is not the servo's
   double record_offset = 0.0;
-  Ripple record_error;
-  double record_scale = 0.0;
   double velocity_filter = 0.0;  // s, first order, on the dq channel only
 
   bool operator==(const JointParams&) const = default;

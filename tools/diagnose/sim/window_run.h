@@ -193,7 +193,7 @@ class WindowRun {
                inner.velocity_channel);
     double q[kLanes], dq[kLanes], writes[kLanes];
     store(encoder_reading(joint, position), q);
-    store(velocity * (1.0 + joint.encoder_scale + joint.record_scale), dq);
+    store(velocity * (1.0 + joint.encoder_scale), dq);
     store(choose(now, T(1.0), T(0.0)), writes);
     double efforts[4][kLanes];
     const bool at_once = delay(k) == 0.0;

@@ -215,7 +215,7 @@ TEST(Encoder, ReadingAndPositionAreInverseAndTheSlopeIsTheSlope) {
   joint.encoder_offset = 0.07, joint.encoder_scale = -0.03;
   joint.encoder_error = {0.01, -0.02, 2.0};
   joint.gear_error = {0.003, 0.001, 5.0};
-  joint.record_offset = -0.02, joint.record_scale = 0.01, joint.record_error = {0.004, 0.002, 1.0};
+  joint.record_offset = -0.02;
   for (double q = -3.0; q <= 3.0; q += 0.25) {
     EXPECT_NEAR(position_for_reading(joint, encoder_reading(joint, q)), q, 1e-8);
     EXPECT_NEAR(encoder_slope(joint, q),
