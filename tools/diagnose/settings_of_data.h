@@ -27,6 +27,8 @@ struct GateSettings {
   double jump_quanta = 20.0;
   int held_changes = 20;
   double resting_share = 0.1;
+  double stale_step = 1.2;
+  double stale_beyond = 3.0;
   double clipped_deviations = 3.0;
   double clock_skew = 0.1;
   double clock_between = 0.02;
@@ -77,6 +79,10 @@ struct GateSettings {
           "of more than one count, to tell a held channel from one that moves slowly");
     field("resting_share", resting_share, "share", 0.001, 0.5,
           "of these at other distances: motion that rested; with more the channel is not held");
+    field("stale_step", stale_step, "row changes", 0.5, 100.0,
+          "caught up at once, in the median, behind rows written again: a rest ends slowly");
+    field("stale_beyond", stale_beyond, "factor", 1.0, 1000.0,
+          "beyond what coarse readings repeat together by chance");
     field("clipped_deviations", clipped_deviations, "deviations", 0.5, 100.0,
           "of the answer to other commands: further beyond a flat top, the command went on");
     field("clock_skew", clock_skew, "s", 0.01, 1.0,

@@ -209,7 +209,6 @@ Placement place_library(const Comparison& comparison, const std::vector<std::str
         std::all_of(effect.parameters.begin(), effect.parameters.end(),
                     [](const EffectParameter& p) { return p.scale == Unit::none; });
     for (const std::vector<std::size_t>& joints : scale_free ? of_any : of_one_scale) {
-      if (effect.random) continue;  // every joint scatters for itself
       const bool all = std::all_of(joints.begin(), joints.end(), [&](std::size_t j) {
         return std::find(able.begin(), able.end(), j) != able.end();
       });

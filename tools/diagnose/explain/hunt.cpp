@@ -7,6 +7,7 @@
 #include "tools/diagnose/explain/hunt.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "tools/diagnose/compare/parallel.h"
@@ -236,6 +237,70 @@ bool Hunt::lost_some(std::size_t joint) {
   if (2.0 * beyond_noise(joint, worst) <= stood) return true;
   state_ = before, mirrored_ = mirrored_before;
   return false;
+}
+
+/// Commands of the cycles without a reading, or of those `shift` rows later.
+std::vector<LostCommand> Hunt::unread(const std::vector<std::size_t>& joints, int shift) const {
+  std::vector<LostCommand> out;
+  for (std::size_t s = 0; s < problem_->sources.size(); ++s) {
+    const Drive& drive = problem_->sources[s].drive;
+    const auto read = [&drive](std::size_t row) {
+      return std::any_of(drive.joints.begin(), drive.joints.end(),
+                         [row](const JointData& j) { return std::isfinite(j.q[row]); });
+    };
+    for (const std::size_t j : joints) {
+      bool before = false;  // after a loss the same command once more is a new one
+      for (std::size_t row = 1; row < drive.rows(); ++row) {
+        const std::size_t sent = row - static_cast<std::size_t>(shift);
+        const bool lost = sent > 0 && sent < drive.rows() && !read(sent);
+        before = lost && (before || commands_.changes(s, j, row));
+        if (before) out.push_back({s, j, row});
+      }
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+bool Hunt::lost_with_readings(const std::vector<std::size_t>& joints) {
+  const double before = starts_.energy_by_shot(state_.r).sum();
+  Repaired best;
+  double least = before - price_.first;
+  for (const int shift : {0, -1, 1}) {
+    Repaired trial{unread(joints, shift), {}};
+    if (trial.lost.empty()) continue;
+    trial.r =
+        prediction_error_with_lost(problem_, library_, model_, state_.r, trial.lost, {}, joints);
+    const double energy = starts_.energy_by_shot(trial.r).sum();
+    if (energy < least) least = energy, best = std::move(trial);
+  }
+  if (best.lost.empty()) return false;
+  double stood = 0.0, left = 0.0;
+  for (const std::size_t joint : joints) {
+    const std::vector<std::size_t> shots = outstanding(joint);
+    stood += beyond_noise(joint, shots);
+    std::swap(state_, best);
+    left += beyond_noise(joint, shots);
+    std::swap(state_, best);
+  }
+  if (2.0 * left > stood) return false;
+  Unread found;
+  found.lost = static_cast<int>(best.lost.size());
+  for (std::size_t s = 0; s < problem_->sources.size(); ++s) {
+    for (std::size_t row = 1; row < problem_->sources[s].drive.rows(); ++row)
+      for (const std::size_t j : joints) found.commands += commands_.changes(s, j, row) ? 1 : 0;
+  }
+  found.made = starts_.energy_by_shot(best.r - state_.r).sum();
+  // e(theta) is a parabola through both, of the curvature of what they change
+  found.theta = 0.5 * (1.0 + (before - least) / found.made);
+  double runs = 0.0;
+  for (std::size_t i = 0; i < best.lost.size(); ++i)
+    runs += i == 0 || best.lost[i].row != best.lost[i - 1].row + 1 ? 1.0 : 0.0;
+  found.runs = static_cast<double>(best.lost.size()) / runs;
+  with_readings_ = found;
+  state_ = std::move(best);
+  best_gain_ = std::max(best_gain_, before - least);
+  return true;
 }
 
 void Hunt::take_all(std::size_t joint) { take(joint, outstanding(joint)); }

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "tools/diagnose/explain/commands.h"
@@ -36,6 +37,14 @@ struct Repaired {
   Eigen::VectorXd r;              // noise levels
 };
 
+/// Commands of cycles that were not read, taken for lost together.
+struct Unread {
+  int lost = 0, commands = 0;  // of those whose loss is noticed
+  double runs = 1.0;           // losses in a run
+  double theta = 0.0;          // share of their loss that the data want: whole ones want 1
+  double made = 0.0;           // energy of what they change
+};
+
 /// Squares of one joint's errors in a shot, noise levels: all of them, and those of noise alone.
 struct ShotEnergy {
   double all = 0.0, noise = 0.0;
@@ -50,6 +59,10 @@ class Hunt {
   /// not, none of them is kept. Rare bursts are a few shots, however many others there are that a
   /// tolerated model misses by a little.
   bool lost_some(std::size_t joint);
+  /// Whether the commands of those cycles in which nothing was read were lost too, at all of these
+  /// joints; if not, none of them is kept. A cycle has both: where they are many and far from each
+  /// other, no search from one to the next finds them.
+  bool lost_with_readings(const std::vector<std::size_t>& joints);
   /// Takes losses out of every shot of the joint whose error is more than noise.
   void take_all(std::size_t joint);
   /// What losses do on average was taken for a lag within tolerance: nuisances at their null.
@@ -65,6 +78,7 @@ class Hunt {
   const Library& library() const { return library_; }
   const Commands& commands() const { return commands_; }
   const StartElimination& starts() const { return starts_; }
+  const std::optional<Unread>& with_readings() const { return with_readings_; }
   const Price& price() const { return price_; }
   const Repaired& repaired() const { return state_; }
   const Eigen::VectorXd& error_before() const { return first_; }  // with nothing lost
@@ -90,6 +104,7 @@ class Hunt {
   void note_mirrored(const std::vector<Change>& tried);
   std::vector<Hunted> round(std::size_t joint, const std::vector<Hunted>& hunted,
                             std::vector<char>& moved);
+  std::vector<LostCommand> unread(const std::vector<std::size_t>& joints, int shift) const;
   std::size_t take(std::size_t joint, const std::vector<std::size_t>& shots);
 
   const Library& library_;
@@ -101,6 +116,7 @@ class Hunt {
   Repaired state_;
   const Eigen::VectorXd first_;
   double best_gain_ = 0.0;
+  std::optional<Unread> with_readings_;
   struct {
     double losses = 0.0, beyond = 0.0;  // gains
   } mirrored_;

@@ -88,14 +88,10 @@ Energy position_energy(const Comparison& comparison, const VectorXd& projected) 
   return out;
 }
 
-LossScore score_of(const Hunt& hunt, std::size_t candidate,
-                   const std::vector<std::size_t>& losing) {
-  const Library& library = hunt.library();
+/// What is told of losses by how each of them shows.
+void count_what_shows(const Hunt& hunt, const std::vector<std::size_t>& losing, LossScore& out) {
   const Problem& problem = hunt.problem();
-  LossScore out;
-  out.candidate = candidate;
-  out.lost = hunt.repaired().lost;
-  const Showing showing(hunt, library[candidate].joints);
+  const Showing showing(hunt, hunt.library()[out.candidate].joints);
   const auto [visible, hidden] = showing.count();
   out.seen = visible.lost;
   out.visible = visible.commands;
@@ -107,6 +103,33 @@ LossScore score_of(const Hunt& hunt, std::size_t candidate,
   out.blind = hidden.interval(1.0).low <= visible.interval(1.0).high &&
               showing.chance_of_spread() > problem->settings.decisions.family_wise;
   out.misfit = misfit(hunt, losing);
+}
+
+/// What is told of them where cycles without a reading say which they are: all of them show
+/// together, and each is counted.
+void count_unread(const Unread& unread, double wrong, LossScore& out) {
+  out.seen = unread.lost;
+  out.visible = unread.commands;
+  out.size = static_cast<double>(unread.lost) / std::max(1, unread.commands);
+  const Counted counted{unread.commands, unread.lost};
+  const Interval interval = counted.interval(unread.runs);
+  out.low = interval.low;
+  out.high = interval.high;
+  out.blind = true;
+  out.misfit = std::abs(unread.theta - 1.0) / std::hypot(1.0 / std::sqrt(unread.made), wrong);
+}
+
+LossScore score_of(const Hunt& hunt, std::size_t candidate,
+                   const std::vector<std::size_t>& losing) {
+  const Library& library = hunt.library();
+  const Problem& problem = hunt.problem();
+  LossScore out;
+  out.candidate = candidate;
+  out.lost = hunt.repaired().lost;
+  if (hunt.with_readings())
+    count_unread(*hunt.with_readings(), problem->settings.chance.loss_wrong, out);
+  else
+    count_what_shows(hunt, losing, out);
   out.p_family =
       std::min(1.0, problem->settings.decisions.family_wise * std::exp(-0.5 * hunt.best_gain()));
   out.mirrored = hunt.mirrored();
@@ -142,12 +165,18 @@ std::optional<LossScore> find_losses(const Surroundings& around, const FitResult
   }
   if (joints.empty()) return std::nullopt;
   Hunt hunt(around, final.model, joints);
+  if (hunt.lost_with_readings(joints)) losing = joints;
   for (const std::size_t joint : joints) {
-    if (hunt.lost_some(joint)) losing.push_back(joint);
+    if (losing.size() < joints.size() && hunt.lost_some(joint)) losing.push_back(joint);
   }
   if (losing.empty()) return std::nullopt;
   const std::optional<std::size_t> candidate = smallest_at(library, candidates, losing);
   if (!candidate) return std::nullopt;
+  if (hunt.with_readings()) {
+    hunt.forget_nuisances();
+    for (int pass = 0; pass < around.settings().chance.loss_refits; ++pass) hunt.refit();
+    return score_of(hunt, *candidate, losing);
+  }
   // what merely looks like holds shows in the worst shots already, and so do losses of which
   // no run would show: no need to look through the rest
   LossScore worst = score_of(hunt, *candidate, losing);

@@ -49,6 +49,9 @@ struct Anew {
   FitResult final;
 };
 
+/// Every joint scatters for itself; what is lost at all of them at once is found one by one.
+bool scatters(const Candidate& c) { return c.random && c.joints.size() < 2; }
+
 class Judge {
  public:
   Judge(const Surroundings& around, const FitResult& final, double least_energy, Random random)
@@ -61,7 +64,7 @@ class Judge {
         squares_(capped(*around.problem, pieces_, rough_.cwiseAbs2())) {
     const std::vector<Candidate>& all = around.library->candidates;
     const auto random_ones =
-        std::count_if(all.begin(), all.end(), [](const Candidate& c) { return c.random; });
+        std::count_if(all.begin(), all.end(), [](const Candidate& c) { return scatters(c); });
     draws_ =
         std::clamp(chance().all_draws / static_cast<int>(std::max<std::ptrdiff_t>(1, random_ones)),
                    chance().least_draws, chance().draws);
@@ -70,7 +73,7 @@ class Judge {
   std::vector<ScatterScore> all() {
     const std::vector<Candidate>& candidates = around_.library->candidates;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!candidates[i].random || final_.model.has(i)) continue;
+      if (!scatters(candidates[i]) || final_.model.has(i)) continue;
       ScatterScore s;
       s.candidate = i;
       expected_.push_back(scatter_of(around_, final_.model, s.candidate,

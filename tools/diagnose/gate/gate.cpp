@@ -11,6 +11,7 @@
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/gate/held.h"
 #include "tools/diagnose/gate/noise.h"
+#include "tools/diagnose/gate/stale.h"
 #include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
@@ -100,6 +101,13 @@ std::vector<std::string> legal_oddities(const GateRecording& r, const GateSettin
     if (glitches > 0)
       notes.push_back(fmt::format("{}: {} has {} single-sample glitches; they are left out", r.file,
                                   c.name, glitches));
+  }
+  const std::vector<char> stale = stale_rows(r, settings);
+  if (const auto lost = std::count(stale.begin(), stale.end(), 1); lost > 0) {
+    notes.push_back(fmt::format(
+        "{}: {} rows of {} repeat all readings of the row before though the motion went on (cycles "
+        "of the bus that were lost); what they read is left out",
+        r.file, lost, r.t.size()));
   }
   for (const HeldChannel& held : held_channels(r, settings)) {
     notes.push_back(fmt::format("{}: {} changes every {} rows only{}; one row of each is kept",

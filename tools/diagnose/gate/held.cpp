@@ -43,14 +43,14 @@ int rows_after(const std::vector<Change>& first, const std::vector<Change>& late
   return clear ? static_cast<int>(most - met.begin()) : 0;
 }
 
-bool measured_kind(const std::string& channel) {
+}  // namespace
+
+bool is_reading(const std::string& channel) {
   for (const char* kind : {"q:", "dq:", "tau:", "i:", "pwm:"}) {
     if (channel.rfind(kind, 0) == 0) return true;
   }
   return false;
 }
-
-}  // namespace
 
 int rows_between_refreshes(std::span<const double> x, const GateSettings& settings) {
   const std::vector<Change> changes = changes_of(x);
@@ -92,7 +92,7 @@ std::vector<HeldChannel> held_channels(const GateRecording& r, const GateSetting
   std::vector<HeldChannel> out;
   std::vector<std::vector<Change>> changes;
   for (const GateChannel& c : r.channels) {
-    if (!measured_kind(c.name)) continue;
+    if (!is_reading(c.name)) continue;
     const int rows = rows_between_refreshes(c.values, settings);
     if (rows < 2) continue;
     out.push_back({c.name, rows, 0, {}});

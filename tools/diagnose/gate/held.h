@@ -25,6 +25,9 @@ struct HeldChannel {
   std::string before;  // the held channel that changes first
 };
 
+/// What a cycle of the bus reads, by a channel's name: q, dq, tau, i or pwm.
+bool is_reading(const std::string& channel);
+
 /// The measured channels (q, dq, tau, i, pwm) of a recording that are held. Commands may be.
 std::vector<HeldChannel> held_channels(const GateRecording& r, const GateSettings& settings);
 

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "shared/files/hash.h"
 #include "tools/diagnose/gate/held.h"
 #include "tools/diagnose/gate/jumps.h"
+#include "tools/diagnose/gate/stale.h"
 #include "tools/recording/mcap_recording.h"
 #include "tools/recording/reading_error.h"
 
@@ -32,6 +34,18 @@ void keep_one_row_per_refresh(recording::Recording& recording, const GateSetting
     const auto c = std::find_if(recording.channels.begin(), recording.channels.end(),
                                 [&](const auto& other) { return other.name == held.channel; });
     c->values = one_row_per_refresh(c->values, held.rows);
+  }
+}
+
+/// What was read in rows that repeat the row before, though the motion went on, is none.
+void leave_out_stale_rows(recording::Recording& recording, const GateSettings& settings) {
+  const GateRecording view = gate_view(recording);
+  const std::vector<char> stale = stale_rows(view, settings);
+  if (stale.empty()) return;
+  for (recording::Channel& c : recording.channels) {
+    if (!is_reading(c.name)) continue;
+    for (std::size_t k = 0; k < stale.size(); ++k)
+      if (stale[k] != 0) c.values[k] = NAN;
   }
 }
 
@@ -137,7 +151,10 @@ LoadedRecordings load_recordings(const std::vector<std::string>& files,
   loaded.gate = std::move(report);
   loaded.hashes = data_hash(loaded.recordings);
   if (!loaded.gate.refused()) cut_at_jumps(loaded, joints, settings);
-  for (recording::Recording& r : loaded.recordings) keep_one_row_per_refresh(r, settings);
+  for (recording::Recording& r : loaded.recordings) {
+    leave_out_stale_rows(r, settings);
+    keep_one_row_per_refresh(r, settings);
+  }
   return loaded;
 }
 

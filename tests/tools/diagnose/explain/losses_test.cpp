@@ -14,12 +14,21 @@ namespace {
 
 using test::kNoise, test::record;
 
-/// What is found when the nominal model is all that was fitted. `lost`: of every recording.
+/// What is found when the nominal model is all that was fitted. `lost`, `unread`: of every
+/// recording, rows whose commands did not arrive, and in which nothing was read.
 std::optional<LossScore> found(const std::vector<EffectEntry>& effects,
-                               const std::vector<std::size_t>& lost, double noise = kNoise) {
+                               const std::vector<std::size_t>& lost, double noise = kNoise,
+                               const std::vector<std::size_t>& unread = {}) {
   std::vector<recording::Recording> recordings;
   recordings.reserve(3);
-  for (int i = 0; i < 3; ++i) recordings.push_back(record(effects, i, lost, noise));
+  for (int i = 0; i < 3; ++i) {
+    recordings.push_back(record(effects, i, lost, noise));
+    for (const char* name : {"q:a", "pwm:a"}) {
+      std::vector<double> x(recordings[i].find(name).begin(), recordings[i].find(name).end());
+      for (const std::size_t row : unread) x[row] = NAN;
+      recordings[i].set(name, x);
+    }
+  }
   const test::SmallComparison compared(test::pendulum(test::kServo), recordings,
                                        {{"q:a", 0.0, noise, {}}, {"pwm:a", 0.0, 1e-3, {}}},
                                        {"timing_jitter", "packet_loss"});
@@ -79,6 +88,31 @@ TEST(Losses, RareBurstsStandOutFromManySmallErrors) {
   EXPECT_LT(said->low, 0.016);
   EXPECT_GT(said->high, 0.016);
 }
+
+/// A quarter of all rows, in bursts.
+std::vector<std::size_t> quarter() {
+  std::vector<std::size_t> out;
+  Random random(7);
+  bool lost = false;
+  for (std::size_t row = 5; row < 990; ++row) {
+    lost = random.uniform() < (lost ? 0.7 : 0.1);
+    if (lost) out.push_back(row);
+  }
+  return out;
+}
+
+TEST(Losses, OfCyclesThatWereNotReadEitherAreCounted) {
+  const std::vector<std::size_t> lost = quarter();
+  const std::optional<LossScore> said = found({}, lost, kNoise, lost);
+  ASSERT_TRUE(said);
+  EXPECT_FALSE(said->unseen);
+  EXPECT_LT(said->misfit, 2.0);
+  EXPECT_LT(said->left_share, ChanceSettings{}.loss_left);
+  EXPECT_NEAR(said->size, static_cast<double>(lost.size()) / 1000.0, 0.02);
+  EXPECT_LT(said->high - said->low, 0.1);
+}
+
+TEST(Losses, OfReadingsAloneAreNone) { EXPECT_FALSE(found({}, {}, kNoise, quarter())); }
 
 TEST(Losses, AreWhatOneNameOfChanceMakes) {
   const test::SmallComparison compared(
