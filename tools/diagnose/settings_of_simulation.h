@@ -35,6 +35,7 @@ struct SimulationSettings {
   double tree_refresh = 0.01;
   double standing = 0.02;
   double motor_share = 0.02;
+  double leaning = 3.0;
   double own_inertia = 0.1;
   double thermal_resistance = 8.0;
   double thermal_time = 300.0;
@@ -54,6 +55,8 @@ struct SimulationSettings {
           "slower is rest, for friction that grows with it: a count of a 12-bit encoder in 75 ms");
     field("motor_share", motor_share, "share of the link's", 0.0001, 1.0,
           "inertia of a motor behind play, at least: where none is known");
+    field("leaning", leaning, "rad/s^2", 0.01, 1000.0,
+          "of a link across its play that no noise of a smoothed motion makes: it leans on teeth");
     field("own_inertia", own_inertia, "share", 0.001, 0.9,
           "of a body's inertia about its centre of mass that an effect must leave it");
     field("thermal_resistance", thermal_resistance, "K/W", 0.01, 1000.0,

@@ -144,10 +144,11 @@ class FollowRun {
       h[i] = lane.ended ? f_.max_step : lane.h;  // goes on unseen as long as others run
     }
     for (std::size_t n = 0; n < serves_.count; ++n) take_row(serves_.joint[n], t, h);
+    for (std::size_t n = 0; serves_.gears && n < f_.joint_count; ++n) accelerate(f_.simulated[n]);
     T from, span;
     load(t, from), load(h, span);
-    integrator_.follow(from, span, command_, end_, serves_.joint, serves_.count, serves_.gears,
-                       state_, torques_);
+    integrator_.follow(from, span, command_, end_, ddq_, serves_.joint, serves_.count,
+                       serves_.gears, state_, torques_);
     for (std::size_t i = 0; i < kLanes; ++i) {
       Lane& lane = lane_[i];
       if (lane.ended) continue;
@@ -184,6 +185,17 @@ class FollowRun {
     load(rate, command_[k].rate);
     load(off, is_off);
     command_[k].off = FlagOf<T>(is_off);
+  }
+
+  /// Joint k's acceleration between the rows around the step.
+  void accelerate(std::size_t k) {
+    double ddq[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const Lane& lane = lane_[i];
+      const double* dq = lane.recording->dq[k];
+      ddq[i] = lane.ended ? 0.0 : (dq[lane.row + 1] - dq[lane.row]) / (lane.steps * lane.h);
+    }
+    load(ddq, ddq_[k]);
   }
 
   /// Lanes at a row: their joints as they were measured there, on the link's side.
@@ -233,6 +245,7 @@ class FollowRun {
   StepTorquesOf<T> torques_{};
   CommandOf<T> command_[kMaxJoints];
   T end_[kMaxJoints];  // rad/s
+  T ddq_[kMaxJoints];  // rad/s^2
 };
 
 }  // namespace sanso::diagnose::SANSO_ISA

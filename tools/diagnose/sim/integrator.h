@@ -94,8 +94,10 @@ class Integrator {
   /// The same with prescribed motion: velocities reach dq_end; only inner states and torques are
   /// computed. The tree's inertia and bias are taken anew every `tree_refresh` only.
   /// `serves`: the joints whose servo and transmission are wanted; not `gears`: the servo alone.
-  void follow(T t, T h, const CommandOf<T>* commands, const T* dq_end, const std::size_t* serves,
-              std::size_t count, bool gears, RobotStateOf<T>& state, StepTorquesOf<T>& out) {
+  /// `ddq`: of all joints that are simulated, over the step.
+  void follow(T t, T h, const CommandOf<T>* commands, const T* dq_end, const T* ddq,
+              const std::size_t* serves, std::size_t count, bool gears, RobotStateOf<T>& state,
+              StepTorquesOf<T>& out) {
     if (gears) refresh_tree(t, h, state);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t k = serves[i];
@@ -117,6 +119,7 @@ class Integrator {
       }
     }
     finish(h, dq_end, serves, count, gears, state, out);
+    for (std::size_t i = 0; gears && i < count; ++i) press(serves[i], ddq, state.inner[serves[i]]);
   }
 
  private:
@@ -305,6 +308,26 @@ class Integrator {
         if (e - b == 1 || !any(moving)) break;
       }
     }
+  }
+
+  /// Across its play a link has no torque: one that moves, or hangs, as only a torque makes it
+  /// leans on the motor's teeth, whatever friction holds the motor.
+  void press(std::size_t k, const T* ddq, InnerStateOf<T>& inner) const {
+    const double half = 0.5 * f_.joints[k].backlash;
+    if (!(half > 0.0)) return;
+    T torque = bias_[k];
+    for (std::size_t n = 0; n < f_.branch_count; ++n) {
+      const std::size_t b = tree_.branch_begin(f_.branch[n]),
+                        e = tree_.branch_begin(f_.branch[n] + 1);
+      if (k < b || k >= e) continue;
+      for (std::size_t i = b; i < e; ++i) torque += M_[k * kMaxJoints + i] * ddq[i];
+    }
+    const T side = with_sign(T(1.0), torque);
+    const T least = settings_.leaning * M_[k * kMaxJoints + k];
+    const MaskOf<T> leans =
+        both(less(least, abs_of(torque)), less(side * inner.motor_offset, T(half)));
+    inner.motor_offset = choose(leans, side * half, inner.motor_offset);
+    inner.motor_speed_offset = choose(leans, T(0.0), inner.motor_speed_offset);
   }
 
   /// One joint's turn in a sweep of branch [b, e), in `moving` lanes: the change of its speed.

@@ -79,5 +79,31 @@ TEST(Follow, WhatIsRecalledOfALongTimeIsAllOfIt) {
   }
 }
 
+/// Where the motor is, seen from a link that rests at `posture` with play of 0.02 rad; friction
+/// holds the motor, whose servo asks for nothing.
+double motor_behind(double posture) {
+  const ModelFolder model =
+      test::pendulum("actuator = \"position_pd\"\nkp = 2\nkd = 0.1\ncoulomb = 5\n");
+  const Drive drive =
+      test::make_test_drive(model, 1.0, 0.01, [posture](int, double) { return posture; });
+  SimParams params = make_params(model);
+  params.joints[0].backlash = 0.02;
+  MeasuredMotion motion;
+  motion.q.assign(1, std::vector<double>(drive.rows(), posture));
+  motion.dq.assign(1, std::vector<double>(drive.rows(), 0.0));
+  const std::vector<Window> windows{{50, 60, {}, {}}};
+  const Followed one{&params, &drive, &motion, windows};
+  SimOptions options;
+  options.max_step_s = 0.002;
+  return follow({&one, 1}, options).front().front()[0].motor_offset;
+}
+
+TEST(Follow, ALinkThatHangsAcrossItsPlayLeansOnTheMotor) {
+  EXPECT_EQ(motor_behind(0.0), 0.0) << "straight down nothing presses it to either side";
+  EXPECT_NEAR(std::abs(motor_behind(1.0)), 0.01, 1e-4);
+  EXPECT_NEAR(motor_behind(1.0), -motor_behind(-1.0), 1e-9);
+  EXPECT_GT(motor_behind(1.0), 0.0) << "held up against gravity, which turns it back";
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
