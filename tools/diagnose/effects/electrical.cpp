@@ -52,11 +52,12 @@ Effect servo_d_gain() {
       .name = "D gain or output filter of the servo",
       .form =
           "-damping dq by the servo (on_error: damping (d goal/dt - dq)); first order `filter` on "
-          "its output",
+          "its output (of_rate: on that speed alone)",
       .parameters = {{"damping", "N m s/rad", 0, 0, 2, 0.1, Unit::viscous},
                      {"filter", "s", 0, 0, 0.03, 0.005},
-                     {"on_error", "-", 0, 0, 1, 1, Unit::none, true}},
-      .probes = {{0.1, 0, 0}, {0, 0.005, 0}, {0.1, 0, 1}},
+                     {"on_error", "-", 0, 0, 1, 1, Unit::none, true},
+                     {"of_rate", "-", 0, 0, 1, 1, Unit::none, true}},
+      .probes = {{0.1, 0, 0, 0}, {0, 0.005, 0, 0}, {0.1, 0, 1, 0}, {0.1, 0.005, 0, 1}},
       .sign = 1,
       .needs = kPositionLoop,
       .cluster = "BC",
@@ -65,7 +66,14 @@ Effect servo_d_gain() {
       .regimes = {"near command step", "high speed"},
       .signature = "shows in steps",
       .experiments = {kTorqueOff, kLogDuty, kSteps},
-      .apply = adds(&JointParams::d_torque, &JointParams::output_filter, &JointParams::d_on_error),
+      .apply =
+          [](SimParams& p, int j, Theta x) {
+            JointParams& to = joint(p, j);
+            to.d_torque += x[0];
+            to.output_filter += x[1];
+            to.d_on_error += x[2];
+            to.filters_rate = x[3] >= 0.5;
+          },
   });
 }
 

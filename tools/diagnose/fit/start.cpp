@@ -73,21 +73,28 @@ Model best_size(const Surroundings& around, const Model& base, std::size_t candi
   return best;
 }
 
-/// Which limits a probe switches on. Of one that is off no derivative says that it should be on.
-std::vector<char> limits_on(const Candidate& effect, const std::vector<double>& probe) {
+/// One of two forms that an effect has: where an encoder sits, what a filter acts on.
+bool is_form(const CandidateParameter& p) {
+  return p.structural && p.role == Role::size && p.low == 0.0 && p.high == 1.0 && p.typical == 1.0;
+}
+
+/// Which limits a probe switches on, and which form it has. Of a limit that is off no derivative
+/// says that it should be on, nor does one lead from form to form.
+std::vector<char> choices_of(const Candidate& effect, const std::vector<double>& probe) {
   std::vector<char> out;
   for (std::size_t i = 0; i < probe.size(); ++i) {
     if (effect.parameters[i].null == kOff) out.push_back(is_on(probe[i]) ? 1 : 0);
+    if (is_form(effect.parameters[i])) out.push_back(probe[i] >= 0.5 ? 1 : 0);
   }
   return out;
 }
 
-/// `strongest`, and one probe of every other choice of limits that is probed.
+/// `strongest`, and one probe of every other choice of limits and form that is probed.
 std::vector<std::size_t> one_of_each_choice(const Candidate& effect, std::size_t strongest) {
   std::vector<std::size_t> out{strongest};
   for (std::size_t p = 0; p < effect.probes.size(); ++p) {
     const bool tried = std::any_of(out.begin(), out.end(), [&](std::size_t other) {
-      return limits_on(effect, effect.probes[other]) == limits_on(effect, effect.probes[p]);
+      return choices_of(effect, effect.probes[other]) == choices_of(effect, effect.probes[p]);
     });
     if (!tried) out.push_back(p);
   }
@@ -250,8 +257,8 @@ bool has_places(const Candidate& effect) {
 
 /// `model`, or its last effect begun from another of these probes; then with one more limit on,
 /// where that leaves less.
-Model best_choice_of_limits(const Surroundings& around, const Model& base, Model model,
-                            const std::vector<std::size_t>& choices) {
+Model best_choice(const Surroundings& around, const Model& base, Model model,
+                  const std::vector<std::size_t>& choices) {
   const int iterations = around.settings().fitting.first_iterations;
   const std::size_t candidate = model.effects.back().candidate;
   const Candidate& effect = (*around.library)[candidate];
@@ -268,7 +275,7 @@ Model best_choice_of_limits(const Surroundings& around, const Model& base, Model
     std::vector<double> both = alone;
     for (std::size_t i = 0; i < both.size(); ++i)
       if (effect.parameters[i].null == kOff) both[i] = std::min(both[i], probe[i]);
-    if (limits_on(effect, both) != limits_on(effect, alone))
+    if (choices_of(effect, both) != choices_of(effect, alone))
       keep_better(with(base, candidate, std::move(both)));
   }
   return model;
@@ -300,7 +307,7 @@ Model best_start(const Surroundings& around, const Model& base, std::size_t cand
   const double amount = probe != nullptr ? probe->amount : 1.0;
   Model best = best_size(around, base, candidate, effect.probes[strongest], amount);
   const std::vector<std::size_t> choices = one_of_each_choice(effect, strongest);
-  if (choices.size() > 1) best = best_choice_of_limits(around, base, std::move(best), choices);
+  if (choices.size() > 1) best = best_choice(around, base, std::move(best), choices);
   return with_best_places(around, std::move(best));
 }
 

@@ -109,7 +109,8 @@ LinearServo linear_servo(const SimParams& params, std::size_t joint) {
     const double torque_constant = s.torque_constant * j.torque_scale;
     const double resistance = s.resistance * j.resistance_scale;
     const double stall = torque_constant * s.voltage * supply / resistance;
-    const double nominal_stall = s.torque_constant * s.voltage / s.resistance;
+    const double stated = j.stated_voltage > 0.0 ? j.stated_voltage : s.voltage;
+    const double nominal_stall = s.torque_constant * stated / s.resistance;
     const double added = nominal_stall > 0.0 ? j.d_torque / nominal_stall : 0.0;
     out.kp = stall * s.p_gain * j.p_scale;
     out.kd = stall * (s.d_gain + added);

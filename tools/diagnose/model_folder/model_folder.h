@@ -57,6 +57,8 @@ struct ModelFolder {
   // P gain (p_gain or kp) by joint as model.toml states it, whatever the recording has; see
   // with_overrides. Empty: as in `joints`
   std::vector<double> stated_gain;
+  // voltage by joint, likewise [V]
+  std::vector<double> stated_voltage;
 };
 
 /// Throws files::InputError: file, line, key, what was expected.

@@ -53,9 +53,11 @@ void attach(const recording::Payload& payload, const std::string& file, ModelFol
 
 ModelFolder with_overrides(const ModelFolder& model, const recording::Recording& recording) {
   ModelFolder changed = model;
-  changed.stated_gain.clear();
-  for (const JointSettings& joint : model.joints)
+  changed.stated_gain.clear(), changed.stated_voltage.clear();
+  for (const JointSettings& joint : model.joints) {
     changed.stated_gain.push_back(recording::loop_gain(joint));
+    changed.stated_voltage.push_back(joint.voltage);
+  }
   const std::string sidecar = recording.stem() + ".toml";
   // first what holds for every joint, then what names one: the order of the tables in a file does
   // not matter

@@ -47,7 +47,8 @@ GainsOf<double> servo_gains(const JointParams& joint) {
   const JointSettings& s = joint.nominal;
   const double stated = stated_gain(joint);
   if (s.actuator == Actuator::dc_servo) {
-    const double stall = s.torque_constant * s.voltage / s.resistance;  // N m per duty, nominal
+    const double voltage = joint.stated_voltage > 0.0 ? joint.stated_voltage : s.voltage;
+    const double stall = s.torque_constant * voltage / s.resistance;  // N m per duty, nominal
     const double d = joint.d_torque != 0.0 && stall > 0.0 ? joint.d_torque / stall : 0.0;
     return {s.p_gain * joint.p_scale, s.d_gain + d, s.i_gain + stated * joint.integral_rate,
             stated * joint.feed_forward + d * joint.d_on_error};

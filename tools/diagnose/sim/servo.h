@@ -82,7 +82,7 @@ inline T shaped(const JointParams& joint, T raw, double full, double limit, T h,
     slope = choose(beyond, T(1.0), T(0.0));
     raw = choose(beyond, raw - with_sign(zone, raw), T(0.0));
   }
-  if (joint.output_filter > 0.0) {
+  if (joint.output_filter > 0.0 && !joint.filters_rate) {
     const T gain = h / (joint.output_filter + h);
     inner.filtered += gain * (raw - inner.filtered);
     raw = inner.filtered;
@@ -94,6 +94,12 @@ inline T shaped(const JointParams& joint, T raw, double full, double limit, T h,
   return choose(limited, with_sign(T(limit), raw), raw);
 }
 
+/// What of a change of speed a step of h [s] lets through to the D gain.
+template <class T>
+inline T rate_share(const JointParams& joint, T h) {
+  return joint.filters_rate ? h / (joint.output_filter + h) : T(1.0);
+}
+
 /// Controller common to dc_servo (gains in duty) and position_pd (gains in torque). Output before
 /// its limit, in the unit of the gains; moves the integral, which stops at `limit`.
 template <class T>
@@ -101,7 +107,15 @@ inline T controller(const JointParams& joint, const ServoInputOf<T>& in, const C
                     double limit, InnerStateOf<T>& inner) {
   const GainsOf<T>& gains = in.gains;
   const T error = goal.value - in.position;
-  const T without_integral = gains.p * error - gains.d * in.velocity + gains.goal * goal.rate;
+  T without_integral = gains.p * error;
+  const T damping = -gains.d * in.velocity;
+  if (joint.filters_rate && joint.output_filter > 0.0) {
+    inner.filtered +=
+        rate_share<T>(joint, in.h) * (damping + gains.goal * goal.rate - inner.filtered);
+    without_integral += inner.filtered;
+  } else {
+    without_integral = without_integral + damping + gains.goal * goal.rate;
+  }
   if (!any(less(T(0.0), gains.i))) return without_integral;
   const T integral = inner.integral + in.h * error;
   // at the limit the integral may only move back, or go on as far as the firmware lets it wind up
@@ -144,7 +158,7 @@ inline ServoOutputOf<T> dc_servo(const JointParams& joint, const ServoInputOf<T>
   out.current = (out.duty * out.volt - back_emf * in.motor_velocity) / resistance;
   const T stall = torque_constant * out.volt / resistance;
   out.stiffness = stall * slope * in.gains.p;
-  out.damping = stall * slope * in.gains.d;
+  out.damping = stall * slope * in.gains.d * rate_share(joint, in.h);
   out.back_emf_damping = torque_constant * back_emf / resistance;
   const double own = limit_or_none(s.current_limit);
   const double most = own < joint.current_limit ? own : joint.current_limit;
@@ -180,7 +194,7 @@ inline ServoOutputOf<T> torque_source(const JointParams& joint, const ServoInput
   if (position) gain = gain * in.supply / joint.resistance_scale;
   out.torque = gain * shaped(joint, raw, full, kNone, in.h, inner, slope);
   out.stiffness = gain * slope * in.gains.p;
-  out.damping = gain * slope * in.gains.d;
+  out.damping = gain * slope * in.gains.d * rate_share(joint, in.h);
   // torque-speed line: what is left of the limit in the direction of motion
   T upper = limit, lower = limit;
   if (joint.no_load_speed != kNone && limit < kNone) {

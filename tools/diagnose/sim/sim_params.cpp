@@ -15,6 +15,7 @@ SimParams make_params(const ModelFolder& model, const SimulationSettings& settin
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     params.joints[j].nominal = model.joints[j];
     if (j < model.stated_gain.size()) params.joints[j].stated_gain = model.stated_gain[j];
+    if (j < model.stated_voltage.size()) params.joints[j].stated_voltage = model.stated_voltage[j];
   }
   // a link's own mass stays apart from what was put on it, so that an effect on the link leaves the
   // weight alone

@@ -40,9 +40,13 @@ struct JointParams {
   double d_torque = 0.0;
   double d_on_error = 0.0;     // 1: it damps the error, 0: the joint's own velocity
   double output_filter = 0.0;  // s, first order, on the controller's output
+  bool filters_rate = false;   // on what the D gain damps alone
   // P gain (p_gain / kp) of model.toml, to which integral_rate and feed_forward refer: registers of
   // their own, which a recording with another P gain leaves alone. 0: nominal's
   double stated_gain = 0.0;
+  // V of model.toml, at which d_torque is what it says: a gain of the firmware's duty, weaker where
+  // a recording's supply is. 0: nominal's
+  double stated_voltage = 0.0;
   double integral_rate = 0.0;  // 1/s: integral gain over proportional gain
   // of the output's limit: to here the integral goes on while the output is limited
   double windup = 0.0;

@@ -46,7 +46,9 @@ TEST(Servo, ItsDerivativesAreThoseOfItsTorque) {
   constexpr double kStep = 1e-6;
   JointParams filtered = servo("d_gain = 0.1\n");
   filtered.output_filter = 0.004;
-  for (const JointParams& joint : {servo("d_gain = 0.1\n"), filtered, position()}) {
+  JointParams smooth = filtered;
+  smooth.filters_rate = true;
+  for (const JointParams& joint : {servo("d_gain = 0.1\n"), filtered, smooth, position()}) {
     const auto torque = [&](double q, double dq, double motor) {
       ServoInput in = input(0.1, q, dq);
       in.motor_velocity = motor;
@@ -116,6 +118,22 @@ TEST(Servo, AFilterLagsByItsTimeConstantAndThenIsNotThere) {
     }
   }
   EXPECT_NEAR(duty, 0.4, 2e-4);
+}
+
+TEST(Servo, AFilterOfTheRateLeavesTheErrorAsItIs) {
+  JointParams joint = servo("p_gain = 1\nd_gain = 0.1\n");
+  joint.output_filter = 0.05;
+  joint.filters_rate = true;
+  EXPECT_NEAR(once(joint, input(0.4)).duty, 0.4, 1e-12);
+  InnerState inner;
+  double duty = 0.0;
+  for (int k = 1; k <= 400; ++k) {
+    duty = servo_step(joint, input(0.4, 0.0, 2.0), inner).duty;
+    if (k == 50) {
+      EXPECT_NEAR(duty, 0.4 - 0.2 * (1 - std::exp(-1.0)), 0.004);
+    }
+  }
+  EXPECT_NEAR(duty, 0.4 - 0.2, 2e-4);
 }
 
 TEST(Servo, AProfileKeepsItsSpeedAndAccelerationAndArrivesWithoutOvershoot) {
