@@ -81,6 +81,7 @@ struct DecisionSettings {
   double same_law = 0.015;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
+  int rounds = 3;
   int folds = 4;
   int bootstrap = 199;
   double shot_outlier = 3.0;
@@ -140,6 +141,8 @@ struct DecisionSettings {
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,
           "more names than this is a different robot, not a missing effect");
+    field("rounds", rounds, "rounds", 0, 100,
+          "of further steps, at most, after names were exchanged or one look-alike was tried");
     field("folds", folds, "groups", 1, 100,
           "held-out groups when recordings or conditions do not give them");
     field("bootstrap", bootstrap, "draws", 19, 100000, "resamples of a confidence interval");

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "tools/diagnose/explain/instants.h"
@@ -83,6 +84,58 @@ bool settle(SearchState& state) {
   return swapped || refuted;
 }
 
+/// The last name that another is level with, and the first of these.
+struct LookAlike {
+  std::size_t place;
+  Alternative other;
+};
+std::optional<LookAlike> look_alike(const SearchState& state) {
+  const Selection& found = state.found;
+  for (std::size_t i = found.accepted.size(); i-- > 0;) {
+    if (state.accepted(i).random) continue;
+    const std::vector<Alternative>& others = found.accepted[i].alternatives;
+    for (const Alternative& a : others) {
+      const bool level = !a.far_behind && !found.final.model.has(a.candidate) &&
+                         a.fit.model.effects.size() == found.final.model.effects.size() &&
+                         !beaten(state.decisions(), a.behind, state.practical(), others.size());
+      if (level && !at_bound(state.library, a)) return LookAlike{i, a};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Which of two level names stands is chance, and what passes beside one may fail beside the other
+/// by a hair. Where more than noise is left it is asked beside the other too, once. True: something
+/// passed.
+bool go_on_from_look_alike(SearchState& state, int& step) {
+  if (state.left_level({}) <= state.decisions().adequate) return false;
+  std::optional<LookAlike> other = look_alike(state);
+  if (!other) return false;
+  const Problem problem = state.problem;
+  const std::vector<std::size_t> given_up = state.given_up;
+  Selection found = state.found;
+  take_place(state, other->place, other->other);
+  if (go_forward(state, step)) return true;
+  state.say("nothing more passes beside " + state.candidate(other->other.candidate).title());
+  state.problem = problem;
+  state.given_up = given_up;
+  found.log = std::move(state.found.log);
+  state.found = std::move(found);
+  return false;
+}
+
+/// Exchanges of names and further steps in turn: a name that took another's place leaves something
+/// else, and one that was refuted stood for it.
+void exchange_and_go_on(SearchState& state, int& step) {
+  bool asked_beside = false;
+  for (int round = 0;; ++round) {
+    const bool changed = settle(state);
+    if (round >= state.decisions().rounds) return;
+    if (!changed && std::exchange(asked_beside, true)) return;
+    if (!(changed ? go_forward(state, step) : go_on_from_look_alike(state, step))) return;
+  }
+}
+
 /// Intervals of the final model, and every effect's gain with all others in place.
 void finish(SearchState& state) {
   Selection& found = state.found;
@@ -123,8 +176,7 @@ Selection select(const Problem& problem, const Library& library, const SelectOpt
   options.reached(state.found);
   int step = 0;
   go_forward(state, step);
-  // a name that took another's place leaves something else, and one that was refuted stood for it
-  if (settle(state) && go_forward(state, step)) settle(state);
+  exchange_and_go_on(state, step);
   // chance scatters what the other names were judged by, and hid smaller ones
   if (judge_chance(state)) {
     go_forward(state, step);

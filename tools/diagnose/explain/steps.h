@@ -43,6 +43,9 @@ void one_for_two(SearchState& state);
 /// predict better.
 void two_for_one(SearchState& state);
 
+/// Puts another effect, the last of its own fit's model, in the place of the i-th.
+void take_place(SearchState& state, std::size_t i, const Alternative& other);
+
 /// Every accepted effect against its rivals, everything else refitted; the better one stays, the
 /// others are kept as rivals. True: one was replaced.
 bool swap_for_better(SearchState& state);

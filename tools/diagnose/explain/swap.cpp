@@ -34,21 +34,6 @@ bool better(const SearchState& state, const std::vector<Alternative>& tried,
            holds_on_conditions(state, best)));
 }
 
-/// Puts the best of those tried in the place of the i-th effect.
-void take_place(SearchState& state, std::size_t i, const Alternative& best) {
-  Accepted& entry = state.found.accepted[i];
-  state.say(fmt::format("swapped {} for {}", state.candidate(entry.candidate).title(),
-                        state.candidate(best.candidate).title()));
-  Chosen other = best.fit.model.effects.back();
-  entry.candidate = other.candidate;
-  // the new effect stands last: put it in its predecessor's place
-  Model model = best.fit.model;
-  model.effects.pop_back();
-  model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(i), other);
-  state.found.final.model = model;
-  state.relinearise();
-}
-
 /// A rival that looks like the i-th effect and was fitted worse may only have ended in another
 /// hollow: where it can say the same as the effect, it is fitted to the data from there.
 void fit_from_its_prediction(const SearchState& state, std::size_t i, Alternative& rival) {
@@ -100,6 +85,20 @@ std::vector<Alternative> behind_it(const SearchState& state, std::size_t i,
 }
 
 }  // namespace
+
+void take_place(SearchState& state, std::size_t i, const Alternative& other) {
+  Accepted& entry = state.found.accepted[i];
+  state.say(fmt::format("swapped {} for {}", state.candidate(entry.candidate).title(),
+                        state.candidate(other.candidate).title()));
+  const Chosen chosen = other.fit.model.effects.back();
+  entry.candidate = chosen.candidate;
+  // the new effect stands last: put it in its predecessor's place
+  Model model = other.fit.model;
+  model.effects.pop_back();
+  model.effects.insert(model.effects.begin() + static_cast<std::ptrdiff_t>(i), chosen);
+  state.found.final.model = model;
+  state.relinearise();
+}
 
 bool swap_for_better(SearchState& state) {
   Selection& found = state.found;
