@@ -102,6 +102,7 @@ std::vector<char> stale_rows(const GateRecording& r, const GateSettings& setting
   }
   if (runs.size() < static_cast<std::size_t>(settings.held_changes)) return {};
   std::vector<double> all;
+  all.reserve(runs.size());
   for (const Run& run : runs) all.push_back(run.caught_up);
   if (median(all) < settings.stale_step) return {};
   const auto share = [&frame](const std::vector<char>& rows) {
