@@ -38,6 +38,12 @@ Price price_of(const Comparison& comparison, const Commands& commands,
   return {2.0 * std::log(tried / level), 2.0 * std::log(2.0 / level)};
 }
 
+/// Some joint's position was read in this row.
+bool was_read(const Drive& drive, std::size_t row) {
+  return std::any_of(drive.joints.begin(), drive.joints.end(),
+                     [row](const JointData& j) { return std::isfinite(j.q[row]); });
+}
+
 }  // namespace
 
 double Price::of(const std::vector<LostCommand>& lost) const {
@@ -244,15 +250,11 @@ std::vector<LostCommand> Hunt::unread(const std::vector<std::size_t>& joints, in
   std::vector<LostCommand> out;
   for (std::size_t s = 0; s < problem_->sources.size(); ++s) {
     const Drive& drive = problem_->sources[s].drive;
-    const auto read = [&drive](std::size_t row) {
-      return std::any_of(drive.joints.begin(), drive.joints.end(),
-                         [row](const JointData& j) { return std::isfinite(j.q[row]); });
-    };
     for (const std::size_t j : joints) {
       bool before = false;  // after a loss the same command once more is a new one
       for (std::size_t row = 1; row < drive.rows(); ++row) {
         const std::size_t sent = row - static_cast<std::size_t>(shift);
-        const bool lost = sent > 0 && sent < drive.rows() && !read(sent);
+        const bool lost = sent > 0 && sent < drive.rows() && !was_read(drive, sent);
         before = lost && (before || commands_.changes(s, j, row));
         if (before) out.push_back({s, j, row});
       }
@@ -285,18 +287,18 @@ bool Hunt::lost_with_readings(const std::vector<std::size_t>& joints) {
   }
   if (2.0 * left > stood) return false;
   Unread found;
-  found.lost = static_cast<int>(best.lost.size());
-  for (std::size_t s = 0; s < problem_->sources.size(); ++s) {
-    for (std::size_t row = 1; row < problem_->sources[s].drive.rows(); ++row)
-      for (const std::size_t j : joints) found.commands += commands_.changes(s, j, row) ? 1 : 0;
+  double runs = 0.0;
+  for (const Source& source : problem_->sources) {
+    for (std::size_t row = 1; row < source.drive.rows(); ++row) {
+      const bool lost = !was_read(source.drive, row);
+      found.lost += lost ? 1 : 0, ++found.cycles;
+      runs += lost && was_read(source.drive, row - 1) ? 1.0 : 0.0;
+    }
   }
+  found.runs = found.lost / std::max(1.0, runs);
   found.made = starts_.energy_by_shot(best.r - state_.r).sum();
   // e(theta) is a parabola through both, of the curvature of what they change
   found.theta = 0.5 * (1.0 + (before - least) / found.made);
-  double runs = 0.0;
-  for (std::size_t i = 0; i < best.lost.size(); ++i)
-    runs += i == 0 || best.lost[i].row != best.lost[i - 1].row + 1 ? 1.0 : 0.0;
-  found.runs = static_cast<double>(best.lost.size()) / runs;
   with_readings_ = found;
   state_ = std::move(best);
   best_gain_ = std::max(best_gain_, before - least);

@@ -37,12 +37,12 @@ struct Repaired {
   Eigen::VectorXd r;              // noise levels
 };
 
-/// Commands of cycles that were not read, taken for lost together.
+/// Commands of cycles that were not read, taken for lost together, at all joints.
 struct Unread {
-  int lost = 0, commands = 0;  // of those whose loss is noticed
-  double runs = 1.0;           // losses in a run
-  double theta = 0.0;          // share of their loss that the data want: whole ones want 1
-  double made = 0.0;           // energy of what they change
+  int lost = 0, cycles = 0;
+  double runs = 1.0;   // losses in a run
+  double theta = 0.0;  // share of their loss that the data want: whole ones want 1
+  double made = 0.0;   // energy of what they change
 };
 
 /// Squares of one joint's errors in a shot, noise levels: all of them, and those of noise alone.

@@ -109,9 +109,9 @@ void count_what_shows(const Hunt& hunt, const std::vector<std::size_t>& losing, 
 /// together, and each is counted.
 void count_unread(const Unread& unread, double wrong, LossScore& out) {
   out.seen = unread.lost;
-  out.visible = unread.commands;
-  out.size = static_cast<double>(unread.lost) / std::max(1, unread.commands);
-  const Counted counted{unread.commands, unread.lost};
+  out.visible = unread.cycles;
+  out.size = static_cast<double>(unread.lost) / std::max(1, unread.cycles);
+  const Counted counted{unread.cycles, unread.lost};
   const Interval interval = counted.interval(unread.runs);
   out.low = interval.low;
   out.high = interval.high;

@@ -18,11 +18,12 @@ using test::kNoise, test::record;
 /// recording, rows whose commands did not arrive, and in which nothing was read.
 std::optional<LossScore> found(const std::vector<EffectEntry>& effects,
                                const std::vector<std::size_t>& lost, double noise = kNoise,
-                               const std::vector<std::size_t>& unread = {}) {
+                               const std::vector<std::size_t>& unread = {},
+                               test::Goal goal = test::swing) {
   std::vector<recording::Recording> recordings;
   recordings.reserve(3);
   for (int i = 0; i < 3; ++i) {
-    recordings.push_back(record(effects, i, lost, noise));
+    recordings.push_back(record(effects, i, lost, noise, goal));
     for (const char* name : {"q:a", "pwm:a"}) {
       std::vector<double> x(recordings[i].find(name).begin(), recordings[i].find(name).end());
       for (const std::size_t row : unread) x[row] = NAN;
@@ -110,6 +111,18 @@ TEST(Losses, OfCyclesThatWereNotReadEitherAreCounted) {
   EXPECT_LT(said->left_share, ChanceSettings{}.loss_left);
   EXPECT_NEAR(said->size, static_cast<double>(lost.size()) / 1000.0, 0.02);
   EXPECT_LT(said->high - said->low, 0.1);
+}
+
+double stairs(int index, double t) {
+  return 0.5 * std::sin(1.9 * (index + 1) * std::floor(4.0 * t));
+}
+
+// Where the goal rests a loss changes nothing, and its cycle is lost all the same.
+TEST(Losses, OfCyclesAreCountedWhereTheGoalRestsToo) {
+  const std::vector<std::size_t> lost = quarter();
+  const std::optional<LossScore> said = found({}, lost, kNoise, lost, stairs);
+  ASSERT_TRUE(said);
+  EXPECT_NEAR(said->size, static_cast<double>(lost.size()) / 1000.0, 0.02);
 }
 
 TEST(Losses, OfReadingsAloneAreNone) { EXPECT_FALSE(found({}, {}, kNoise, quarter())); }
