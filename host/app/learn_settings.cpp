@@ -104,6 +104,7 @@ const std::vector<Profile>& profiles() {
         {"mpc.one_noise_channel=true", "F is a vector and w has unit covariance: w is a number"},
         {"mpc.noise_over_root_dt=true", "F is divided by the root of dt, and w by nothing"},
         {"mpc.one_step_prediction=true", "x_k is f(x_k-1, u_k-1), one step"},
+        {"mpc.inputs_at_knots=true", "u_k is the input at knot k, first-order hold between"},
         {"bring_up.on=false", "initial parameters are \"from CAD or by hand\""},
         {"session.learn_model_every=10", "\"trained every 10 iterations\""},
         {"session.learn_first_after=0", "no other occasion is printed"},

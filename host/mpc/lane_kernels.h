@@ -47,6 +47,7 @@ struct StageFinish {
   const double (*layer_slope)[kNdxPadded];  // d (middle + reflex) / dx (nu x ndx)
   const ResidualWeights* residual;
   double difference_step;
+  double half_step_s;  // from the stage to the middle of its step
 };
 
 struct LaneKernels {
@@ -63,8 +64,9 @@ struct LaneKernels {
   /// cost += ||x ⊖ x_ref||²_Wx (+ ||u_up||²_Wu when u_upper is given).
   void (*add_cost)(const ProblemContext&, int knot, const LaneArray* x, const LaneArray* u_upper,
                    double* cost);
-  /// Nominal point and its perturbations.
-  void (*spread)(const double* x, const double* u_total, double difference_step, StageEvaluations&);
+  /// Nominal point and its perturbations; those of velocities share the middle of the step.
+  void (*spread)(const double* x, const double* u_total, double difference_step, double half_step_s,
+                 StageEvaluations&);
   /// Differences, residual network, slope of the other layers, noise direction.
   void (*finish_stage)(const StageFinish&, StageDerivatives&);
 };

@@ -23,6 +23,7 @@ struct MpcSettings {
   bool pin_threads = false;
   bool delay_prediction = true;
   bool one_step_prediction = false;
+  bool inputs_at_knots = false;
 
   /// field(name, value, unit, lowest, highest, reason): the command line and the settings page walk
   /// this list.
@@ -60,6 +61,10 @@ struct MpcSettings {
         "one_step_prediction", one_step_prediction, "yes or no", false, true,
         "through the delay in one step with the mean input, the step that was identified (paper); "
         "no: 10 ms steps");
+    field(
+        "inputs_at_knots", inputs_at_knots, "yes or no", false, true,
+        "a knot has the input of the step that begins there (paper, literally), so that the first-"
+        "order hold runs half a step ahead of the plan; no: the mean of the steps beside it");
   }
 };
 

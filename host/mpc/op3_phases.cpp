@@ -164,7 +164,8 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
     }
   }
   for (int i = 0; i < kNu; ++i) n.u_total[i] = n.u_without_upper[i] + nominal.u[stage][i];
-  kernels_.spread(x, n.u_total, settings_.difference_step, work_->evaluations[stage]);
+  kernels_.spread(x, n.u_total, settings_.difference_step, 0.5 * settings_.dt_s,
+                  work_->evaluations[stage]);
 }
 
 /// From the nominal contact solution, to the tolerance of the solver: what is left over is divided
@@ -235,7 +236,8 @@ void Op3Phases::finish_stage(const StageParts& of, int stage) {
                            .along_x = ground_varies() ? whole[kAlongX] : nullptr,
                            .layer_slope = n.layer_slope,
                            .residual = residual(),
-                           .difference_step = settings_.difference_step};
+                           .difference_step = settings_.difference_step,
+                           .half_step_s = 0.5 * settings_.dt_s};
   kernels_.finish_stage(finish, of.derivatives[stage]);
 }
 

@@ -27,6 +27,7 @@ struct UpperLayer::Impl {
   void fill_context(std::int32_t plan_tick);
   void fill_stage(int stage, double tick);
   void fill_start(const model::State& x, std::int32_t plan_tick);
+  double knot_input(std::size_t k, int i);
   void fill_policy(const PlanRequest& request, PlanResult& result);
 
   MpcSettings settings;
@@ -90,6 +91,14 @@ void UpperLayer::Impl::fill_start(const model::State& x, std::int32_t plan_tick)
   std::copy_n(x.data(), kNx, t.x[0]);
 }
 
+/// Input of a knot. The plan holds one input for a whole step; between knots the controller goes on
+/// a straight line. So knots stand for instants: each has the mean of the steps on both its sides.
+/// The first has its step's own; where a line through two steps would lead, noise is led twice.
+double UpperLayer::Impl::knot_input(std::size_t k, int i) {
+  const auto& u = solver.trajectory().u;
+  return settings.inputs_at_knots || k == 0 ? u[k][i] : 0.5 * (u[k - 1][i] + u[k][i]);
+}
+
 void UpperLayer::Impl::fill_policy(const PlanRequest& request, PlanResult& result) {
   policy::UpperPolicy& p = result.policy;
   p.sequence = request.sequence;
@@ -104,7 +113,7 @@ void UpperLayer::Impl::fill_policy(const PlanRequest& request, PlanResult& resul
     const StageGains& gains = solver.gains()[k];
     double norm2 = 0;
     for (int i = 0; i < kNu; ++i) {
-      out.u[i] = solver.trajectory().u[k][i];
+      out.u[i] = knot_input(k, i);
       for (int j = 0; j < kNdx; ++j) norm2 += gains.K[i][j] * gains.K[i][j];
     }
     const double norm = std::sqrt(norm2);

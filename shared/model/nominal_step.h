@@ -1,6 +1,6 @@
 // What one step leaves behind so that steps from states nearby need not repeat it. Its set of
 // touching, sticking and sliding rows does not change to first order; mass matrix and soles change
-// with the configuration only. Plain numbers, shared by all instruction sets.
+// with the configuration at its middle only. Plain numbers, shared by all instruction sets.
 #pragma once
 
 #include "shared/model/dimensions.h"
@@ -10,7 +10,7 @@ namespace sanso::model {
 /// Leg index 0 right, 1 left; joints about the positive coordinate axes; twists and wrenches of a
 /// sole in contact axes.
 struct NominalStep {
-  double height, v_world[3];  // m, m/s: of the base at the beginning
+  double height, v_world[3];  // m, m/s: of the base: at the middle, at the beginning
   double R_world_base[3][3];  // [row][column]
   // rad/s; m/s^2, acceleration of the base that stands for gravity; base axes
   double w_base[3], a_base[3];
@@ -18,7 +18,7 @@ struct NominalStep {
   double rate[kNumFeet][6];      // rad/s at the beginning
   double bias_on_base[6];        // N, N m
   double rhs_leg[kNumFeet][6];   // N m s: right-hand sides of the legs, before elimination
-  double implicit[kNumFeet][6];  // kg m^2: h D + h^2 K of the servos
+  double implicit[kNumFeet][6];  // kg m^2: h/2 D + h^2/4 K of the servos
   double leg_factor[kNumFeet][6][6], leg_inverse_d[kNumFeet][6];  // L D L' of the effective inertia
   double base_factor[6][6], base_inverse_d[6];
   // L^-1 of the coupling with the base           [joint][base]

@@ -18,24 +18,46 @@ constexpr int lane_of(int c) { return c == 2 ? 0 : c < 18 ? (c - 2) % 8 : c % 8;
 static_assert(18 == kTheta + 3 + kNu && group_of(17) == kConfigurationGroups - 1 &&
               group_of(18) == kConfigurationGroups);
 
-/// Lays the states and inputs, each perturbed by eps along its column, into the groups' lanes.
-inline void spread(const double* x, const double* u_total, double eps, StageEvaluations& out) {
+/// Column of the position that a velocity's column moves; -1 for the others.
+constexpr int position_of(int c) { return c >= model::kDVel && c < kNdx ? c - model::kDVel : -1; }
+static_assert(position_of(model::kDOmega) == kTheta &&
+              position_of(model::kDJointRate) == model::kDJoint);
+
+/// Lays the states and inputs, each perturbed by eps along its column, into the groups' lanes. A
+/// state of another velocity begins so far back that at the middle of the step, `half_step_s` on,
+/// its position is the nominal one: masses and soles are those of there (kernel/step.h).
+inline void spread(const double* x, const double* u_total, double eps, double half_step_s,
+                   StageEvaluations& out) {
+  double turn[3], middle[4];
+  for (int i = 0; i < 3; ++i) turn[i] = half_step_s * x[model::kXOmega + i];
+  kernel::quat_plus(x + model::kXQuat, turn, middle);
   for (int g = 0; g < kEvaluationGroups; ++g) {
     for (int i = 0; i < kNx; ++i) store(out.x[g][i], Lanes(x[i]));
     for (int i = 0; i < kNu; ++i) store(out.u[g][i], Lanes(u_total[i]));
   }
   for (int c = 2; c < kColumns; ++c) {
     auto& xs = out.x[group_of(c)];
-    const int lane = lane_of(c);
+    const int lane = lane_of(c), position = position_of(c);
+    const auto turned = [&](const double* from, const double* by) {
+      double quat[4];
+      kernel::quat_plus(from, by, quat);
+      for (int i = 0; i < 4; ++i) xs[model::kXQuat + i][lane] = quat[i];
+    };
     if (c >= kNdx) {
       out.u[group_of(c)][c - kNdx][lane] += eps;
     } else if (c >= kTheta && c < kTheta + 3) {
-      double d[3] = {0, 0, 0}, quat[4];
+      double d[3] = {0, 0, 0};
       d[c - kTheta] = eps;
-      kernel::quat_plus(x + model::kXQuat, d, quat);
-      for (int i = 0; i < 4; ++i) xs[model::kXQuat + i][lane] = quat[i];
+      turned(x + model::kXQuat, d);
     } else {
       xs[c < kTheta ? c : c + 1][lane] += eps;
+    }
+    if (position >= kTheta && position < kTheta + 3) {
+      double back[3] = {-turn[0], -turn[1], -turn[2]};
+      back[position - kTheta] -= half_step_s * eps;
+      turned(middle, back);
+    } else if (position >= 0) {
+      xs[position < kTheta ? position : position + 1][lane] -= half_step_s * eps;
     }
   }
 }
@@ -57,6 +79,32 @@ inline void difference_group(const StageFinish& f, int group, int from, int nomi
     *reinterpret_cast<UnalignedLanes*>(&out.AB[i][first]) = (scale * d[i]).v;
 }
 
+/// Columns of velocities: `spread` began them farther back, and what that takes away is the
+/// position's own column. Turning back by half_step_s (omega + d) from the middle is a turn of the
+/// start by -J_l half_step_s d, with the left Jacobian of Exp.
+inline void add_way_to_middle(const double* x, double half_step_s, StageDerivatives& out) {
+  constexpr int kTurn = model::kDOmega, kRate = model::kDJointRate;
+  double left[3][3];  // [column][row]
+  for (int k = 0; k < 3; ++k) {
+    double unit[3] = {0, 0, 0}, turn[3], once[3], twice[3];
+    unit[k] = 1;
+    for (int i = 0; i < 3; ++i) turn[i] = half_step_s * x[model::kXOmega + i];
+    kernel::cross(turn, unit, once);
+    kernel::cross(turn, once, twice);
+    for (int i = 0; i < 3; ++i)
+      left[k][i] = half_step_s * (unit[i] + 0.5 * once[i] + twice[i] / 6.0);
+  }
+  for (int i = 0; i < kNdx; ++i) {
+    double* row = out.AB[i];
+    for (int k = 0; k < 3; ++k) {
+      row[model::kDVel + k] += half_step_s * row[k];
+      row[kTurn + k] +=
+          left[k][0] * row[kTheta] + left[k][1] * row[kTheta + 1] + left[k][2] * row[kTheta + 2];
+    }
+    for (int j = 0; j < kNu; ++j) row[kRate + j] += half_step_s * row[model::kDJoint + j];
+  }
+}
+
 /// The groups overlap by two columns: what is right is written last.
 inline void difference(const StageFinish& f, StageDerivatives& out) {
   constexpr int shared = kConfigurationGroups;
@@ -76,6 +124,7 @@ inline void difference(const StageFinish& f, StageDerivatives& out) {
     state_minus(f.along_x, f.next, column);
     for (int i = 0; i < kNdx; ++i) out.AB[i][0] = column[i] / f.difference_step;
   }
+  add_way_to_middle(f.x, f.half_step_s, out);
 }
 
 /// The network's input for one state and input; R turns base axes into world axes.

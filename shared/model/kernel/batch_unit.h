@@ -49,10 +49,12 @@ inline void step_lanes(const StepModel& model, const Ground& ground, const State
     if (keep && first < kept) {
       StepWork<P> w;
       ContactSlope<P> slope;
+      P middle[kNx];
+      drift(g.x, 0.5 * step.h, middle);
       single_step(model, ground, g.x, g.u, step.h, g.next, scratch, w);
       contact_slope(model, step.h, w, scratch, slope);
       for (int lane = 0; lane < W && first + lane < kept; ++lane)
-        keep_nominal(model, w, scratch, slope, g.x, g.u, step.h, lane, keep[first + lane]);
+        keep_nominal(model, w, scratch, slope, middle, g.u, step.h, lane, keep[first + lane]);
     } else {
       analytical_step(model, ground, g.x, g.u, step.h, step.substeps, g.next, scratch);
     }

@@ -32,7 +32,7 @@ struct FootContact {
   T p_base_sole[3];               // m
   T corner[kCornersPerFoot][3];   // m, corners from the sole's centre, contact axes
   T gap[kCornersPerFoot];         // m, distance of the corner along the normal, negative inside
-  T bend[kCornersPerFoot];        // m, of wheels: how far the ground falls off until the step's end
+  T bend[kCornersPerFoot];        // m, of wheels: how far the ground falls off on their way
   T bend_ahead[kCornersPerFoot];  // and its change per metre that they roll further
   T cos_slope;                    // of the ground below
   T X[6][6];                      // [joint][twist]: transposed Jacobian of the leg, then L^-1 of it
@@ -49,8 +49,8 @@ struct FootContact {
 };
 
 /// Contact frame, corners and gaps. R_world_base[row][column]. Wheels roll on by `ahead` [m along
-/// world x] within the step: their normal is that of the middle of this way, and where the ground
-/// is at its end counts too. On a plane that changes nothing.
+/// world x] from the middle of this step to that of the next: their normal is that of the middle of
+/// this way, and where the ground is at its end counts too. On a plane that changes nothing.
 template <class T>
 inline void foot_geometry(const FootShape& shape, const Ground& ground, const T* p_world_base,
                           const T (&R_world_base)[3][3], const LegFrames<T>& frames, double side,

@@ -1,11 +1,10 @@
 // Steps near a nominal one, for derivatives: its set of touching, sticking and sliding rows is
 // held, which to first order is exact. Two kinds:
-//   neighbour_step  differs in height, velocities and inputs only. Mass matrix, Jacobians and
-//   contact geometry are the
-//                   nominal step's; what changes, bias forces and servo torques, is evaluated in
-//                   full. A tenth of the cost.
-//   held_step       differs in anything. Only the contact solver is replaced, by one step with the
-//   nominal step's factor.
+//   neighbour_step  differs in height, velocities and inputs only at the middle of the step. Mass
+//                   matrix, Jacobians and contact geometry are the nominal step's; what changes,
+//                   bias forces and servo torques, is evaluated in full. A tenth of the cost.
+//   held_step       differs in anything. Only the contact solver is replaced, by one step with
+//                   the nominal step's factor.
 #pragma once
 
 #include "shared/model/kernel/step.h"
@@ -67,7 +66,7 @@ inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w
       for (int a = 0; a < 2; ++a) out.slide[l][k][a] = set.slide[a];
       const T target = foot.cos_slope *
                        select_less(T(0.0), foot.gap[k], T(1.0), T(model.contact.recovery)) *
-                       (1.0 / h);
+                       (2.0 / h);
       const T normal = -set.weight[2] * target;
       const T force[3] = {set.slide[0] * normal, set.slide[1] * normal, normal};
       add_wrench(foot.corner[k], force, pushed + 6 * l);
@@ -92,7 +91,7 @@ inline void contact_slope(const StepModel& model, double h, const StepWork<T>& w
   }
 }
 
-/// Keeps what the neighbours of one lane need.
+/// Keeps what the neighbours of one lane need; x: the middle of its step.
 template <class T>
 inline void keep_nominal(const StepModel& model, const StepWork<T>& w,
                          const StepScratch<T>& scratch, const ContactSlope<T>& contact, const T* x,
@@ -197,10 +196,12 @@ inline void changed_base_velocity(const NominalStep& n, const T* x, T (&v)[6]) {
 }
 
 /// x_next of states that share base orientation and joint angles (and the ground below) with the
-/// nominal one.
+/// nominal one at the middle of the step.
 template <class T>
-inline void neighbour_step(const StepModel& model, const NominalStep& n, const T* x, const T* u,
+inline void neighbour_step(const StepModel& model, const NominalStep& n, const T* start, const T* u,
                            double h, T* x_next) {
+  T x[kNx];
+  drift(start, 0.5 * h, x);
   T d_leg[kNumFeet][6], d_base[6], moved[kNumFeet][6], moved_base[6];
   changed_forces(model, n, x, u, h, moved, d_leg, d_base);
   changed_base_velocity(n, x, moved_base);
@@ -259,7 +260,7 @@ inline void neighbour_step(const StepModel& model, const NominalStep& n, const T
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) R[i][j] = n.R_world_base[i][j];
   for (int k = 0; k < 6; ++k) d_base[k] = d_base[k] + n.dv_base[k];
-  integrate(x, h, R, d_base, d_leg, x_next);
+  finish(x, h, R, d_base, d_leg, x_next);
 }
 
 /// Residuals of a foot's rows for the nominal impulses; the twist contains their effect already.
@@ -274,8 +275,7 @@ inline void held_residuals(const StepModel& model, double h, const T (&A)[6][6],
     s[0] += (softness * lambda[k][0]) * row_diagonal<0>(A, foot.corner[k]);
     s[1] += (softness * lambda[k][1]) * row_diagonal<1>(A, foot.corner[k]);
     s[2] += (softness * lambda[k][2]) * row_diagonal<2>(A, foot.corner[k]) +
-            max_of(foot.gap[k], model.contact.recovery * foot.gap[k]) * (1.0 / h);
-    if (model.foot.wheels) s[2] += foot.bend[k] * (1.0 / h);
+            normal_target(model, h, foot, k);
   }
 }
 
@@ -329,10 +329,12 @@ template <class T>
 inline void held_step(const StepModel& model, const Ground& ground, const NominalStep& n,
                       const T* x, const T* u, double h, T* x_next) {
   StepWork<T> w;
-  free_step(model, ground, x, u, h, w);
+  T middle[kNx];
+  drift(x, 0.5 * h, middle);
+  free_step(model, ground, middle, u, h, w);
   held_contact(model, n, h, w);
   velocity_change(w, w.dv_base, w.d_rate);
-  integrate(x, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
+  finish(middle, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
 }
 
 }  // namespace sanso::model::SANSO_ISA

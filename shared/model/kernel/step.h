@@ -1,9 +1,13 @@
-// One implicit step of the whole body: x' = f_A(x, u, theta). Written for one double and for lanes
-// alike.
-//   (M + armature + h D + h^2 K) v' = (M + armature) v + h (K (u - q) - bias) + J' lambda
-// Servo spring and damping act with the velocity at the end of the step, or 60 ms would explode;
+// One implicit step of the whole body: x' = f_A(x, u, theta), by Moreau's midpoint rule (Moreau
+// 1988, "Unilateral contact and dry friction in finite freedom dynamics"). Written for one double
+// and for lanes alike.
+//   q_M = q + h/2 v
+//   (M + armature + h/2 D + h^2/4 K) (v' - v) = h (K (u - q_M) - D v - bias) + J' lambda   at q_M
+//   q'  = q_M + h/2 v'
+// Everything is taken at the middle of the step, and the servo's spring and damping with the means
+// of both ends: second order where contact does not change. Implicit, or 60 ms would explode;
 // contact works on the same effective inertia. Base velocities are in base axes inside (orientation
-// frozen at the start of the step).
+// frozen at the middle of the step).
 #pragma once
 
 #include "shared/model/kernel/step_work.h"
@@ -61,26 +65,27 @@ inline void rigid_body(const StepModel& model, StepWork<T>& w) {
 /// Adds the implicit servo to the diagonal and writes the right-hand sides of the velocity change.
 /// Full duty is a secant stiffness, K min(1, limit / |K e|): continuous in the error, and with the
 /// back-EMF in the damping it is the motor's torque-speed line. Dry friction likewise is a secant
-/// damping, coulomb / max(|rate|, 0.05 rad/s).
+/// damping, coulomb / max(|rate|, 0.05 rad/s), of the velocity at the end alone: as strong as it
+/// may be, the mean would let a joint ring.
 template <class T>
 struct ServoTerms {
-  T implicit;  // kg m^2, h D + h^2 K: adds to the diagonal
+  T implicit;  // kg m^2, h/2 D + h^2/4 K: adds to the diagonal
   T rhs;       // N m s
 };
-/// `sign`: of the joint's axis; error [rad] and rate [rad/s] as the servo has them; `bias` [N m]:
-/// what the motion asks of the joint; step h [s].
+/// `sign`: of the joint's axis; error [rad] at the middle of the step and rate [rad/s] at its
+/// beginning as the servo has them; `bias` [N m]: what the motion asks of the joint; step h [s].
 template <class T>
 inline ServoTerms<T> servo_terms(const ServoParameters& p, double sign, T error, T rate, T bias,
                                  double h) {
   constexpr double kFrictionRate = 0.05;  // rad/s, about two steps of the servo's velocity register
   const T limited = p.torque_limit / max_of(abs_of(p.stiffness * error), T(p.torque_limit));
   const T stiffness = p.stiffness * limited;
-  const T damping = p.damping + p.coulomb / max_of(abs_of(rate), T(kFrictionRate));
-  const T implicit = h * damping + (h * h) * stiffness;
-  return {implicit, h * (sign * stiffness * error - bias) - implicit * rate};
+  const T friction = p.coulomb / max_of(abs_of(rate), T(kFrictionRate));
+  return {h * (0.5 * p.damping + friction) + (0.25 * h * h) * stiffness,
+          h * (sign * stiffness * error - bias - (p.damping + friction) * rate)};
 }
 
-/// For all joints: adds to the legs' mass matrices, writes rhs_leg and rhs_base.
+/// For all joints: adds to the legs' mass matrices, writes rhs_leg and rhs_base. x: the middle.
 template <class T>
 inline void servo(const StepModel& model, const T* x, const T* u, double h, StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l)
@@ -162,21 +167,27 @@ inline void couple(const T (&A_cross)[6][6], const T* impulse, T* twist) {
     for (int k = 0; k < 6; ++k) twist[i] += (FromLeft ? A_cross[i][k] : A_cross[k][i]) * impulse[k];
 }
 
+/// m/s, of a corner's normal row: with the velocity u' at the end of the step the gap closes where
+/// u' + target = 0, in the half step that is left; of a penetration a share only (`recovery`).
+/// Wheels roll on with u' to the middle of the next step, and the ground bends away below them.
+template <class T>
+inline T normal_target(const StepModel& model, double h, const FootContact<T>& foot, int k) {
+  const T gap = max_of(foot.gap[k], model.contact.recovery * foot.gap[k]) * (2.0 / h);
+  return model.foot.wheels ? gap + foot.bend[k] * (1.0 / h) : gap;
+}
+
 /// Residuals of all rows for the twists without contact and the impulses in `lambda`.
 template <class T>
 inline void start_contact(const StepModel& model, double h, StepWork<T>& w,
                           StepScratch<T>& scratch) {
-  const ContactSettings& settings = model.contact;
   for (int l = 0; l < kNumFeet; ++l) {
     FootContact<T>& foot = w.foot[l];
-    row_diagonals(w.A[l], settings.regularization, foot);
+    row_diagonals(w.A[l], model.contact.regularization, foot);
     for (T& f : foot.impulse) f = T(0.0);
     for (int k = 0; k < kCornersPerFoot; ++k) {
-      const T gap = foot.gap[k];
-      scratch.gap[l][k] = gap;
+      scratch.gap[l][k] = foot.gap[k];
       foot.residual[3 * k] = foot.residual[3 * k + 1] = T(0.0);
-      foot.residual[3 * k + 2] = max_of(gap, settings.recovery * gap) * (1.0 / h);
-      if (model.foot.wheels) foot.residual[3 * k + 2] += foot.bend[k] * (1.0 / h);
+      foot.residual[3 * k + 2] = normal_target(model, h, foot, k);
       if (scratch.warm_start) {
         add_wrench(foot.corner[k], scratch.lambda[l][k], foot.impulse);
       } else {
@@ -185,7 +196,7 @@ inline void start_contact(const StepModel& model, double h, StepWork<T>& w,
     }
   }
   if (scratch.warm_start) {
-    const double softness = settings.regularization / (1.0 + settings.regularization);
+    const double softness = model.contact.regularization / (1.0 + model.contact.regularization);
     for (int l = 0; l < kNumFeet; ++l) {
       FootContact<T>& foot = w.foot[l];
       for (int i = 0; i < 6; ++i)
@@ -253,12 +264,9 @@ inline void report_contact(const StepModel& model, double h, const StepWork<T>& 
   for (int l = 0; l < kNumFeet; ++l)
     for (int i = 0; i < kFootRows; ++i) {
       const FootContact<T>& foot = w.foot[l];
-      const T gap = foot.gap[i / 3];
-      const T target = i % 3 == 2 ? max_of(gap, model.contact.recovery * gap) * (1.0 / h) : T(0.0);
+      const T target = i % 3 == 2 ? normal_target(model, h, foot, i / 3) : T(0.0);
       scratch.corner_velocity[l][i / 3][i % 3] =
           foot.residual[i] - target - softness * foot.diagonal[i] * scratch.lambda[l][i / 3][i % 3];
-      if (model.foot.wheels && i % 3 == 2)
-        scratch.corner_velocity[l][i / 3][2] -= foot.bend[i / 3] * (1.0 / h);
     }
 }
 
@@ -285,32 +293,43 @@ inline void velocity_change(StepWork<T>& w, T* dv_base, T (&d_rate)[kNumFeet][6]
   for (int i = 0; i < 6; ++i) dv_base[i] = b[i];
 }
 
-/// x_next = x integrated over h with the velocities at its end.
+/// x after `time` [s] with its velocities as they are; `to` may be x.
 template <class T>
-inline void integrate(const T* x, double h, const T (&R_world_base)[3][3], const T* dv_base,
-                      const T (&d_rate)[kNumFeet][6], T* x_next) {
+inline void drift(const T* x, double time, T* to) {
   T turn[3];
   for (int i = 0; i < 3; ++i) {
-    const T v = x[kXVel + i] + dot(R_world_base[i], dv_base);
-    const T omega = x[kXOmega + i] + dv_base[3 + i];
-    x_next[kXVel + i] = v;
-    x_next[kXOmega + i] = omega;
-    x_next[kXPos + i] = x[kXPos + i] + h * v;
-    turn[i] = h * omega;
+    to[kXVel + i] = x[kXVel + i];
+    to[kXOmega + i] = x[kXOmega + i];
+    to[kXPos + i] = x[kXPos + i] + time * x[kXVel + i];
+    turn[i] = time * x[kXOmega + i];
   }
-  quat_plus(x + kXQuat, turn, x_next + kXQuat);
+  quat_plus(x + kXQuat, turn, to + kXQuat);
+  for (int j = 0; j < kNumJoints; ++j) {
+    to[kXJointRate + j] = x[kXJointRate + j];
+    to[kXJoint + j] = x[kXJoint + j] + time * x[kXJointRate + j];
+  }
+}
+
+/// x_next: the middle of a step of h with these changes of velocity, then the half that is left.
+template <class T>
+inline void finish(const T* middle, double h, const T (&R_world_base)[3][3], const T* dv_base,
+                   const T (&d_rate)[kNumFeet][6], T* x_next) {
+  T x[kNx];
+  for (int i = 0; i < kNx; ++i) x[i] = middle[i];
+  for (int i = 0; i < 3; ++i) {
+    x[kXVel + i] += dot(R_world_base[i], dv_base);
+    x[kXOmega + i] += dv_base[3 + i];
+  }
   for (int l = 0; l < kNumFeet; ++l)
     for (int j = 0; j < kLegJoints; ++j) {
       const int joint = l * kLegJoints + j;
-      const T rate =
-          x[kXJointRate + joint] + static_cast<double>(kOp3Joints[joint].sign) * d_rate[l][j];
-      x_next[kXJointRate + joint] = rate;
-      x_next[kXJoint + joint] = x[kXJoint + joint] + h * rate;
+      x[kXJointRate + joint] += static_cast<double>(kOp3Joints[joint].sign) * d_rate[l][j];
     }
+  drift(x, 0.5 * h, x_next);
 }
 
-/// Everything of a step but contact: factors, soles' inverse inertias and their twists without
-/// contact.
+/// Everything of a step but contact, at its middle: factors, soles' inverse inertias and their
+/// twists without contact.
 template <class T>
 inline void free_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
                       double h, StepWork<T>& w) {
@@ -333,11 +352,13 @@ inline void free_step(const StepModel& model, const Ground& ground, const T* x, 
 template <class T>
 inline void single_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
                         double h, T* x_next, StepScratch<T>& scratch, StepWork<T>& w) {
-  free_step(model, ground, x, u, h, w);
+  T middle[kNx];
+  drift(x, 0.5 * h, middle);
+  free_step(model, ground, middle, u, h, w);
   solve_contact(model, h, w, scratch);
   report_contact(model, h, w, scratch);
   velocity_change(w, w.dv_base, w.d_rate);
-  integrate(x, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
+  finish(middle, h, w.R_world_base, w.dv_base, w.d_rate, x_next);
 }
 
 /// f_A: the state after h [s] with the targets u [rad] held, in `substeps` equal implicit steps.

@@ -11,7 +11,7 @@ template <class T>
 struct StepScratch {
   // N s: impulses of the last substep; contact axes (forward, across, normal)
   T lambda[kNumFeet][kCornersPerFoot][3] = {};
-  T gap[kNumFeet][kCornersPerFoot] = {};                 // m, at the beginning of the last substep
+  T gap[kNumFeet][kCornersPerFoot] = {};                 // m, at the middle of the last substep
   T corner_velocity[kNumFeet][kCornersPerFoot][3] = {};  // m/s at its end, contact axes
   // begin the contact solver from `lambda` instead of from zero
   bool warm_start = false;

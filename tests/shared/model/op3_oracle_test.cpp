@@ -25,7 +25,7 @@ constexpr double kStep = 0.06;
 using Velocity = Eigen::Matrix<double, kNv, 1>;
 
 // Servos without stiffness, damping and rotor: the step's velocity change is then h times the free
-// acceleration, exactly.
+// acceleration at its middle, exactly.
 ModelParameters limp_parameters() {
   ModelParameters theta = nominal_parameters();
   for (auto& servo : theta.servo)
@@ -59,12 +59,13 @@ TEST(Op3Oracle, FreeAccelerationAgreesWithTreeAndMujoco) {
   for (int k = 0; k < kStates; ++k) {
     const State x = state_in_the_air(rng);
     const Velocity ours = free_acceleration(model, x);
-    ASSERT_EQ(
-        forward_dynamics(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), scratch, dv),
-        Status::ok);
+    const State middle = drifted(x, 0.5 * kStep);
+    ASSERT_EQ(forward_dynamics(tree, middle.head<kNq>(), middle.tail<kNv>(), TreeVector::Zero(kNv),
+                               scratch, dv),
+              Status::ok);
     expect_close(ours, dv, "tree", k);
-    std::copy_n(x.data(), kNq, mj.data->qpos);
-    std::copy_n(x.data() + kNq, kNv, mj.data->qvel);
+    std::copy_n(middle.data(), kNq, mj.data->qpos);
+    std::copy_n(middle.data() + kNq, kNv, mj.data->qvel);
     mj_forward(mj.model.get(), mj.data.get());
     expect_close(ours, Eigen::Map<Velocity>(mj.data->qacc), "MuJoCo", k);
   }
@@ -80,8 +81,9 @@ Mat3 contact_axes(const Kinematics& kin, int foot) {
   return axes;
 }
 
-// The step's own equation, every term from other code:
-// (M + armature + h D + h^2 K) dv = h (K (u - q) - bias) - (h D + h^2 K) v + sum J' lambda
+// The step's own equation at its middle q = q0 + h/2 v, every term from other code:
+// (M + armature + h/2 D + h^2/4 K) dv = h (K (u - q) - D v - bias) + sum J' lambda,
+// q' = q + h/2 (v + dv)
 TEST(Op3Oracle, StepObeysItsEquationWithContact) {
   std::mt19937 rng(kSeed + 1);
   const ModelParameters theta = nominal_parameters();
@@ -98,21 +100,24 @@ TEST(Op3Oracle, StepObeysItsEquationWithContact) {
     State next;
     analytical_step(model, make_plane(), x.data(), u.data(), kStep, 1, next.data(), scratch);
     const Velocity dv = (next - x).segment<kNv>(kXVel);
+    const State middle = drifted(x, 0.5 * kStep);
+    State end = middle;
+    end.tail<kNv>() += dv;
+    expect_close(next, drifted(end, 0.5 * kStep), "way", k);
 
-    crba(tree, x.head<kNq>(), tree_scratch, M);
-    rnea(tree, x.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), tree_scratch, bias);
+    crba(tree, middle.head<kNq>(), tree_scratch, M);
+    rnea(tree, middle.head<kNq>(), x.tail<kNv>(), TreeVector::Zero(kNv), tree_scratch, bias);
     Velocity right = -kStep * bias;
     for (int j = 0; j < kNumJoints; ++j) {
       const ServoParameters& servo = theta.servo[j];
-      const double error = u[j] - x[kXJoint + j];
+      const double error = u[j] - middle[kXJoint + j];
       // full duty: secant
       const double stiffness = std::min(servo.stiffness, servo.torque_limit / std::abs(error));
-      const double implicit = kStep * servo.damping + kStep * kStep * stiffness;
-      M(6 + j, 6 + j) += implicit;
-      right[6 + j] += kStep * stiffness * error - implicit * x[kXJointRate + j];
+      M(6 + j, 6 + j) += 0.5 * kStep * servo.damping + 0.25 * kStep * kStep * stiffness;
+      right[6 + j] += kStep * (stiffness * error - servo.damping * x[kXJointRate + j]);
     }
     Kinematics kin;
-    forward_kinematics(x, kin);
+    forward_kinematics(middle, kin);
     for (int f = 0; f < kNumFeet; ++f)
       for (int c = 0; c < kCornersPerFoot; ++c) {
         const Vec3 lambda(scratch.lambda[f][c]);

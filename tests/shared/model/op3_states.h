@@ -34,6 +34,13 @@ inline State state_in_the_air(std::mt19937& rng) {
   return x;
 }
 
+/// x after `time` s with its velocities as they are.
+inline State drifted(const State& x, double time) {
+  Tangent way = Tangent::Zero();
+  way.head<kNv>() = time * x.tail<kNv>();
+  return plus(x, way);
+}
+
 inline Input random_input(std::mt19937& rng, const State& x) {
   std::normal_distribution<double> normal;
   Input u = joints(x);

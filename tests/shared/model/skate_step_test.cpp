@@ -137,11 +137,13 @@ TEST_F(SkateStep, NeighboursAndHeldStepsAreItsDifferences) {
     ContactLanes contact;
     NominalStep nominal;
     State xs[kLanes];
-    // lane 0: the nominal point; even lanes: any direction; odd ones: height and velocities only
+    // lane 0: the nominal point; even lanes: any direction; odd ones: height and velocities only,
+    // seen at the middle of the step
     for (int lane = 0; lane < kLanes; ++lane) {
       Tangent d = lane == 0 ? Tangent::Zero() : random_tangent(rng, eps, eps, eps, eps, eps, eps);
       if (lane % 2 == 1) d.head<2>().setZero(), d.segment<kNv - 3>(kDTheta).setZero();
-      xs[lane] = plus(x0, d);
+      xs[lane] =
+          lane % 2 == 0 ? plus(x0, d) : drifted(plus(drifted(x0, 0.5 * kStep), d), -0.5 * kStep);
       for (int i = 0; i < kNx; ++i) x.v[i][lane] = x0[i];
       for (int i = 0; i < kNu; ++i) u.v[i][lane] = u0[i];
     }

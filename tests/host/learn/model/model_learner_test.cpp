@@ -43,8 +43,9 @@ TEST(ModelLearner, IdentifiesAroundTheModelThatItWasGiven) {
   EXPECT_NEAR(start.loss, start.loss_initial, 1e-9 * start.loss_initial);
 }
 
+constexpr double kOffset = 0.05;  // rad: what no parameter can say, and a network can
+
 TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
-  constexpr double kOffset = 0.05;
   ModelLearner learner({}, weights(), {}, kSeed);
   ASSERT_TRUE(learner.learn(episodes(8, kOffset)).residual_kept);
   EXPECT_FALSE(learner.current().residual.has_value());
@@ -57,10 +58,10 @@ TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
 
 TEST(ModelLearner, ANetworkThatNoLongerHoldsIsPutAside) {
   ModelLearner learner({}, weights(), {}, kSeed);
-  ASSERT_TRUE(learner.learn(episodes(8)).residual_kept);
+  ASSERT_TRUE(learner.learn(episodes(8, kOffset)).residual_kept);
   learner.set_residual_trust({.share = 1.0});
-  // another robot stands for data that the network has not seen
-  const Episode moved_on = episode_of_world(10, 1.3);
+  // another robot, whose knees are where they are believed to be
+  const Episode moved_on = episode_of_world(11, 0.7, 0.0);
   const ModelLosses with = learner.losses(moved_on).value();
   ASSERT_GT(with.augmented, with.analytical) << "the premise: here the network is worse than none";
   learner.judge_residual(moved_on);
