@@ -88,14 +88,28 @@ ModelLearner::Start ModelLearner::begin_at(const Eigen::VectorXd& z,
                                            const std::vector<PredictionWindow>& windows) {
   Start start;
   if (windows.empty()) return start;
-  host::AugmentedModel m = initial_;
-  m.analytical = model::make_step_model(map_.parameters(z));
-  m.analytical.contact = initial_.analytical.contact;
   start.loss_initial = n_step_loss(windows, initial_.analytical, initial_.ground, weights_);
-  start.loss = n_step_loss(windows, m.analytical, m.ground, weights_);
+  start.loss = loss_at(z, windows);
   start.used = start.loss < start.loss_initial;
   if (start.used) z_ = z;
   return start;
+}
+
+std::optional<double> ModelLearner::begin_damped(const std::vector<PredictionWindow>& windows,
+                                                 const DampingOfMovesSettings& settings) {
+  const std::vector<PredictionWindow> moves = moves_of(windows, settings.moving_rad);
+  if (moves.empty()) return std::nullopt;
+  const auto loss = [&](const Eigen::VectorXd& z) { return loss_at(z, moves); };
+  const double damping = best_damping(map_, z_, loss, settings);
+  z_[damping_entry(map_)] = damping;
+  return damping;
+}
+
+double ModelLearner::loss_at(const Eigen::VectorXd& z,
+                             const std::vector<PredictionWindow>& windows) const {
+  model::StepModel analytical = model::make_step_model(map_.parameters(z));
+  analytical.contact = initial_.analytical.contact;
+  return n_step_loss(windows, analytical, initial_.ground, weights_);
 }
 
 /// The newest episodes that have something to learn from: not those that fell at once.

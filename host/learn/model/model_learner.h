@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "host/learn/model/damping_of_moves.h"
 #include "host/learn/model/identify.h"
 #include "host/learn/model/residual_training.h"
 #include "host/learn/model/residual_trust.h"
@@ -107,6 +108,10 @@ class ModelLearner {
   };
   /// Before any round: begins at `z`, when it predicts `windows` better than the initial model.
   Start begin_at(const Eigen::VectorXd& z, const std::vector<PredictionWindow>& windows);
+  /// After that: the damping that predicts those of `windows` best in which the robot moves, all
+  /// else as it is. Returns it in prior deviations; nothing, and no change, when none does.
+  std::optional<double> begin_damped(const std::vector<PredictionWindow>& windows,
+                                     const DampingOfMovesSettings& settings);
 
   /// Learns from the newest of `episodes` (ascending); from those that failed also what came before
   /// the fall, however short, and the hold before the trial. Fewer than two usable episodes:
@@ -135,6 +140,7 @@ class ModelLearner {
   struct Data {
     std::vector<PredictionWindow> train, heldout;
   };
+  double loss_at(const Eigen::VectorXd& z, const std::vector<PredictionWindow>& windows) const;
   std::vector<Episode> usable(const std::vector<Episode>& all) const;
   Data split(const std::vector<Episode>& episodes) const;
   void identify_parameters(const Data& data, LearningRound& round);

@@ -147,16 +147,17 @@ HeldPoses hold_poses(link::RobotLink& robot, const BringUpSettings& settings,
   return held;
 }
 
-BringUpModel begin_with(const HeldPoses& held, const StaticBalanceSettings& settings,
+BringUpModel begin_with(const HeldPoses& held, const BringUpSettings& settings,
                         ModelLearner& learner) {
   BringUpModel out;
   if (held.poses.empty()) return out;
-  const StaticBalance balance = balance_of(held.poses, learner.parameters(), settings);
+  const StaticBalance balance = balance_of(held.poses, learner.parameters(), settings.balance);
   const std::vector<PredictionWindow> windows =
       cut_windows_of(held.seen, 0, kUprightTilt_rad, kTicksPerStep);
   out.start = learner.begin_at(balance.z(learner.parameters()), windows);
+  out.damping = learner.begin_damped(windows, settings.moves);
   out.friction_Nm = balance.friction_Nm;
-  out.figures = figures_of(balance, learner.parameters(), settings);
+  out.figures = figures_of(balance, learner.parameters(), settings.balance);
   return out;
 }
 
@@ -167,7 +168,9 @@ void write_bring_up(const std::filesystem::path& path, const HeldPoses& held,
                              {"used", model.start.used},
                              {"loss", model.start.loss},
                              {"loss_initial", model.start.loss_initial},
+                             {"damping_prior_deviations", nullptr},
                              {"friction_Nm", model.friction_Nm}};
+  if (model.damping) out["damping_prior_deviations"] = *model.damping;
   for (const StaticFigure& f : model.figures)
     out["figures"].push_back({{"name", f.name},
                               {"unit", f.unit},

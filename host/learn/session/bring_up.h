@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct BringUpSettings {
   double still_rad_s = 0.5;
   double lean_limit_rad = 0.35;
   StaticBalanceSettings balance;
+  DampingOfMovesSettings moves;
 
   constexpr void visit(auto&& field) {
     field("on", on, "yes or no", false, true,
@@ -43,6 +45,7 @@ struct BringUpSettings {
     field("lean_limit_rad", lean_limit_rad, "rad", 0.05, 1.0,
           "a trunk that leans more in a pose ends the bring-up: the next might make it fall");
     balance.visit(field);
+    moves.visit(field);
   }
 };
 
@@ -75,12 +78,15 @@ HeldPoses hold_poses(link::RobotLink& robot, const BringUpSettings& settings,
 /// What became of them.
 struct BringUpModel {
   ModelLearner::Start start;  // N-step losses on what was seen from pose to pose
-  double friction_Nm = 0.0;   // that the joints at rest leaned on
+  // on the ways between the poses, in prior deviations; none: nothing moved
+  std::optional<double> damping;
+  double friction_Nm = 0.0;  // that the joints at rest leaned on
   std::vector<StaticFigure> figures;
 };
 
-/// The model that fits the poses; `learner` begins with it when it predicts what was seen better.
-BringUpModel begin_with(const HeldPoses& held, const StaticBalanceSettings& settings,
+/// The model that fits the poses; `learner` begins with it when it predicts what was seen better,
+/// and with the damping that the ways between them show.
+BringUpModel begin_with(const HeldPoses& held, const BringUpSettings& settings,
                         ModelLearner& learner);
 
 /// All of it as JSON, for people; nothing reads it back.

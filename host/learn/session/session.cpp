@@ -196,7 +196,7 @@ void Session::bring_up() {
   link::RobotLink& link =
       robot_.place(shifted_stand({}), derived_seed(settings_.seed, 0, Stream::bring_up));
   const HeldPoses held = hold_poses(link, settings_.bring_up, settings_.trial);
-  const BringUpModel model = begin_with(held, settings_.bring_up.balance, learner_);
+  const BringUpModel model = begin_with(held, settings_.bring_up, learner_);
   state_->robot = robot_.condition();
   learner_.save(model_file(settings_.out, 0));
   upper_.set_model(learner_.current());
