@@ -8,9 +8,7 @@ namespace {
 constexpr ServoParameters kXm430{
     .stiffness =
         13.2,  // 4.1 N m x 560 / 128 x 651.9 / 885 duty per rad   [XM430 data sheet, P gain 560]
-    // 0.85 back-EMF (4.1 N m at stall, 4.82 rad/s without load) + 0.15 viscous + 0.4 for what the
-    // model has not: dry friction and delays, a lag to joints that follow their targets
-    .damping = 1.4,
+    .damping = 1.0,    // 0.85 back-EMF (4.1 N m at stall, 4.82 rad/s without load) + 0.15 viscous
     .armature = 0.03,  // middle of the plausible interval 0.012 .. 0.045
     .coulomb =
         0.0,  // dry friction switches sign inside a step: left to the residual model by default

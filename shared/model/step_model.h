@@ -32,8 +32,7 @@ struct ModelParameters {
 };
 
 /// OP3 figures; XM430-W350 at 12 V with the position gain register at 560.
-/// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous + 0.4 for
-/// dry friction and delays (docs/decisions/2026-11-27-midpoint-step.md).
+/// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
 ModelParameters nominal_parameters();
 /// The same on skates: their mass, rolling friction 0.02 (small plastic wheels) and urethane's 0.6
 /// across.

@@ -1,6 +1,7 @@
 // A robot that falls before its trial: the session goes on, keeps what it saw and learns from it.
 #include "firmware/exchange/faults.h"
 #include "host/learn/model/prediction.h"
+#include "host/learn/session/bring_up.h"
 #include "tests/loop/support/loop_fixture.h"
 #include "tests/support/temp_folder.h"
 
@@ -98,8 +99,18 @@ std::array<float, 2> risen(const learn::Episode& episode) {
   return most;
 }
 
+/// The planner begins with what bring-up shows, as in a session.
+void bring_up(Loop& loop) {
+  link::RobotLink& robot = loop.access.place(learn::shifted_stand({}), 1);
+  const learn::HeldPoses held = learn::hold_poses(robot, {}, {});
+  learn::ModelLearner learner({}, loop.setup.weights.state, {}, 1);
+  EXPECT_TRUE(learn::begin_with(held, {}, learner).start.used);
+  loop.upper.set_model(learner.current());
+}
+
 TEST(Rescue, BothFeetOfASoftRobotLeaveTheFloorInItsFirstTrial) {
   Loop loop("sidestep", "honest:102");  // servos of 0.57 of the stiffness believed, with play
+  bring_up(loop);
   const std::array<float, 2> feet = risen(loop.run(1));
   for (const float highest : feet) EXPECT_GT(highest, 0.010F);  // what one_leg calls lifted
 }

@@ -28,15 +28,15 @@ double found(double times, const DampingOfMovesSettings& settings = {}) {
 TEST(DampingOfMoves, IsFoundWhereItIsKnown) {
   DampingOfMovesSettings settings;
   settings.highest_damping = 2.5;
-  for (const double times : {0.6, 0.85, 1.0, 1.5}) {
+  for (const double times : {0.85, 1.0, 1.5}) {
     const double deviations = std::log(times) / ParameterPrior{}.log_damping;
     EXPECT_NEAR(found(times, settings), deviations, 0.05) << times << " times the initial model's";
   }
 }
 
-TEST(DampingOfMoves, AFreerDriveIsBelievedASlowerOneIsNot) {
+TEST(DampingOfMoves, StaysInsideItsBounds) {
   const DampingOfMovesSettings settings;
-  EXPECT_NEAR(found(4.0), 0.0, 0.02);
+  EXPECT_NEAR(found(4.0), settings.highest_damping, 0.02);
   EXPECT_NEAR(found(0.3), settings.lowest_damping, 0.02);
 }
 
