@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "shared/model/foot_shape.h"
 #include "shared/model/ground.h"
@@ -14,8 +13,7 @@ namespace sanso::inprocess {
 
 class Carriage {
  public:
-  Carriage(model::Ground ground, double strength)
-      : ground_(std::move(ground)), strength_(strength) {}
+  Carriage(const model::Ground& ground, double strength) : ground_(ground), strength_(strength) {}
 
   /// The first call finds the torso.
   emulator::Support beside(const emulator::Truth& truth) {
