@@ -118,11 +118,13 @@ Json model_json(const model::ModelParameters& theta) {
     servos.push_back({{"stiffness_Nm_per_rad", s.stiffness},
                       {"damping_Nms_per_rad", s.damping},
                       {"armature_kgm2", s.armature},
-                      {"coulomb_Nm", s.coulomb}});
+                      {"coulomb_Nm", s.coulomb},
+                      {"zero_rad", s.zero}});
   return {{"bodies", bodies},
           {"servos", servos},
           {"friction_forward", theta.friction_forward},
-          {"friction_sideways", theta.friction_sideways}};
+          {"friction_sideways", theta.friction_sideways},
+          {"ground_height_m", theta.ground_height}};
 }
 
 Json answer_of(const IdentifyOptions& options, const IdentificationData& data,

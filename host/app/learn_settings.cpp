@@ -114,6 +114,8 @@ const std::vector<Profile>& profiles() {
         {"model.failures_teach=false", "trajectories of N steps; a hold is no motion data"},
         {"model.held_out_decides=false", "nothing is held out"},
         {"model.trust_by_trials=false", "the network is used as trained"},
+        {"model.set_up=false", "theta are masses, inertias, servos and friction"},
+        {"identify.refine_steps=0", "the search is by samples"},
         {"identify.prior_weight=0", "only the N-step loss is minimised"}}}};
   return all;
 }

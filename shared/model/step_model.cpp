@@ -77,6 +77,7 @@ StepModel make_step_model(const ModelParameters& theta) {
   for (int j = 0; j < kNumJoints; ++j) model.servo[j] = theta.servo[j];
   model.friction_forward = theta.friction_forward;
   model.friction_sideways = theta.friction_sideways;
+  model.ground_height = theta.ground_height;
   model.gravity_world[2] = -kGravity_m_s2;
   model.contact = ContactSettings{};
   model.foot = theta.foot;

@@ -18,16 +18,19 @@ struct ServoParameters {
   double armature;      // kg m^2, rotor inertia seen at the output
   double coulomb;       // N m, dry friction
   double torque_limit;  // N m, stall torque at full duty
+  double zero = 0.0;    // rad, reads so much more than its joint's angle: a horn put on by hand
 };
 
 inline constexpr double kGravity_m_s2 = 9.81;  // downwards
 
-/// theta: what identification may change. The geometry is fixed.
+/// theta: what identification may change. The links' lengths are fixed.
 struct ModelParameters {
   BodyInertia body[kNumBodies];
   ServoParameters servo[kNumJoints];
   double friction_forward;   // along the foot's x axis (rolling direction of a skate), -
   double friction_sideways;  // across it, -
+  // m, of the ground in the heights that the robot is told: camera, soles, what lies on the floor
+  double ground_height = 0.0;
   FootShape foot = kSoles;
 };
 
@@ -63,6 +66,7 @@ struct StepModel {
   ServoParameters servo[kNumJoints];
   double friction_forward;
   double friction_sideways;
+  double ground_height;     // m
   double gravity_world[3];  // m/s^2
   ContactSettings contact;
   FootShape foot;

@@ -55,8 +55,9 @@ Identification identify(const std::vector<PredictionWindow>& all_windows, const 
     advance_cross_entropy(state, settings.search, seed, evaluate);
     if (run.after_generation && !run.after_generation(state)) break;
   }
-  return {map.parameters(state.best), state.best, loss_initial, loss_of(state.best),
-          state.generation};
+  const Eigen::VectorXd z = refined({windows, map, ground, weights}, prior, state.best,
+                                    settings.refine, settings.threads);
+  return {map.parameters(z), z, loss_initial, loss_of(z), state.generation};
 }
 
 }  // namespace sanso::learn

@@ -1,7 +1,8 @@
 // Identification of the analytical model: parameters near the initial ones that predict the
-// recordings best over N steps. Cross-entropy method on the N-step loss in W_x (paper, eq. 6);
-// every candidate is physically consistent. From positions and velocities alone the common scale of
-// all masses, stiffnesses and damping is not determined; the prior keeps it near the initial model.
+// recordings best over N steps. Cross-entropy method on the N-step loss in W_x (paper, eq. 6), then
+// Gauss-Newton (refine.h); every candidate is physically consistent. From positions and velocities
+// alone the common scale of all masses, stiffnesses and damping is not determined; the prior keeps
+// it near the initial model.
 #pragma once
 
 #include <functional>
@@ -10,17 +11,20 @@
 #include "host/learn/model/cross_entropy.h"
 #include "host/learn/model/parameter_map.h"
 #include "host/learn/model/prediction.h"
+#include "host/learn/model/refine.h"
 
 namespace sanso::learn {
 
 struct IdentifySettings {
   CrossEntropySettings search;
+  RefineSettings refine;
   double prior_weight = 0.02;
   int max_windows = 240;
   int threads = 2;
 
   constexpr void visit(auto&& field) {
     search.visit(field);
+    refine.visit(field);
     field("prior_weight", prior_weight, "1", 0.0, 10.0,
           "of |z|^2 / size, relative to the initial model's loss: ties go to the initial model");
     field("max_windows", max_windows, "windows", 8, 1000000,

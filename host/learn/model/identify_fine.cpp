@@ -98,11 +98,13 @@ std::vector<FineWindow> fine_windows_of(const Episode& episode, int first_tick, 
   return out;
 }
 
-FineIdentification identify_fine(const std::vector<FineWindow>& all, const ParameterMap& map,
+FineIdentification identify_fine(const std::vector<FineWindow>& all, const ParameterMap& whole,
                                  const model::Ground& ground, std::uint64_t seed) {
   if (all.empty())
     throw std::invalid_argument(
         "identification at 10 ms: no window of 0.1 s without a gap; record longer trials");
+  // 0.1 s shows servos, not how the robot was put together
+  const ParameterMap map = whole.with(as_drawn(whole.prior()));
   const std::vector<FineWindow> windows = thinned(all);
   const model::Tangent weights = fine_weights();
   const Eigen::Index n = map.size();

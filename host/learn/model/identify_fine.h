@@ -25,7 +25,8 @@ struct FineIdentification {
   double loss_initial = 0.0, loss = 0.0;
 };
 
-/// Around the nominal parameters. Throws std::invalid_argument when there are no windows.
+/// Around the nominal parameters, of a robot put together as drawn. Throws std::invalid_argument
+/// when there are no windows.
 FineIdentification identify_fine(const std::vector<FineWindow>& windows, const ParameterMap& map,
                                  const model::Ground& ground, std::uint64_t seed);
 

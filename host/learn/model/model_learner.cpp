@@ -39,7 +39,8 @@ ModelLearner::ModelLearner(const host::AugmentedModel& initial, const model::Tan
       seed_(seed),
       map_(settings.origin                  ? *settings.origin
            : initial.analytical.foot.wheels ? model::skating_parameters()
-                                            : model::nominal_parameters()),
+                                            : model::nominal_parameters(),
+           settings.set_up ? ParameterPrior{} : as_drawn(ParameterPrior{})),
       z_(Eigen::VectorXd::Zero(map_.size())) {}
 
 host::AugmentedModel ModelLearner::current() const {
@@ -103,6 +104,18 @@ std::optional<double> ModelLearner::begin_damped(const std::vector<PredictionWin
   const double damping = best_damping(map_, z_, loss, settings);
   z_[damping_entry(map_)] = damping;
   return damping;
+}
+
+std::optional<double> ModelLearner::begin_refined(const std::vector<PredictionWindow>& windows) {
+  if (windows.empty()) return std::nullopt;
+  const IdentifySettings& settings = settings_.identify;
+  const std::vector<PredictionWindow> some =
+      thinned(windows, static_cast<std::size_t>(settings.max_windows));
+  const double loss_initial = n_step_loss(some, initial_.analytical, initial_.ground, weights_);
+  const double prior = settings.prior_weight * loss_initial / static_cast<double>(map_.size());
+  z_ = refined({some, map_, initial_.ground, weights_}, prior, z_, settings.refine,
+               settings.threads);
+  return loss_at(z_, windows);
 }
 
 double ModelLearner::loss_at(const Eigen::VectorXd& z,

@@ -37,6 +37,7 @@ struct ModelLearningSettings {
   bool failures_teach = true;
   bool held_out_decides = true;
   bool trust_by_trials = true;
+  bool set_up = true;
   // of the initial model, around which is identified; nothing: the planner's own figures
   std::optional<model::ModelParameters> origin;
 
@@ -63,6 +64,8 @@ struct ModelLearningSettings {
     field(
         "trust_by_trials", trust_by_trials, "yes or no", false, true,
         "a new network is followed by quarters, as trials bear it out; no: whole at once (paper)");
+    field("set_up", set_up, "yes or no", false, true,
+          "zeros of the joints and height of the ground are found too; no: as drawn (paper)");
   }
 };
 
@@ -112,6 +115,10 @@ class ModelLearner {
   /// else as it is. Returns it in prior deviations; nothing, and no change, when none does.
   std::optional<double> begin_damped(const std::vector<PredictionWindow>& windows,
                                      const DampingOfMovesSettings& settings);
+
+  /// After that: all parameters by Gauss-Newton on `windows`, from where they are. Returns their
+  /// N-step loss then; nothing, and no change, without windows.
+  std::optional<double> begin_refined(const std::vector<PredictionWindow>& windows);
 
   /// Learns from the newest of `episodes` (ascending); from those that failed also what came before
   /// the fall, however short, and the hold before the trial. Fewer than two usable episodes:

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/learn/model/pseudo_inertia.h"
+#include "shared/model/joints.h"
 
 namespace sanso::learn {
 namespace {
@@ -42,6 +43,10 @@ ParameterMap::ParameterMap(const model::ModelParameters& initial, const Paramete
     names_.emplace_back(name);
   }
   if (initial.foot.wheels) names_.emplace_back("wheels:rolling");
+  if (prior.zero_rad > 0.0)
+    for (const model::JointInfo& joint : model::kJoints)
+      names_.push_back(std::string("zero:") + joint.name);
+  if (prior.ground_height_m > 0.0) names_.emplace_back("ground:height");
 }
 
 model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const {
@@ -73,6 +78,10 @@ model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const 
   const double friction = read.factor(prior_.log_friction);
   theta.friction_forward *= initial_.foot.wheels ? read.factor(prior_.log_rolling) : friction;
   theta.friction_sideways *= friction;
+
+  if (prior_.zero_rad > 0.0)
+    for (model::ServoParameters& servo : theta.servo) servo.zero += read.next(prior_.zero_rad);
+  if (prior_.ground_height_m > 0.0) theta.ground_height += read.next(prior_.ground_height_m);
   return theta;
 }
 

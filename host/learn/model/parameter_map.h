@@ -27,7 +27,16 @@ struct ParameterPrior {
   double log_leg_mass = 0.03;    // all leg bodies alike, shape kept
   double log_friction = 0.3;     // of the ground
   double log_rolling = 0.7;      // of wheels along their way: 0.005 .. 0.03 is what there is
+  // how the robot was put together and placed, last in z; 0: left as drawn, with no entry
+  double zero_rad = 0.0122;        // of each joint: 0.7 deg, a horn put on by hand
+  double ground_height_m = 0.003;  // plates, rubber, a camera's own origin
 };
+
+/// The same without entries for how the robot was put together.
+constexpr ParameterPrior as_drawn(ParameterPrior prior) {
+  prior.zero_rad = prior.ground_height_m = 0.0;
+  return prior;
+}
 
 /// z (size()) to parameters and back; holds the initial parameters.
 class ParameterMap {
@@ -35,6 +44,9 @@ class ParameterMap {
   explicit ParameterMap(const model::ModelParameters& initial, const ParameterPrior& prior = {});
   /// How many numbers a z has; each is in prior deviations, 0: as initially.
   Eigen::Index size() const { return static_cast<Eigen::Index>(names_.size()); }
+  const ParameterPrior& prior() const { return prior_; }
+  /// Around the same initial parameters, with other deviations.
+  ParameterMap with(const ParameterPrior& prior) const { return ParameterMap(initial_, prior); }
   const std::vector<std::string>& names() const { return names_; }
   /// Physically consistent for every finite z.
   model::ModelParameters parameters(const Eigen::VectorXd& z) const;

@@ -177,6 +177,29 @@ double n_step_loss(const std::vector<PredictionWindow>& windows, const model::St
   return std::isfinite(loss) ? loss : std::numeric_limits<double>::infinity();
 }
 
+Eigen::MatrixXd n_step_errors(const std::vector<PredictionWindow>& windows,
+                              const model::StepModel& step_model, const model::Ground& ground,
+                              const model::Tangent& weights) {
+  Eigen::Index steps = 0;
+  std::vector<Eigen::Index> first_column;
+  for (const PredictionWindow& w : windows) {
+    first_column.push_back(steps);
+    steps += w.steps;
+  }
+  Eigen::MatrixXd errors(model::kNdx, steps);
+  const model::Tangent scale = (weights / static_cast<double>(steps)).cwiseSqrt();
+  for (std::size_t first = 0; first < windows.size(); first += kLanes) {
+    const int lanes = static_cast<int>(std::min<std::size_t>(kLanes, windows.size() - first));
+    predict_group(&windows[first], lanes, step_model, ground, nullptr,
+                  [&](int lane, int k, const model::State& x) {
+                    const std::size_t window = first + static_cast<std::size_t>(lane);
+                    errors.col(first_column[window] + k) =
+                        scale.cwiseProduct(model::minus(windows[window].x[k + 1], x));
+                  });
+  }
+  return errors;
+}
+
 std::vector<model::State> predicted(const PredictionWindow& window,
                                     const model::StepModel& step_model, const model::Ground& ground,
                                     const host::ResidualNetwork* residual) {

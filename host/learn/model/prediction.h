@@ -57,6 +57,12 @@ double n_step_loss(const std::vector<PredictionWindow>& windows, const model::St
                    const model::Ground& ground, const model::Tangent& weights,
                    const host::ResidualNetwork* residual = nullptr);
 
+/// The errors whose squares it is the sum of, sqrt(W / steps) (x ⊖ x̂): (36 x all steps of all
+/// windows). Not finite where a prediction is not.
+Eigen::MatrixXd n_step_errors(const std::vector<PredictionWindow>& windows,
+                              const model::StepModel& model, const model::Ground& ground,
+                              const model::Tangent& weights);
+
 /// One prediction, step by step (for figures): (N + 1) states, the first is window.x[0].
 std::vector<model::State> predicted(const PredictionWindow& window, const model::StepModel& model,
                                     const model::Ground& ground,

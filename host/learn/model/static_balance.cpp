@@ -25,7 +25,6 @@ constexpr int kTilts = 4;  // IMU roll, pitch; floor roll, pitch
 
 /// What is not of the model itself, in its units.
 struct Placement {
-  model::Input zero_offset_rad;
   Vec3 imu_tilt_rad = Vec3::Zero();
   Vec3 floor_tilt_rad = Vec3::Zero();
   model::Input leaning_Nm = model::Input::Zero();
@@ -34,18 +33,17 @@ struct Placement {
 Placement placement_of(const Eigen::VectorXd& p, Eigen::Index first,
                        const StaticBalanceSettings& s) {
   Placement out;
-  out.zero_offset_rad = s.zero_offset_rad * p.segment<model::kNumJoints>(first);
-  const Eigen::Index tilts = first + model::kNumJoints;
-  out.imu_tilt_rad.head<2>() = s.imu_tilt_rad * p.segment<2>(tilts);
-  out.floor_tilt_rad.head<2>() = s.floor_tilt_rad * p.segment<2>(tilts + 2);
-  out.leaning_Nm = s.leaning_Nm * p.segment<model::kNumJoints>(tilts + kTilts);
+  out.imu_tilt_rad.head<2>() = s.imu_tilt_rad * p.segment<2>(first);
+  out.floor_tilt_rad.head<2>() = s.floor_tilt_rad * p.segment<2>(first + 2);
+  out.leaning_Nm = s.leaning_Nm * p.segment<model::kNumJoints>(first + kTilts);
   return out;
 }
 
-/// The robot as it stands when the figures of `placement` are true.
-model::State true_state(const model::State& reported, const Placement& placement) {
+/// The robot as it stands when the figures of `model` and `placement` are true.
+model::State true_state(const model::State& reported, const model::StepModel& model,
+                        const Placement& placement) {
   model::State x = reported;
-  x.segment<model::kNumJoints>(model::kXJoint) -= placement.zero_offset_rad;
+  for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJoint + j] -= model.servo[j].zero;
   x.segment<4>(model::kXQuat) =
       math::quat_plus(model::base_quat(reported), -placement.imu_tilt_rad);
   return x;
@@ -101,7 +99,7 @@ Eigen::Matrix<double, kEquations, 1> residuals_of(const HeldPose& pose,
                                                   const model::StepModel& model,
                                                   const Placement& placement) {
   model::Kinematics kin;
-  model::forward_kinematics(true_state(pose.x, placement), kin);
+  model::forward_kinematics(true_state(pose.x, model, placement), kin);
   const auto rates = rates_with_feet_in_place(kin);
   model::Input torque;  // the servo knows its own zero: reported angle against target
   for (int j = 0; j < model::kNumJoints; ++j)
@@ -127,7 +125,7 @@ class Problem {
       unit_friction_.push_back(spread.llt().matrixL());
     }
   }
-  Eigen::Index size() const { return map_.size() + 2 * model::kNumJoints + kTilts; }
+  Eigen::Index size() const { return map_.size() + model::kNumJoints + kTilts; }
 
   /// Over their expected errors; joints at rest lean on `friction_Nm` each.
   Eigen::VectorXd residuals(const Eigen::VectorXd& p, double friction_Nm) const {

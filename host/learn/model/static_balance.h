@@ -7,8 +7,8 @@
 //             of the ground stands in it, however the two feet share the weight
 //   soles     are parallel to the floor and equally high: five equations
 //
-// Unknown are the parameters of identification (ParameterMap), a zero offset for every joint, a
-// tilt of the IMU in the trunk and one of the floor; all with their priors, by Gauss-Newton.
+// Unknown are the parameters of identification (ParameterMap; joint zeros are among them), a tilt
+// of the IMU in the trunk and one of the floor; all with their priors, by Gauss-Newton.
 // Standing shows no scale of forces: stiffness over mass is found, neither of them. Nor does it
 // tell offsets apart that lie on one axis, tilts of IMU and floor, or how turned a foot is: what is
 // found is their sum, shared out by the priors.
@@ -33,7 +33,6 @@ struct HeldPose {
 struct StaticBalanceSettings {
   double friction_Nm = 0.1;
   double leaning_Nm = 0.1;
-  double zero_offset_rad = 0.0122;
   double imu_tilt_rad = 0.006;
   double floor_tilt_rad = 0.009;
   double sole_rad = 0.004;
@@ -45,8 +44,6 @@ struct StaticBalanceSettings {
         "a joint that has come to rest may lean on so much dry friction; the scatter corrects it");
     field("leaning_Nm", leaning_Nm, "N m", 0.0, 5.0,
           "and on so much in the same direction in all poses, of which no scatter tells");
-    field("zero_offset_rad", zero_offset_rad, "rad", 0.0, 0.2,
-          "prior deviation of a servo's zero: 0.7 deg, a horn put on by hand");
     field("imu_tilt_rad", imu_tilt_rad, "rad", 0.0, 0.2,
           "prior deviation of the sensor's mounting and of its static error, roll and pitch");
     field("floor_tilt_rad", floor_tilt_rad, "rad", 0.0, 0.2,
@@ -58,10 +55,9 @@ struct StaticBalanceSettings {
   }
 };
 
-/// Parameters in prior deviations, in this order: z of the ParameterMap, twelve zero offsets (what
-/// a servo reports is its joint's angle plus this), IMU tilt (roll, pitch: what it reports is the
-/// trunk's orientation turned by this), floor tilt (roll, pitch), and the dry friction that each of
-/// twelve joints leans on in all poses.
+/// Parameters in prior deviations, in this order: z of the ParameterMap, IMU tilt (roll, pitch:
+/// what it reports is the trunk's orientation turned by this), floor tilt (roll, pitch), and the
+/// dry friction that each of twelve joints leans on in all poses.
 struct StaticBalance {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;

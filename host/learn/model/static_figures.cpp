@@ -67,10 +67,10 @@ class Robot {
 };
 
 /// How a sole is turned against the trunk by the zeros of its leg's joints about this axis [rad].
-double turned_sole(const Eigen::VectorXd& zero_offset_rad, int foot, int axis) {
+double turned_sole(const model::ModelParameters& theta, int foot, int axis) {
   double sum = 0.0;
   for (int j = 6 * foot; j < 6 * foot + 6; ++j)
-    if (model::kOp3Joints[j].axis == axis) sum += model::kOp3Joints[j].sign * zero_offset_rad[j];
+    if (model::kOp3Joints[j].axis == axis) sum += model::kOp3Joints[j].sign * theta.servo[j].zero;
   return sum;
 }
 
@@ -89,18 +89,16 @@ std::vector<StaticFigure> figures_of(const StaticBalance& balance, const Paramet
   for (int axis = 0; axis < 3; ++axis)
     add(std::string("com_") + "xyz"[axis], "m",
         [&robot, axis](const auto& p) { return robot.centre_of_mass(p)[axis]; });
-  const Eigen::Index offsets = map.size(), tilts = offsets + model::kNumJoints;
-  const auto zeros = [&](const Eigen::VectorXd& p) {
-    return Eigen::VectorXd(settings.zero_offset_rad * p.segment(offsets, model::kNumJoints));
-  };
+  const Eigen::Index tilts = map.size();
   for (int foot = 0; foot < model::kNumFeet; ++foot)
     for (int axis = 0; axis < 2; ++axis)
       add(std::string("sole:") + (foot == model::kRightFoot ? "right" : "left") +
               (axis == 0 ? "_roll" : "_pitch"),
-          "rad", [&zeros, foot, axis](const auto& p) { return turned_sole(zeros(p), foot, axis); });
+          "rad",
+          [&robot, foot, axis](const auto& p) { return turned_sole(robot.theta(p), foot, axis); });
   for (int j = 0; j < model::kNumJoints; ++j)
     add(std::string("zero:") + model::kJoints[static_cast<std::size_t>(j)].name, "rad",
-        [&zeros, j](const auto& p) { return zeros(p)[j]; });
+        [&robot, j](const auto& p) { return robot.theta(p).servo[j].zero; });
   constexpr const char* kTilt[4] = {"imu_roll", "imu_pitch", "floor_roll", "floor_pitch"};
   for (int t = 0; t < 4; ++t)
     add(kTilt[t], "rad", [&settings, tilts, t](const auto& p) {

@@ -151,13 +151,16 @@ BringUpModel begin_with(const HeldPoses& held, const BringUpSettings& settings,
                         ModelLearner& learner) {
   BringUpModel out;
   if (held.poses.empty()) return out;
-  const StaticBalance balance = balance_of(held.poses, learner.parameters(), settings.balance);
+  // standing is explained with the joints' zeros, whether the planner's model has them or not
+  const ParameterMap map = learner.parameters().with({});
+  const StaticBalance balance = balance_of(held.poses, map, settings.balance);
   const std::vector<PredictionWindow> windows =
       cut_windows_of(held.seen, 0, kUprightTilt_rad, kTicksPerStep);
   out.start = learner.begin_at(balance.z(learner.parameters()), windows);
   out.damping = learner.begin_damped(windows, settings.moves);
+  if (settings.refine) out.loss_refined = learner.begin_refined(windows);
   out.friction_Nm = balance.friction_Nm;
-  out.figures = figures_of(balance, learner.parameters(), settings.balance);
+  out.figures = figures_of(balance, map, settings.balance);
   return out;
 }
 
@@ -168,8 +171,10 @@ void write_bring_up(const std::filesystem::path& path, const HeldPoses& held,
                              {"used", model.start.used},
                              {"loss", model.start.loss},
                              {"loss_initial", model.start.loss_initial},
+                             {"loss_refined", nullptr},
                              {"damping_prior_deviations", nullptr},
                              {"friction_Nm", model.friction_Nm}};
+  if (model.loss_refined) out["loss_refined"] = *model.loss_refined;
   if (model.damping) out["damping_prior_deviations"] = *model.damping;
   for (const StaticFigure& f : model.figures)
     out["figures"].push_back({{"name", f.name},

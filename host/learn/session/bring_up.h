@@ -24,6 +24,7 @@ struct BringUpSettings {
   double measure_s = 0.6;
   double still_rad_s = 0.5;
   double lean_limit_rad = 0.35;
+  bool refine = true;
   StaticBalanceSettings balance;
   DampingOfMovesSettings moves;
 
@@ -44,6 +45,8 @@ struct BringUpSettings {
         "root mean square of joint rates and turning above which a pose is not at rest: left out");
     field("lean_limit_rad", lean_limit_rad, "rad", 0.05, 1.0,
           "a trunk that leans more in a pose ends the bring-up: the next might make it fall");
+    field("refine", refine, "yes or no", false, true,
+          "all parameters are fitted to holds and ways together in the end, from what was found");
     balance.visit(field);
     moves.visit(field);
   }
@@ -80,12 +83,13 @@ struct BringUpModel {
   ModelLearner::Start start;  // N-step losses on what was seen from pose to pose
   // on the ways between the poses, in prior deviations; none: nothing moved
   std::optional<double> damping;
-  double friction_Nm = 0.0;  // that the joints at rest leaned on
+  std::optional<double> loss_refined;  // after all parameters were fitted to all that was seen
+  double friction_Nm = 0.0;            // that the joints at rest leaned on
   std::vector<StaticFigure> figures;
 };
 
 /// The model that fits the poses; `learner` begins with it when it predicts what was seen better,
-/// and with the damping that the ways between them show.
+/// with the damping that the ways between them show, and from there with what fits all of it.
 BringUpModel begin_with(const HeldPoses& held, const BringUpSettings& settings,
                         ModelLearner& learner);
 

@@ -333,13 +333,14 @@ inline void finish(const T* middle, double h, const T (&R_world_base)[3][3], con
 template <class T>
 inline void free_step(const StepModel& model, const Ground& ground, const T* x, const T* u,
                       double h, StepWork<T>& w) {
-  read_state(x, w);
+  read_state(model, x, w);
   rigid_body(model, w);
+  const T above_ground[3] = {x[kXPos], x[kXPos + 1], x[kXPos + 2] - model.ground_height};
 #pragma GCC unroll 1
   for (int l = 0; l < kNumFeet; ++l) {
     T R[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     leg_frames<0>(w.leg[l], side_of(l), R, w.frames);
-    foot_geometry<T>(model.foot, ground, x + kXPos, w.R_world_base, w.frames, side_of(l),
+    foot_geometry<T>(model.foot, ground, above_ground, w.R_world_base, w.frames, side_of(l),
                      h * x[kXVel], w.foot[l]);
     foot_jacobian(w.frames, w.leg[l].rate, w.v_base, w.w_base, w.foot[l]);
   }

@@ -50,9 +50,10 @@ inline void rotation_from_quat(const T* q, T (&R)[3][3]) {
   R[2][2] = 1.0 - 2.0 * (x * x + y * y);
 }
 
-/// Base velocities in base axes; joint angles and rates about the positive coordinate axes.
+/// Base velocities in base axes; joint angles (less what the servo's zero is off) and rates about
+/// the positive coordinate axes.
 template <class T>
-inline void read_state(const T* x, StepWork<T>& w) {
+inline void read_state(const StepModel& model, const T* x, StepWork<T>& w) {
   rotation_from_quat(x + kXQuat, w.R_world_base);
   for (int i = 0; i < 3; ++i) {
     w.v_base[i] = w.R_world_base[0][i] * x[kXVel] + w.R_world_base[1][i] * x[kXVel + 1] +
@@ -61,9 +62,11 @@ inline void read_state(const T* x, StepWork<T>& w) {
   }
   for (int leg = 0; leg < kNumFeet; ++leg)
     for (int j = 0; j < kLegJoints; ++j) {
-      const double sign = kOp3Joints[leg * kLegJoints + j].sign;
-      sincos(sign * x[kXJoint + leg * kLegJoints + j], w.leg[leg].s[j], w.leg[leg].c[j]);
-      w.leg[leg].rate[j] = sign * x[kXJointRate + leg * kLegJoints + j];
+      const int joint = leg * kLegJoints + j;
+      const double sign = kOp3Joints[joint].sign;
+      sincos(sign * (x[kXJoint + joint] - model.servo[joint].zero), w.leg[leg].s[j],
+             w.leg[leg].c[j]);
+      w.leg[leg].rate[j] = sign * x[kXJointRate + joint];
     }
 }
 

@@ -17,11 +17,20 @@ using model::Input;
 using model::State;
 using model::Tangent;
 
+/// The model with joints whose zeros are off, on a ground that is not where it is drawn.
+model::StepModel put_together_by_hand(model::StepModel model, std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  for (model::ServoParameters& servo : model.servo) servo.zero = 0.02 * normal(random);
+  model.ground_height = 0.003 * normal(random);
+  return model;
+}
+
 struct DrawnProblem {
   explicit DrawnProblem(unsigned seed, bool residual, bool middle, const LaneKernels& kernels,
                         const model::Ground& ground)
       : random(seed), pool(1, false) {
     model.ground = ground;
+    model.analytical = put_together_by_hand(model.analytical, random);
     if (residual) model.residual = problems::random_network(seed);
     phases = std::make_unique<Op3Phases>(Op3PhasesSettings{}, model, pool, kernels);
     reference = problems::reference_of("walk_forward");

@@ -69,6 +69,38 @@ TEST_F(Op3Step, SymmetricPoseGivesSymmetricForces) {
   }
 }
 
+TEST_F(Op3Step, ZerosOfJointsShiftWhatTheyReportAndAreTold) {
+  ModelParameters theta = nominal_parameters();
+  Tangent zeros = Tangent::Zero();
+  std::normal_distribution<double> normal;
+  for (int j = 0; j < kNumJoints; ++j)
+    theta.servo[j].zero = zeros[kDJoint + j] = 0.03 * normal(rng);
+  const StepModel put_together = make_step_model(theta);
+  for (int draw = 0; draw < 50; ++draw) {
+    const State x = state_near_standing(rng);
+    const Input u = random_input(rng, x);
+    const State reported =
+        step(put_together, ground, plus(x, zeros), u + zeros.segment<kNumJoints>(kDJoint), scratch);
+    EXPECT_LT(minus(reported, plus(step(model, ground, x, u, scratch), zeros)).norm(), 1e-9)
+        << "seed " << kSeed << " draw " << draw;
+  }
+}
+
+TEST_F(Op3Step, OnAGroundThatIsHigherAllIsHigher) {
+  ModelParameters theta = nominal_parameters();
+  theta.ground_height = 0.004;
+  Tangent up = Tangent::Zero();
+  up[kDPos + 2] = theta.ground_height;
+  const StepModel higher = make_step_model(theta);
+  for (int draw = 0; draw < 50; ++draw) {
+    const State x = state_near_standing(rng);
+    const Input u = random_input(rng, x);
+    const State there = step(higher, ground, plus(x, up), u, scratch);
+    EXPECT_LT(minus(there, plus(step(model, ground, x, u, scratch), up)).norm(), 1e-9)
+        << "seed " << kSeed << " draw " << draw;
+  }
+}
+
 TEST_F(Op3Step, FreeFallIsExact) {
   State x = standing_state();
   x[kXPos + 2] = 3.0;

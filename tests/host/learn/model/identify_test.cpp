@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "host/learn/model/pseudo_inertia.h"
 #include "tests/host/learn/model/identify_windows.h"
@@ -117,22 +119,109 @@ TEST(Identify, NoDataIsAnError) {
                std::invalid_argument);
 }
 
+Eigen::Index entry(const ParameterMap& map, const std::string& name) {
+  const auto at = std::find(map.names().begin(), map.names().end(), name);
+  EXPECT_NE(at, map.names().end()) << name;
+  return at - map.names().begin();
+}
+
 TEST(ParameterMap, OnSkatesRollingFrictionIsAFigureOfItsOwn) {
   const ParameterMap soles(model::nominal_parameters()), skates(model::skating_parameters());
   ASSERT_EQ(skates.size(), soles.size() + 1);
-  EXPECT_EQ(skates.names().back(), "wheels:rolling");
   const model::ModelParameters first = skates.parameters(Eigen::VectorXd::Zero(skates.size()));
   Eigen::VectorXd z = Eigen::VectorXd::Zero(skates.size());
-  z[z.size() - 1] = -1.0;  // rolls better
+  z[entry(skates, "wheels:rolling")] = -1.0;  // rolls better
   const model::ModelParameters rolling = skates.parameters(z);
   EXPECT_NEAR(rolling.friction_forward / first.friction_forward, std::exp(-0.7), 1e-12);
   EXPECT_EQ(rolling.friction_sideways, first.friction_sideways);
   z.setZero();
-  z[z.size() - 2] = 1.0;  // a rough ground
+  z[entry(skates, "ground:friction")] = 1.0;  // a rough ground
   const model::ModelParameters rough = skates.parameters(z);
   EXPECT_EQ(rough.friction_forward, first.friction_forward);
   EXPECT_GT(rough.friction_sideways, first.friction_sideways);
   EXPECT_TRUE(rough.foot.wheels) << "the shape of the feet stays";
+}
+
+TEST(ParameterMap, HowItWasPutTogetherComesLastAndMayBeLeftOut) {
+  const ParameterMap all(model::nominal_parameters()),
+      drawn(model::nominal_parameters(), as_drawn({}));
+  ASSERT_EQ(all.size(), drawn.size() + model::kNumJoints + 1);
+  for (Eigen::Index i = 0; i < drawn.size(); ++i)
+    EXPECT_EQ(all.names()[static_cast<std::size_t>(i)], drawn.names()[static_cast<std::size_t>(i)]);
+  const Eigen::VectorXd z = Eigen::VectorXd::LinSpaced(all.size(), -1.0, 2.0);
+  const model::ModelParameters theta = all.parameters(z),
+                               as_drawn = drawn.parameters(z.head(drawn.size()));
+  EXPECT_EQ(theta.servo[4].stiffness, as_drawn.servo[4].stiffness);
+  EXPECT_EQ(as_drawn.servo[4].zero, 0.0);
+  EXPECT_EQ(as_drawn.ground_height, 0.0);
+  EXPECT_DOUBLE_EQ(theta.servo[4].zero, 0.0122 * z[entry(all, "zero:r_ank_pitch")]);
+  EXPECT_DOUBLE_EQ(theta.ground_height, 0.003 * z[entry(all, "ground:height")]);
+}
+
+const model::Ground kFloor = model::make_plane();
+const model::Tangent kWeights = state_weights();
+
+model::ModelParameters put_together_by_hand() {
+  model::ModelParameters truth = model::nominal_parameters();
+  truth.servo[2].zero = 0.02;   // right hip pitch
+  truth.servo[9].zero = -0.03;  // left knee
+  truth.servo[11].zero = 0.02;  // left ankle roll
+  truth.ground_height = 0.004;
+  return truth;
+}
+
+TEST(Refine, FindsZerosAndHeightThatMadeTheData) {
+  const model::ModelParameters truth = put_together_by_hand();
+  const auto windows = windows_of_world(truth, 48);
+  const ParameterMap map(model::nominal_parameters());
+  RefineSettings settings;
+  settings.steps = 20;
+  const auto loss = [&](const model::ModelParameters& theta) {
+    return n_step_loss(windows, model::make_step_model(theta), model::make_plane(),
+                       state_weights());
+  };
+  const double before = loss(model::nominal_parameters());
+  const Eigen::VectorXd z = refined({windows, map, kFloor, kWeights}, 1e-6 * before,
+                                    Eigen::VectorXd::Zero(map.size()), settings, 2);
+  const model::ModelParameters found = map.parameters(z);
+  EXPECT_LT(loss(found), 1e-3 * before);
+  EXPECT_NEAR(found.ground_height, truth.ground_height, 5e-4);
+  for (int j = 0; j < model::kNumJoints; ++j)
+    EXPECT_NEAR(found.servo[j].zero, truth.servo[j].zero, 0.004) << "joint " << j;
+}
+
+TEST(Refine, WithoutTheirEntriesTheyStayUnexplained) {
+  const auto windows = windows_of_world(put_together_by_hand(), 48);
+  const ParameterMap map(model::nominal_parameters(), as_drawn({}));
+  RefineSettings settings;
+  settings.steps = 20;
+  const double before = n_step_loss(windows, model::make_step_model(model::nominal_parameters()),
+                                    model::make_plane(), state_weights());
+  const Eigen::VectorXd z = refined({windows, map, kFloor, kWeights}, 1e-6 * before,
+                                    Eigen::VectorXd::Zero(map.size()), settings, 1);
+  const double after = n_step_loss(windows, model::make_step_model(map.parameters(z)),
+                                   model::make_plane(), state_weights());
+  EXPECT_LT(after, before) << "never to a larger loss";
+  EXPECT_GT(after, 0.05 * before);
+}
+
+TEST(Refine, WhereNothingCanBePredictedItStays) {
+  auto windows = windows_of_world(model::nominal_parameters(), 4);
+  windows[1].x[3][0] = std::nan("");
+  const ParameterMap map(model::nominal_parameters());
+  const Eigen::VectorXd z = Eigen::VectorXd::Constant(map.size(), 0.1);
+  EXPECT_EQ(refined({windows, map, kFloor, kWeights}, 1e-3, z, {}, 1), z);
+}
+
+TEST(NStepLoss, IsTheSumOfTheSquaredErrors) {
+  auto windows = windows_of_world(put_together_by_hand(), 11);
+  windows[3].steps = 2;
+  const auto model = model::make_step_model(model::nominal_parameters());
+  const double loss = n_step_loss(windows, model, model::make_plane(), state_weights());
+  const Eigen::MatrixXd errors =
+      n_step_errors(windows, model, model::make_plane(), state_weights());
+  EXPECT_EQ(errors.cols(), 10 * kPredictionSteps + 2);
+  EXPECT_NEAR(errors.squaredNorm(), loss, 1e-12 * loss);
 }
 
 }  // namespace

@@ -57,7 +57,9 @@ TEST(ModelLearner, ANewNetworkIsUsedOnlyAfterATrialHasShownThatItHelps) {
 }
 
 TEST(ModelLearner, ANetworkThatNoLongerHoldsIsPutAside) {
-  ModelLearner learner({}, weights(), {}, kSeed);
+  ModelLearningSettings settings;
+  settings.set_up = false;  // zeros would take a part of it from the network
+  ModelLearner learner({}, weights(), settings, kSeed);
   ASSERT_TRUE(learner.learn(episodes(8, kOffset)).residual_kept);
   learner.set_residual_trust({.share = 1.0});
   // another robot, whose knees are where they are believed to be
