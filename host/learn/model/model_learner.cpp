@@ -192,11 +192,10 @@ void ModelLearner::train_network(const std::vector<Episode>& episodes, const Dat
   round.residual_one_step = trained.heldout_loss;
   round.residual_one_step_without = trained.heldout_loss_without;
   // Better over one step is not enough: the planner rolls the model out, and an error that feeds
-  // itself shows only there.
+  // itself shows only there. A share of a correction may be right where all of it adds up.
   const double in_use = n_step_loss(data.heldout, m.analytical, m.ground, weights_,
                                     m.residual ? &*m.residual : nullptr);
-  const double fresh = trained.network ? n_step_loss(data.heldout, m.analytical, m.ground, weights_,
-                                                     &*trained.network)
+  const double fresh = trained.network ? loss_in_use(*trained.network, data.heldout)
                                        : std::numeric_limits<double>::infinity();
   if (fresh < kClearlyBetter * in_use || (trained.network && !settings_.held_out_decides)) {
     residual_ = trained.network;
@@ -204,6 +203,14 @@ void ModelLearner::train_network(const std::vector<Episode>& episodes, const Dat
     if (!settings_.trust_by_trials) trust_.share = 1.0;
   }
   round.residual_kept = residual_.has_value();
+}
+
+double ModelLearner::loss_in_use(const host::ResidualNetwork& network,
+                                 const std::vector<PredictionWindow>& windows) const {
+  const host::AugmentedModel m = current();
+  if (!settings_.trust_by_trials)
+    return n_step_loss(windows, m.analytical, m.ground, weights_, &network);
+  return best_share(windows, m.analytical, m.ground, weights_, network, 1.0).loss;
 }
 
 bool ModelLearner::judge_residual(const Episode& episode) {

@@ -152,6 +152,9 @@ class ModelLearner {
   Data split(const std::vector<Episode>& episodes) const;
   void identify_parameters(const Data& data, LearningRound& round);
   void train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round);
+  /// N-step loss with as much of `network` as may come to be trusted.
+  double loss_in_use(const host::ResidualNetwork& network,
+                     const std::vector<PredictionWindow>& windows) const;
   TransitionSet transitions(const std::vector<Episode>& episodes,
                             const model::StepModel& analytical) const;
 

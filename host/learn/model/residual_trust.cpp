@@ -12,18 +12,18 @@ host::ResidualNetwork with_share(host::ResidualNetwork network, double share) {
   return network;
 }
 
-double best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
-                  const model::Ground& ground, const model::Tangent& weights,
-                  const host::ResidualNetwork& network, double highest) {
-  double lowest = kClearlyBetter * n_step_loss(windows, analytical, ground, weights);
-  double best = 0.0;
+Share best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
+                 const model::Ground& ground, const model::Tangent& weights,
+                 const host::ResidualNetwork& network, double highest) {
+  Share best{0.0, n_step_loss(windows, analytical, ground, weights)};
+  double clearly_better = kClearlyBetter * best.loss;
   for (int steps = 1; steps * kShareStep <= highest; ++steps) {
     const double share = steps * kShareStep;
     const host::ResidualNetwork scaled = with_share(network, share);
     const double loss = n_step_loss(windows, analytical, ground, weights, &scaled);
-    if (!(loss < lowest)) continue;
-    lowest = loss;
-    best = share;
+    if (!(loss < clearly_better)) continue;
+    clearly_better = loss;
+    best = {share, loss};
   }
   return best;
 }
@@ -33,7 +33,7 @@ ResidualTrust judged(const ResidualTrust& before, const std::vector<PredictionWi
                      const model::Tangent& weights, const host::ResidualNetwork& network) {
   if (windows.size() < kFewestJudgedWindows) return before;
   const double highest = std::min(before.ceiling, before.share + kShareStep);
-  const double share = best_share(windows, analytical, ground, weights, network, highest);
+  const double share = best_share(windows, analytical, ground, weights, network, highest).share;
   return {share, share < before.share ? share : before.ceiling};
 }
 

@@ -28,11 +28,16 @@ struct ResidualTrust {
 /// The same network with `share` of its correction: every output and derivative times share.
 host::ResidualNetwork with_share(host::ResidualNetwork network, double share);
 
+struct Share {
+  double share = 0.0;  // of a network's correction; 0: none
+  double loss = 0.0;   // N-step loss with it
+};
+
 /// The share, at most `highest`, with the lowest N-step loss on the windows; 0 when none is clearly
 /// better than no network.
-double best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
-                  const model::Ground& ground, const model::Tangent& weights,
-                  const host::ResidualNetwork& network, double highest);
+Share best_share(const std::vector<PredictionWindow>& windows, const model::StepModel& analytical,
+                 const model::Ground& ground, const model::Tangent& weights,
+                 const host::ResidualNetwork& network, double highest);
 
 /// Trust after one more trial, which must be newer than the network's training. Too few windows:
 /// unchanged.

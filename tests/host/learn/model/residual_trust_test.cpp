@@ -65,6 +65,20 @@ TEST(ResidualTrust, StopsWhereMoreWouldBeWorse) {
   EXPECT_EQ(trust.share, 0.5) << "twice too large a correction: half of it is right";
 }
 
+TEST(ResidualTrust, AShareIsFoundWhereTheWholeIsWorseThanNone) {
+  const auto windows = recorded(0.004);
+  const host::ResidualNetwork three_times = constant_network(0.012);
+  const double without = n_step_loss(windows, kModel, kGround, weights()),
+               whole = n_step_loss(windows, kModel, kGround, weights(), &three_times);
+  ASSERT_GT(whole, without);
+  const Share best = best_share(windows, kModel, kGround, weights(), three_times, 1.0);
+  EXPECT_EQ(best.share, 0.25);
+  EXPECT_LT(best.loss, 0.2 * without);
+  const Share none = best_share(windows, kModel, kGround, weights(), constant_network(-0.004), 1.0);
+  EXPECT_EQ(none.share, 0.0);
+  EXPECT_EQ(none.loss, without);
+}
+
 TEST(ResidualTrust, WhatWasTooMuchOnceIsNotTriedAgain) {
   const host::ResidualNetwork network = constant_network(0.004);
   ResidualTrust trust{.share = 1.0};
