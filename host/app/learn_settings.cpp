@@ -109,6 +109,7 @@ const std::vector<Profile>& profiles() {
         {"session.learn_model_every=10", "\"trained every 10 iterations\""},
         {"session.learn_first_after=0", "no other occasion is printed"},
         {"session.learn_after_failures=0", "no other occasion is printed"},
+        {"session.sigma_by_trials=false", "it depends \"on the accuracy\" of a trained model"},
         {"model.newest_episodes=1000000", "data \"are added to the motion dataset\": all of them"},
         {"model.tilt_limit_rad=3.2", "all of them: falls too"},
         {"model.failures_teach=false", "trajectories of N steps; a hold is no motion data"},

@@ -7,8 +7,8 @@
 // Noise amplitude (the paper fixes only its ends): sigma = 0.1 + 0.6 E / (E + E1), E the N-step
 // loss of the model in use on held-out episodes, E1 = 1. A falling loss lowers sigma, from 0.7 for
 // a useless model to 0.1 for a perfect one;
-// at a loss of 1, below which no run fell in a feasibility study, it is half-way. Before the first
-// learning it is 0.7.
+// at a loss of 1, below which no run fell in a feasibility study, it is half-way. It is 0.7 until a
+// trial or a round has shown how good the model is.
 #pragma once
 
 #include <filesystem>

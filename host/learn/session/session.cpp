@@ -243,6 +243,8 @@ TrialSummary Session::run_one() {
     summary.model_loss = losses->augmented;
     summary.model_loss_analytical = losses->analytical;
     summary.model_loss_initial = losses->initial;
+    if (settings_.layers.stochastic && settings_.sigma_by_trials && !episode.failed())
+      state_->sigma = sigma_of_loss(losses->augmented);
   }
   summary.residual_share = state_->residual.share;
   if (learner_.judge_residual(free)) upper_.set_model(learner_.current());

@@ -45,6 +45,7 @@ struct SessionSettings {
   int learn_model_every = 10;
   int learn_first_after = 3;
   int learn_after_failures = 3;
+  bool sigma_by_trials = true;
   int hand_fades_over = 0;
   bool learn_model_in_hand = true;
   ModelLearningSettings model;
@@ -62,6 +63,10 @@ struct SessionSettings {
     field("learn_after_failures", learn_after_failures, "trials", 0, 1000000,
           "failed in a row bring a round of their own, and again after as many: a robot that falls "
           "at once would repeat a bad plan ten times; 0: never (paper)");
+    field(
+        "sigma_by_trials", sigma_by_trials, "yes or no", false, true,
+        "the noise amplitude follows the N-step loss of every completed trial, which no model has "
+        "learned from yet; no: from round to round");
     field("hand_fades_over", hand_fades_over, "trials", 0, 1000000,
           "on wheels a hand travels along at the torso, evenly weaker from trial to trial and gone "
           "after so many; 0: it only pushes the robot off");

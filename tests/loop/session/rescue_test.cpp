@@ -90,6 +90,37 @@ TEST(Rescue, ARobotThatCompletesItsTrialsLearnsAfterTheFirstFew) {
   EXPECT_EQ(learn::SessionSettings{}.learn_first_after, 3);
 }
 
+/// Trials of a session that stands, with no round of learning.
+std::vector<learn::TrialSummary> standing_unlearned(bool sigma_by_trials) {
+  const test::TempFolder temporary;
+  const motion::Motion stand = motion::MotionLibrary().load("stand");
+  learn::Task task{"stand", stand.primitives, stand.weights, {}};
+  inprocess::InProcessAccess robot("lab");
+  mpc::UpperLayer upper(mpc::MpcSettings{}, host::AugmentedModel{});
+  learn::SessionSettings settings;
+  settings.iterations = 3;
+  settings.bring_up.on = false;
+  settings.learn_model_every = 0;
+  settings.sigma_by_trials = sigma_by_trials;
+  settings.out = temporary.path() / "session";
+  learn::Session session(task, settings, robot, upper);
+  session.run([](const learn::TrialSummary&) {});
+  return session.state().history;
+}
+
+TEST(Rescue, TheNoiseAmplitudeFollowsWhatTheLastTrialShowed) {
+  const std::vector<learn::TrialSummary> follows = standing_unlearned(true),
+                                         stays = standing_unlearned(false);
+  ASSERT_EQ(follows.size(), 3U);
+  ASSERT_EQ(stays.size(), 3U);
+  EXPECT_EQ(follows[0].sigma, learn::kSigmaStart);
+  for (const std::size_t i : {1, 2}) {
+    EXPECT_FALSE(follows[i - 1].failed());
+    EXPECT_EQ(follows[i].sigma, learn::sigma_of_loss(follows[i - 1].model_loss));
+    EXPECT_EQ(stays[i].sigma, learn::kSigmaStart);
+  }
+}
+
 /// Highest that each sole was above the floor [m].
 std::array<float, 2> risen(const learn::Episode& episode) {
   std::array<float, 2> most{};
