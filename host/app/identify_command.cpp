@@ -124,7 +124,8 @@ Json model_json(const model::ModelParameters& theta) {
           {"servos", servos},
           {"friction_forward", theta.friction_forward},
           {"friction_sideways", theta.friction_sideways},
-          {"ground_height_m", theta.ground_height}};
+          {"ground_height_m", theta.ground_height},
+          {"target_lag_s", theta.target_lag_s}};
 }
 
 Json answer_of(const IdentifyOptions& options, const IdentificationData& data,

@@ -18,6 +18,18 @@ model::State reference_at(const TrialContext& context, double tick) {
   return model::interpolate(context.reference[i], context.reference[i + 1], s);
 }
 
+namespace {
+
+/// Where x gets to by itself in `time_s`.
+model::State moved_on(const model::State& x, double time_s) {
+  if (time_s == 0.0) return x;
+  model::Tangent d = model::Tangent::Zero();
+  d.head<model::kNv>() = time_s * x.segment<model::kNv>(model::kXVel);
+  return model::plus(x, d);
+}
+
+}  // namespace
+
 model::State DelayPrediction::step(const host::AugmentedModel& model,
                                    const ResidualWeights* residual, const model::State& x,
                                    const model::Input& u, double step_s) const {
@@ -43,11 +55,17 @@ model::State DelayPrediction::predict(const host::AugmentedModel& model,
   const double tick_s = to_seconds(kTickPeriod);
   model::State x = request.x_observed;
   model::Input mean = model::Input::Zero();
+  const double lag_s = model.analytical.target_lag_s;
+  // before it began another one was in force, which is forgotten: as its first knot
+  const double first = request.in_use != nullptr ? request.in_use->first_tick : 0.0;
   for (std::int32_t tick = request.observed_tick; tick < request.plan_tick; ++tick) {
-    const model::State reference = reference_at(context, tick);
+    // when the targets were that act now
+    const double asked = tick < first ? tick : std::max(first, tick - lag_s / tick_s);
+    const model::State reference = reference_at(context, asked);
     const model::Input u =
         policy::layer_outputs(request.in_use, context.middle, model::joints(reference),
-                              context.u_rest, tick, x, context.on, context.reflex, scratch_)
+                              context.u_rest, asked, moved_on(x, -lag_s), context.on,
+                              context.reflex, scratch_)
             .sum();
     mean += u / ticks;
     x = step(model, residual, x, u, tick_s);

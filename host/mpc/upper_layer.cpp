@@ -29,6 +29,7 @@ struct UpperLayer::Impl {
   void fill_start(const model::State& x, std::int32_t plan_tick);
   double knot_input(std::size_t k, int i);
   void fill_policy(const PlanRequest& request, PlanResult& result);
+  double lag_s() const { return model.analytical.target_lag_s; }
 
   MpcSettings settings;
   host::AugmentedModel model;
@@ -45,7 +46,8 @@ struct UpperLayer::Impl {
 
 void UpperLayer::Impl::fill_stage(int stage, double tick) {
   StageContext& c = phases.context().stage[stage];
-  const double middle_of_step = tick + 0.5 * ticks_per_knot;
+  // of the targets that act in it
+  const double middle_of_step = tick + 0.5 * ticks_per_knot - lag_s() / to_seconds(kTickPeriod);
   const model::State reference = reference_at(trial, middle_of_step);
   const model::Input u_lower =
       trial.on.lower ? model::Input(model::joints(reference)) : trial.u_rest;
@@ -108,12 +110,14 @@ void UpperLayer::Impl::fill_policy(const PlanRequest& request, PlanResult& resul
   const auto count =
       std::min<std::size_t>(policy::kMaxUpperKnots, static_cast<std::size_t>(settings.horizon - 1));
   p.knots.try_resize(count);
+  const double ahead = lag_s() / settings.dt_s;  // what acts later is asked for now
   for (std::size_t k = 0; k < count; ++k) {
     policy::Knot& out = p.knots[k];
     const StageGains& gains = solver.gains()[k];
+    const std::size_t after = std::min(k + 1, count - 1);
     double norm2 = 0;
     for (int i = 0; i < kNu; ++i) {
-      out.u[i] = knot_input(k, i);
+      out.u[i] = knot_input(k, i) + ahead * (knot_input(after, i) - knot_input(k, i));
       for (int j = 0; j < kNdx; ++j) norm2 += gains.K[i][j] * gains.K[i][j];
     }
     const double norm = std::sqrt(norm2);

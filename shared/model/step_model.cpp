@@ -78,6 +78,7 @@ StepModel make_step_model(const ModelParameters& theta) {
   model.friction_forward = theta.friction_forward;
   model.friction_sideways = theta.friction_sideways;
   model.ground_height = theta.ground_height;
+  model.target_lag_s = theta.target_lag_s;
   model.gravity_world[2] = -kGravity_m_s2;
   model.contact = ContactSettings{};
   model.foot = theta.foot;

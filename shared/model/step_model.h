@@ -31,8 +31,13 @@ struct ModelParameters {
   double friction_sideways;  // across it, -
   // m, of the ground in the heights that the robot is told: camera, soles, what lies on the floor
   double ground_height = 0.0;
+  // s, from a target to where it acts: bus, servo loop, filters of what it reads. A step is given
+  // the targets that act in it; whoever asks for the step shifts them
+  double target_lag_s = 0.0;
   FootShape foot = kSoles;
 };
+
+inline constexpr double kLongestTargetLag_s = 0.04;  // shorter than a model step
 
 /// OP3 figures; XM430-W350 at 12 V with the position gain register at 560.
 /// stiffness = 4.1 N m x 3.223 duty/rad, damping = 4.1 N m / 4.82 rad/s + 0.15 viscous.
@@ -67,6 +72,7 @@ struct StepModel {
   double friction_forward;
   double friction_sideways;
   double ground_height;     // m
+  double target_lag_s;      // s, 0 to kLongestTargetLag_s
   double gravity_world[3];  // m/s^2
   ContactSettings contact;
   FootShape foot;

@@ -231,13 +231,12 @@ TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
     if (at.empty()) continue;
     for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first;
          t += settings_.transition_stride_ticks) {
-      model::Input u = model::Input::Zero();
-      bool whole = at.count(t + kTicksPerStep) > 0;
-      for (int k = 0; k < kTicksPerStep && whole; ++k) {
-        whole = at.count(t + k) > 0;
-        if (whole) u += at[t + k]->u_out / kTicksPerStep;
-      }
-      if (!whole || tilt_of(at[t]->x) > settings_.tilt_limit_rad) continue;
+      const std::optional<model::Input> applied = mean_target(at, t);
+      if (!applied || at.count(t + kTicksPerStep) == 0 ||
+          tilt_of(at[t]->x) > settings_.tilt_limit_rad)
+        continue;
+      const model::Input u = PredictionWindow::acting(
+          mean_target(at, t - kTicksPerStep).value_or(*applied), *applied, analytical.target_lag_s);
       model::State next;
       model::analytical_step(analytical, initial_.ground, at[t]->x.data(), u.data(), kStep_s,
                              initial_.substeps, next.data(), scratch);

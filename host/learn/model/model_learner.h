@@ -65,7 +65,8 @@ struct ModelLearningSettings {
         "trust_by_trials", trust_by_trials, "yes or no", false, true,
         "a new network is followed by quarters, as trials bear it out; no: whole at once (paper)");
     field("set_up", set_up, "yes or no", false, true,
-          "zeros of the joints and height of the ground are found too; no: as drawn (paper)");
+          "zeros of the joints, height of the ground and lag of the targets are found too; no: as "
+          "drawn (paper)");
   }
 };
 

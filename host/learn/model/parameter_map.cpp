@@ -2,6 +2,7 @@
 // so that no sign can change.
 #include "host/learn/model/parameter_map.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/learn/model/pseudo_inertia.h"
@@ -47,6 +48,7 @@ ParameterMap::ParameterMap(const model::ModelParameters& initial, const Paramete
     for (const model::JointInfo& joint : model::kJoints)
       names_.push_back(std::string("zero:") + joint.name);
   if (prior.ground_height_m > 0.0) names_.emplace_back("ground:height");
+  if (prior.target_lag_s > 0.0) names_.emplace_back("servo:lag");
 }
 
 model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const {
@@ -82,6 +84,9 @@ model::ModelParameters ParameterMap::parameters(const Eigen::VectorXd& z) const 
   if (prior_.zero_rad > 0.0)
     for (model::ServoParameters& servo : theta.servo) servo.zero += read.next(prior_.zero_rad);
   if (prior_.ground_height_m > 0.0) theta.ground_height += read.next(prior_.ground_height_m);
+  if (prior_.target_lag_s > 0.0)
+    theta.target_lag_s = std::clamp(theta.target_lag_s + read.next(prior_.target_lag_s), 0.0,
+                                    model::kLongestTargetLag_s);
   return theta;
 }
 

@@ -27,14 +27,15 @@ struct ParameterPrior {
   double log_leg_mass = 0.03;    // all leg bodies alike, shape kept
   double log_friction = 0.3;     // of the ground
   double log_rolling = 0.7;      // of wheels along their way: 0.005 .. 0.03 is what there is
-  // how the robot was put together and placed, last in z; 0: left as drawn, with no entry
+  // how the robot was put together, placed and connected, last in z; 0: as drawn, with no entry
   double zero_rad = 0.0122;        // of each joint: 0.7 deg, a horn put on by hand
   double ground_height_m = 0.003;  // plates, rubber, a camera's own origin
+  double target_lag_s = 0.010;     // bus, servo loop and what filters its readings
 };
 
-/// The same without entries for how the robot was put together.
+/// The same without entries for how the robot was put together, placed and connected.
 constexpr ParameterPrior as_drawn(ParameterPrior prior) {
-  prior.zero_rad = prior.ground_height_m = 0.0;
+  prior.zero_rad = prior.ground_height_m = prior.target_lag_s = 0.0;
   return prior;
 }
 

@@ -40,13 +40,14 @@ void predict_group(const PredictionWindow* first, int lanes, const model::StepMo
     set_lane(x, lane, first[std::min(lane, lanes - 1)].x[0]);
   for (int k = 0; k < kPredictionSteps; ++k) {
     for (int lane = 0; lane < kLanes; ++lane)
-      set_lane(u, lane, first[std::min(lane, lanes - 1)].u[k]);
+      set_lane(u, lane, first[std::min(lane, lanes - 1)].input(k, step_model.target_lag_s));
     model::step_batch(step_model, ground, &x, &u, {kStep_s, 1, false}, &next, nullptr, 1);
     for (int lane = 0; lane < lanes; ++lane) {
       model::State predicted = state_in_lane(next, lane);
       if (residual != nullptr) {
         predicted = model::plus(
-            predicted, host::residual_tangent(*residual, state_in_lane(x, lane), first[lane].u[k]));
+            predicted, host::residual_tangent(*residual, state_in_lane(x, lane),
+                                              first[lane].input(k, step_model.target_lag_s)));
         set_lane(next, lane, predicted);
       }
       if (k < first[lane].steps) see(lane, k, predicted);
@@ -57,16 +58,11 @@ void predict_group(const PredictionWindow* first, int lanes, const model::StepMo
 
 using TicksByNumber = std::map<std::uint64_t, const wire::Observation*>;
 
-/// Mean target over the 60 ms that begin at `tick`; nothing when a tick or the state after them is
-/// missing, or the base leans too far there.
+/// The same; nothing also when the state after them is missing or the base leans too far there.
 std::optional<model::Input> step_input(const TicksByNumber& at, std::uint64_t tick,
                                        double tilt_limit_rad) {
-  model::Input u = model::Input::Zero();
-  for (std::uint64_t k = 0; k < kTicksPerStep; ++k) {
-    const auto found = at.find(tick + k);
-    if (found == at.end()) return std::nullopt;
-    u += found->second->u_out / kTicksPerStep;
-  }
+  std::optional<model::Input> u = mean_target(at, tick);
+  if (!u) return std::nullopt;
   const auto next = at.find(tick + kTicksPerStep);
   if (next == at.end() || tilt_of(next->second->x) > tilt_limit_rad) return std::nullopt;
   return u;
@@ -87,6 +83,8 @@ bool fill_window(const TicksByNumber& at, std::uint64_t start, double tilt_limit
   }
   if (w.steps == 0) return false;
   // the lanes roll all windows out to the end: numbers, never compared
+  // numbers that wrap below zero are never found
+  w.u_before = mean_target(at, start - kTicksPerStep).value_or(w.u[0]);
   std::fill(w.u + w.steps, w.u + kPredictionSteps, w.u[w.steps - 1]);
   std::fill(w.x + w.steps + 1, w.x + kPredictionSteps + 1, w.x[w.steps]);
   return true;
@@ -114,6 +112,7 @@ std::vector<PredictionWindow> windows_of(const Episode& episode, int stride_tick
       if (within == 0) w.u[step].setZero();
       w.u[step] += found->second->u_out / kTicksPerStep;
     }
+    w.u_before = mean_target(at, start - kTicksPerStep).value_or(w.u[0]);
     if (whole) windows.push_back(w);
   }
   return windows;

@@ -2,6 +2,8 @@
 // of the model everywhere.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "host/learn/episodes/episode.h"
@@ -23,7 +25,32 @@ struct PredictionWindow {
   int steps = kPredictionSteps;  // 1 .. N
   model::State x[kPredictionSteps + 1];
   model::Input u[kPredictionSteps];  // mean of the applied targets over each 60 ms, rad
+  // over the 60 ms before x[0]; where they were not recorded u[0]
+  model::Input u_before = model::Input::Zero();
+
+  /// Mean of the targets that act during step k, rad, when each acts `lag_s` (at most a step) after
+  /// it was applied: exact for targets that change evenly, or only between steps.
+  model::Input input(int k, double lag_s) const {
+    return acting(k > 0 ? u[k - 1] : u_before, u[k], lag_s);
+  }
+  static model::Input acting(const model::Input& before, const model::Input& now, double lag_s) {
+    // a lag of zero leaves the very bits
+    return lag_s > 0.0 ? model::Input(now + lag_s / kStep_s * (before - now)) : now;
+  }
 };
+
+/// Mean target over the 60 ms that begin at `tick`; nothing when one is missing.
+template <class Number>
+std::optional<model::Input> mean_target(const std::map<Number, const wire::Observation*>& at,
+                                        Number tick) {
+  model::Input u = model::Input::Zero();
+  for (Number k = 0; k < kTicksPerStep; ++k) {
+    const auto found = at.find(tick + k);
+    if (found == at.end()) return std::nullopt;
+    u += found->second->u_out / kTicksPerStep;
+  }
+  return u;
+}
 
 /// All windows of an episode that start every `stride_ticks` ticks. Windows with a gap in the
 /// observations are left out.

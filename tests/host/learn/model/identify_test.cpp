@@ -145,7 +145,7 @@ TEST(ParameterMap, OnSkatesRollingFrictionIsAFigureOfItsOwn) {
 TEST(ParameterMap, HowItWasPutTogetherComesLastAndMayBeLeftOut) {
   const ParameterMap all(model::nominal_parameters()),
       drawn(model::nominal_parameters(), as_drawn({}));
-  ASSERT_EQ(all.size(), drawn.size() + model::kNumJoints + 1);
+  ASSERT_EQ(all.size(), drawn.size() + model::kNumJoints + 2);
   for (Eigen::Index i = 0; i < drawn.size(); ++i)
     EXPECT_EQ(all.names()[static_cast<std::size_t>(i)], drawn.names()[static_cast<std::size_t>(i)]);
   const Eigen::VectorXd z = Eigen::VectorXd::LinSpaced(all.size(), -1.0, 2.0);
@@ -154,8 +154,19 @@ TEST(ParameterMap, HowItWasPutTogetherComesLastAndMayBeLeftOut) {
   EXPECT_EQ(theta.servo[4].stiffness, as_drawn.servo[4].stiffness);
   EXPECT_EQ(as_drawn.servo[4].zero, 0.0);
   EXPECT_EQ(as_drawn.ground_height, 0.0);
+  EXPECT_EQ(as_drawn.target_lag_s, 0.0);
   EXPECT_DOUBLE_EQ(theta.servo[4].zero, 0.0122 * z[entry(all, "zero:r_ank_pitch")]);
   EXPECT_DOUBLE_EQ(theta.ground_height, 0.003 * z[entry(all, "ground:height")]);
+  EXPECT_DOUBLE_EQ(theta.target_lag_s, 0.010 * z[entry(all, "servo:lag")]);
+}
+
+TEST(ParameterMap, ATargetNeverActsBeforeItWasSentNorAStepLater) {
+  const ParameterMap map(model::nominal_parameters());
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(map.size());
+  z[entry(map, "servo:lag")] = -3.0;
+  EXPECT_EQ(map.parameters(z).target_lag_s, 0.0);
+  z[entry(map, "servo:lag")] = 30.0;
+  EXPECT_EQ(map.parameters(z).target_lag_s, model::kLongestTargetLag_s);
 }
 
 }  // namespace

@@ -32,10 +32,11 @@ inline std::vector<PredictionWindow> windows_of_world(const model::ModelParamete
     x.segment<model::kNumJoints>(model::kXJoint) = pose;
     for (int j = 0; j < model::kNumJoints; ++j) x[model::kXJointRate + j] = 0.3 * normal(rng);
     window.x[0] = x;
+    window.u_before = pose;
     for (int k = 0; k < kPredictionSteps; ++k) {
       for (int j = 0; j < model::kNumJoints; ++j) window.u[k][j] = pose[j] + 0.08 * normal(rng);
-      model::analytical_step(step_model, ground, x.data(), window.u[k].data(), 0.06, 1, x.data(),
-                             scratch);
+      const model::Input acts = window.input(k, step_model.target_lag_s);
+      model::analytical_step(step_model, ground, x.data(), acts.data(), 0.06, 1, x.data(), scratch);
       window.x[k + 1] = x;
     }
     windows.push_back(window);

@@ -19,10 +19,11 @@ model::ModelParameters put_together_by_hand() {
   truth.servo[9].zero = -0.03;  // left knee
   truth.servo[11].zero = 0.02;  // left ankle roll
   truth.ground_height = 0.004;
+  truth.target_lag_s = 0.013;
   return truth;
 }
 
-TEST(Refine, FindsZerosAndHeightThatMadeTheData) {
+TEST(Refine, FindsZerosHeightAndLagThatMadeTheData) {
   const model::ModelParameters truth = put_together_by_hand();
   const auto windows = windows_of_world(truth, 48);
   const ParameterMap map(model::nominal_parameters());
@@ -38,6 +39,7 @@ TEST(Refine, FindsZerosAndHeightThatMadeTheData) {
   const model::ModelParameters found = map.parameters(z);
   EXPECT_LT(loss(found), 1e-3 * before);
   EXPECT_NEAR(found.ground_height, truth.ground_height, 5e-4);
+  EXPECT_NEAR(found.target_lag_s, truth.target_lag_s, 5e-4);
   for (int j = 0; j < model::kNumJoints; ++j)
     EXPECT_NEAR(found.servo[j].zero, truth.servo[j].zero, 0.004) << "joint " << j;
 }
