@@ -45,6 +45,18 @@ bool put_rotor(ModelParameters& theta, int joint, const Numbers& n) {
   return possible(theta.servo[joint]);
 }
 
+bool put_zero(ModelParameters& theta, int joint, const Numbers& n) {
+  theta.servo[joint].zero += number(n, "offset", 0.0);
+  // of the recording alone: the servo, and so the planner, reads what is right
+  return number(n, "of_record", 0.0) == 0.0;
+}
+
+/// The model has one lag for all joints: their mean, to which each that is named adds its share.
+bool put_lag(ModelParameters& theta, int /*joint*/, const Numbers& n) {
+  theta.target_lag_s += number(n, "delay", 0.0) / model::kNumJoints;
+  return theta.target_lag_s >= 0.0 && theta.target_lag_s <= model::kLongestTargetLag_s;
+}
+
 bool put_mass(ModelParameters& theta, int link, const Numbers& n) {
   BodyInertia& body = theta.body[link];
   const double factor = 1.0 + number(n, "share", 0.0);
@@ -121,6 +133,8 @@ const std::vector<KnownFigure>& known_figures() {
       {"viscous_friction", joint, {"viscous"}, false, put_damping},
       {"coulomb_friction", joint, {"coulomb"}, false, put_dry_friction},
       {"rotor_inertia", joint, {"armature"}, false, put_rotor},
+      {"encoder_offset", joint, {"offset"}, false, put_zero},
+      {"command_delay", joint, {"delay"}, false, put_lag},
       {"link_mass", link, {"share"}, true, put_mass},
       {"link_com", link, {"x", "y", "z"}, false, put_centre},
       {"payload", link, {"mass", "x", "y", "z"}, true, put_payload},
@@ -153,7 +167,8 @@ std::string put_figure(const NamedFigure& figure, ModelParameters& theta) {
                        known->place == FigurePlace::joint ? "joint" : "link");
   ModelParameters changed = theta;
   for (const int place : at)
-    if (!known->put(changed, place, figure.parameters)) return "the figure would leave physics";
+    if (!known->put(changed, place, figure.parameters))
+      return "the planner's model cannot take this figure";
   theta = changed;
   return {};
 }

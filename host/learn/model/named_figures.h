@@ -32,7 +32,7 @@ struct KnownFigure {
   std::vector<std::string_view> parameters;  // of the effect, those that it reads
   // more mass where it is: all such figures of one place are the same model
   bool kilograms = false;
-  /// Changes joint, body or (always 0) ground `place`; false: the figure would leave physics.
+  /// Changes joint, body or (always 0) ground `place`; false: it cannot take this figure.
   bool (*put)(model::ModelParameters& theta, int place, const Numbers& numbers) = nullptr;
 };
 

@@ -35,6 +35,23 @@ TEST(NamedFigures, ServosChangeWhereTheyAreNamed) {
   }
 }
 
+TEST(NamedFigures, ZerosAreReadTooMuchAndLagsOfJointsAreTheirMean) {
+  ModelParameters theta = model::nominal_parameters();
+  ASSERT_EQ(
+      put_figure({"encoder_offset", {"l_knee"}, {{"offset", 0.03}, {"of_record", 0.0}}}, theta),
+      "");
+  for (int j = 0; j < model::kNumJoints; ++j)
+    EXPECT_DOUBLE_EQ(
+        theta.servo[j].zero,
+        model::kJoints[static_cast<std::size_t>(j)].name == std::string("l_knee") ? 0.03 : 0.0);
+  std::vector<std::string> all;
+  for (const model::JointInfo& joint : model::kJoints) all.emplace_back(joint.name);
+  ASSERT_EQ(put_figure({"command_delay", all, {{"delay", 0.012}}}, theta), "");
+  EXPECT_NEAR(theta.target_lag_s, 0.012, 1e-12);
+  ASSERT_EQ(put_figure({"command_delay", {"l_knee"}, {{"delay", 0.012}}}, theta), "");
+  EXPECT_NEAR(theta.target_lag_s, 0.013, 1e-12);
+}
+
 TEST(NamedFigures, APayloadKeepsTheMomentsOfAllThatIsThere) {
   const ModelParameters nominal = model::nominal_parameters();
   ModelParameters theta = nominal;
@@ -74,6 +91,9 @@ TEST(NamedFigures, WhatItCannotHoldIsRefusedAndNothingChanges) {
   for (const NamedFigure& figure :
        std::vector<NamedFigure>{{"imu_misalignment", {"body_link"}, {{"x", 0.1}}},
                                 {"servo_p_gain", {"elbow"}, {{"gain", 0.5}}},
+                                {"encoder_offset", {"l_knee"}, {{"offset", 0.1}, {"of_record", 1}}},
+                                {"command_delay", {"l_knee"}, {{"delay", 0.6}}},
+                                {"command_delay", {"l_knee"}, {{"delay", -0.01}}},
                                 {"servo_p_gain", {}, {{"gain", 0.5}}},
                                 {"servo_p_gain", {"l_knee", "elbow"}, {{"gain", 0.5}}},
                                 {"servo_p_gain", {"l_knee"}, {{"gain", -0.5}}},
