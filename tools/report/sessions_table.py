@@ -2,7 +2,7 @@
 """One row for every finished session of a campaign, kept in a file that grows, and what they show.
 
     sessions_table.py add ROWS.csv FOLDER --commit HASH   takes in FOLDER/*/summary.json; a session that is there is replaced
-    sessions_table.py show ROWS.csv [--world back,worst]  prints the tables as Markdown
+    sessions_table.py show ROWS.csv [--world back,worst] [--commit HASH]  prints the tables as Markdown
 
 A campaign of 64 sessions takes hours: what is finished is kept, with the commit of the program, and the same command goes on.
 Sessions with fewer trials than --trials (default 100) are not finished and are left out.
@@ -90,9 +90,11 @@ def wilson(k, n, z=1.96):
 
 def show(args):
     worlds = args.world.split(",") if args.world else None
-    rows = [r for r in read(args.rows).values() if not worlds or r["world"] in worlds]
+    rows = [r for r in read(args.rows).values()
+            if (not worlds or r["world"] in worlds) and args.commit in (None, r["commit"])]
     if not rows:
-        sys.exit(f"{args.rows}: no session of {args.world or 'any world'}; see `sessions_table.py add --help`")
+        sys.exit(f"{args.rows}: no session of {args.world or 'any world'} at {args.commit or 'any commit'}; "
+                 "see `sessions_table.py add --help`")
     print("| motion | world | first trial | first right | right of the last 10 | cost, first: best | "
           "N-step loss: first; last ten initial, identified, used |")
     print("|---|---|---|---|---|---|---|")
@@ -119,6 +121,7 @@ def main():
     other = commands.add_parser("show", help="print the tables")
     other.add_argument("rows", type=pathlib.Path)
     other.add_argument("--world", help="a comma between two")
+    other.add_argument("--commit", help="of the program that ran; otherwise of all")
     other.set_defaults(run=show)
     args = parser.parse_args()
     args.run(args)

@@ -58,6 +58,19 @@ class SessionsTable(unittest.TestCase):
         self.assertIn("| stand | back | failed | 2 | 9 | 9: 1 | 0.1; 0.2, 0.1, 0.1 |", said)
         self.assertIn("9 or 10 of the last 10 trials right in 1 of 1", said)
 
+    def test_it_shows_one_commit(self):
+        self.session("stand", [trial(i, True) for i in range(12)])
+        self.add()
+        self.session("squat", [trial(i, True) for i in range(12)])
+        self.add("def")
+        code, said = self.call("show", self.rows, "--commit", "abc")
+        self.assertEqual(code, 0)
+        self.assertIn("| stand |", said)
+        self.assertNotIn("| squat |", said)
+        code, said = self.call("show", self.rows, "--commit", "abd")
+        self.assertNotEqual(code, 0)
+        self.assertIn("no session of any world at abd", said)
+
     def test_a_file_of_something_else_is_refused(self):
         self.rows.write_text("a,b\n1,2\n")
         self.session("stand", [trial(i, True) for i in range(12)])
