@@ -110,14 +110,16 @@ void UpperLayer::Impl::fill_policy(const PlanRequest& request, PlanResult& resul
   const auto count =
       std::min<std::size_t>(policy::kMaxUpperKnots, static_cast<std::size_t>(settings.horizon - 1));
   p.knots.try_resize(count);
-  const double ahead = lag_s() / settings.dt_s;  // what acts later is asked for now
+  // what acts later is asked for now: so many whole steps and a share of one ahead
+  const double ahead = lag_s() / settings.dt_s, whole = std::floor(ahead), share = ahead - whole;
   for (std::size_t k = 0; k < count; ++k) {
     policy::Knot& out = p.knots[k];
     const StageGains& gains = solver.gains()[k];
-    const std::size_t after = std::min(k + 1, count - 1);
+    const std::size_t at = std::min(k + static_cast<std::size_t>(whole), count - 1),
+                      after = std::min(at + 1, count - 1);
     double norm2 = 0;
     for (int i = 0; i < kNu; ++i) {
-      out.u[i] = knot_input(k, i) + ahead * (knot_input(after, i) - knot_input(k, i));
+      out.u[i] = knot_input(at, i) + share * (knot_input(after, i) - knot_input(at, i));
       for (int j = 0; j < kNdx; ++j) norm2 += gains.K[i][j] * gains.K[i][j];
     }
     const double norm = std::sqrt(norm2);

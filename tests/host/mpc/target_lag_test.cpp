@@ -73,13 +73,16 @@ TEST(TargetLag, APlannerThatKnowsItFollowsAWalkBetter) {
 }
 
 /// Standing, where the other layers ask the same at all times, so that both plans are one.
-policy::UpperPolicy plan_standing(double lag_s, const std::vector<model::State>& reference) {
+policy::UpperPolicy plan_standing(double lag_s, const std::vector<model::State>& reference,
+                                  double dt_s = 0.06) {
   TrialContext context;
   context.reference = reference;
   context.on.reflex = false;  // alone it would see another state
   host::AugmentedModel model;
   model.analytical.target_lag_s = lag_s;
-  UpperLayer upper({}, model);
+  MpcSettings settings;
+  settings.dt_s = dt_s;
+  UpperLayer upper(settings, model);
   upper.begin_trial(context);
   PlanRequest request;
   request.plan_tick = 6;
@@ -100,6 +103,16 @@ TEST(TargetLag, WhatActsLaterIsAskedForEarlier) {
     const model::Input third = now.knots[k].u + (now.knots[k + 1].u - now.knots[k].u) / 3.0;
     EXPECT_LT((late.knots[k].u - third).norm(), 1e-12) << "knot " << k;
     EXPECT_EQ(late.knots[k].x, now.knots[k].x) << "states are compared when they are there";
+  }
+}
+
+TEST(TargetLag, MayBeLongerThanAStep) {
+  const std::vector<model::State> held(200, problems::reference_of("stand").front());
+  const policy::UpperPolicy now = plan_standing(0.0, held, 0.02),
+                            late = plan_standing(0.03, held, 0.02);
+  for (std::size_t k = 0; k + 2 < now.knots.size(); ++k) {
+    const model::Input half = 0.5 * (now.knots[k + 1].u + now.knots[k + 2].u);
+    EXPECT_LT((late.knots[k].u - half).norm(), 1e-12) << "knot " << k;
   }
 }
 
