@@ -6,6 +6,11 @@
 
 namespace sanso::diagnose::SANSO_ISA {
 
+/// Where entry (i, j) of a symmetric matrix stands of which the lower triangle is written.
+inline std::size_t in_lower(std::size_t i, std::size_t j) {
+  return i < j ? j * kMaxJoints + i : i * kMaxJoints + j;
+}
+
 /// Inverse of the symmetric positive definite block [b, e) given by its lower triangle; in place
 /// scratch L. No pivot is taken for less than `least`.
 template <class T>

@@ -320,7 +320,7 @@ class Integrator {
       const std::size_t b = tree_.branch_begin(f_.branch[n]),
                         e = tree_.branch_begin(f_.branch[n] + 1);
       if (k < b || k >= e) continue;
-      for (std::size_t i = b; i < e; ++i) torque += M_[k * kMaxJoints + i] * ddq[i];
+      for (std::size_t i = b; i < e; ++i) torque += M_[in_lower(k, i)] * ddq[i];
     }
     const T side = with_sign(T(1.0), torque);
     const T least = settings_.leaning * M_[k * kMaxJoints + k];

@@ -105,5 +105,33 @@ TEST(Follow, ALinkThatHangsAcrossItsPlayLeansOnTheMotor) {
   EXPECT_GT(motor_behind(1.0), 0.0) << "held up against gravity, which turns it back";
 }
 
+/// Where the shoulder's motor is, seen from an arm that hangs still while its lower link is thrown
+/// with `ddq` [rad/s^2]; play of 0.02 rad at the shoulder, whose friction holds the motor.
+double motor_of_a_shoulder(double ddq) {
+  const ModelFolder model =
+      test::two_links("actuator = \"position_pd\"\nkp = 2\nkd = 0.1\ncoulomb = 5\n");
+  const Drive drive = test::make_test_drive(model, 0.03, 0.01, [](int, double) { return 0.0; });
+  SimParams params = make_params(model);
+  params.joints[0].backlash = 0.02;
+  MeasuredMotion motion;
+  motion.q.assign(2, std::vector<double>(drive.rows(), 0.0));
+  motion.dq = motion.q;
+  for (std::size_t row = 0; row < drive.rows(); ++row) {
+    motion.q[1][row] = 0.5 * ddq * drive.t[row] * drive.t[row];
+    motion.dq[1][row] = ddq * drive.t[row];
+  }
+  const std::vector<Window> windows{{2, 3, {}, {}}};
+  const Followed one{&params, &drive, &motion, windows};
+  SimOptions options;
+  options.max_step_s = 0.002;
+  return follow({&one, 1}, options).front().front()[0].motor_offset;
+}
+
+TEST(Follow, ALinkThatOthersPushLeansOnTheMotor) {
+  EXPECT_NEAR(motor_of_a_shoulder(100.0), 0.01, 1e-4) << "thrown forward, the arm must be held";
+  EXPECT_NEAR(motor_of_a_shoulder(-100.0), -0.01, 1e-4);
+  EXPECT_EQ(motor_of_a_shoulder(0.0), 0.0) << "straight down nothing presses it to either side";
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
