@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "host/model/residual_network.h"
 #include "shared/model/ground.h"
@@ -19,6 +20,8 @@ struct AugmentedModel {
   double residual_dt_s = 0.06;
   // empty until the first learning of the model, or switched off
   std::optional<ResidualNetwork> residual;
+  // analytical models that fit the data about as well; empty: nobody asked
+  std::vector<model::StepModel> spread;
 };
 
 }  // namespace sanso::host

@@ -7,11 +7,11 @@
 //
 // The noise is x' = f + sigma F w. With one channel a tangent coordinate W = diag(Vxx); with a
 // single channel, w a number and F one column of noise, W = Vxx. dF/du = B exactly, dF/dx is left
-// out (zero at a cold start). The kernels are compiled once per instruction set; the choice is made
-// at run time.
+// out (zero at a cold start); noise columns (noise_columns.h) have it. The kernels are compiled
+// once per instruction set; the choice is made at run time.
 #pragma once
 
-#include "host/mpc/problem.h"
+#include "host/mpc/noise_columns.h"
 
 namespace sanso::mpc {
 
@@ -32,15 +32,17 @@ struct BackwardInput {
   double input_limit_rad = 0;
   double sigma = 0;
   bool one_noise_channel = false;
-  double mu = 0;  // added to the diagonal of Quu
+  const NoiseColumns* columns = nullptr;  // further noise; null: none
+  double mu = 0;                          // added to the diagonal of Quu
   // called before a stage is read, from the last one on; may be null
   void (*wait_for)(void* context, int stage) = nullptr;
   void* wait_context = nullptr;
 };
 
 struct BackwardOutput {
-  StageGains* gains = nullptr;  // [stages]
-  NoisePrice* noise = nullptr;  // [stages] under the value of the knot after the stage
+  StageGains* gains = nullptr;      // [stages]
+  NoisePrice* noise = nullptr;      // [stages] under the value of the knot after the stage
+  ColumnsPrice* columns = nullptr;  // [stages] the same of the columns; null without
 };
 
 /// One instruction set's pass (lane_kernels.h has them all). `value` is scratch and ends as the

@@ -18,6 +18,8 @@ struct MpcSettings {
   double sigma = 0.1;
   bool one_noise_channel = false;
   bool noise_over_root_dt = false;
+  bool noise_slope = false;
+  double spread = 0.0;
   bool warm_start = false;
   int threads = 2;
   bool pin_threads = false;
@@ -51,6 +53,12 @@ struct MpcSettings {
           "w is one number and F a column (paper, literally); no: a channel for each coordinate");
     field("noise_over_root_dt", noise_over_root_dt, "yes or no", false, true,
           "F divided by the root of dt without the root in the sampled noise (paper, literally)");
+    field("noise_slope", noise_slope, "yes or no", false, true,
+          "dF/dx of that noise is planned with too: one more linearisation an iteration");
+    field(
+        "spread", spread, "1", 0.0, 10.0,
+        "amplitude of the noise by which models that fit about as well differ (model.members); 0: "
+        "none");
     field("warm_start", warm_start, "yes or no", false, true,
           "from the last plan moved by one knot instead of u_up = 0 (paper: no)");
     field("threads", threads, "threads", 1, 64, "of the planner, the caller's among them");

@@ -51,6 +51,15 @@ void Op3Phases::set_model(const host::AugmentedModel& model) {
   if (model_.residual) fold(*model_.residual, work_->residual);
 }
 
+model::State Op3Phases::nominal_next(int stage) const {
+  const model::StateLanes& lanes = work_->whole_x[kNominal][stage / model::kLanes];
+  return State::NullaryExpr([&](Eigen::Index i) { return lanes.v[i][stage % model::kLanes]; });
+}
+
+void Op3Phases::start_contact_from(const Op3Phases& other) {
+  std::memcpy(work_->nominal_contact, other.work_->nominal_contact, sizeof work_->nominal_contact);
+}
+
 bool Op3Phases::ground_varies() const {
   const model::GroundSegment& first = model_.ground.segment[0];
   return model_.ground.num_segments > 1 || first.sin_slope != 0 || first.curvature != 0;

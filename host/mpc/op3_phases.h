@@ -33,6 +33,11 @@ class Op3Phases : public Phases {
     return work_->residual.present ? &work_->residual : nullptr;
   }
 
+  /// Of the last linearisation: what the analytical step comes to at a stage's nominal point.
+  model::State nominal_next(int stage) const;
+  /// Contact forces that start the next linearisation, from other phases of the same trajectory.
+  void start_contact_from(const Op3Phases& other);
+
   int stages() const override { return settings_.horizon - 1; }
   void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
                  StageCost* costs) override;

@@ -2,7 +2,7 @@
 // threads as it likes.
 #pragma once
 
-#include "host/mpc/problem.h"
+#include "host/mpc/noise_columns.h"
 
 namespace sanso::mpc {
 
@@ -35,8 +35,9 @@ struct LaneTrajectories {
 /// priced.
 struct LinePolicy {
   const Trajectory* nominal = nullptr;
-  const StageGains* gains = nullptr;  // null: u = ū, x̄ is not read
-  const NoisePrice* noise = nullptr;  // null: noise is not priced
+  const StageGains* gains = nullptr;      // null: u = ū, x̄ is not read
+  const NoisePrice* noise = nullptr;      // null: noise is not priced
+  const ColumnsPrice* columns = nullptr;  // null: there are none
   double input_limit_rad = 0;
 };
 
@@ -56,6 +57,12 @@ class Phases {
   }
   virtual void wait_for(int stage) { (void)stage; }
   virtual void finish_linearize() {}
+  /// Noise beside what F and B of the derivatives make, at noise amplitude `sigma`; of the last
+  /// linearisation, from begin_linearize() on.
+  virtual NoiseColumns noise_columns(double sigma) const {
+    (void)sigma;
+    return {};
+  }
   /// All lanes start in nominal.x[0]. Lane i uses step length steps[i] (64-byte aligned). A lane
   /// that leaves the finite numbers gets an infinite cost.
   virtual void roll_out(const LinePolicy& policy, const double* steps, LaneTrajectories& out) = 0;

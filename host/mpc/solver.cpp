@@ -121,12 +121,15 @@ bool Solver::propose(double sigma, SolveResult& result) {
   in.costs = work_->costs;
   in.u = work_->trajectory.u;
   in.input_limit_rad = settings_.input_limit_rad;
-  in.sigma = sigma;
+  const NoiseColumns columns = phases_.noise_columns(sigma);
+  has_columns_ = columns.count > 0;
+  in.columns = has_columns_ ? &columns : nullptr;
+  in.sigma = columns.of_input ? 0.0 : sigma;
   in.one_noise_channel = settings_.one_noise_channel;
   in.mu = mu_;
   in.wait_for = [](void* phases, int stage) { static_cast<Phases*>(phases)->wait_for(stage); };
   in.wait_context = &phases_;
-  const bool ok = backward_pass_(in, {work_->gains, work_->noise}, work_->value).ok;
+  const bool ok = backward_pass_(in, {work_->gains, work_->noise, work_->columns}, work_->value).ok;
   phases_.finish_linearize();
   return ok;
 }
@@ -137,6 +140,7 @@ int Solver::try_step_lengths(SolveResult& result) {
   policy.nominal = &work_->trajectory;
   policy.gains = work_->gains;
   policy.noise = work_->noise;
+  policy.columns = columns();
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
   int best = 0;
@@ -150,7 +154,10 @@ int Solver::try_step_lengths(SolveResult& result) {
 
 double Solver::noise_price() const {
   double sum = 0;
-  for (int k = 0; k < phases_.stages(); ++k) sum += 0.5 * work_->noise[k].still;
+  for (int k = 0; k < phases_.stages(); ++k) {
+    sum += 0.5 * work_->noise[k].still;
+    if (has_columns_) sum += 0.5 * work_->columns[k].at;
+  }
   return sum;
 }
 

@@ -58,6 +58,7 @@ class Solver {
     StageGains gains[kMaxStages];  // of the newest proposal
     StageGains taken[kMaxStages];  // of the last one that lowered the cost
     NoisePrice noise[kMaxStages];
+    ColumnsPrice columns[kMaxStages];
     Value value;
     LaneTrajectories lanes;
   };
@@ -68,14 +69,16 @@ class Solver {
   bool propose(double sigma, SolveResult& result);
   int try_step_lengths(SolveResult& result);
   double noise_price() const;
+  const ColumnsPrice* columns() const { return has_columns_ ? work_->columns : nullptr; }
   void take_lane(int lane);
 
   SolverSettings settings_;
   Phases& phases_;
   BackwardPassFn backward_pass_;
   double mu_ = 0;
-  double cost_ = 0;        // deterministic, of trajectory()
-  double noise_cost_ = 0;  // price of its noise, as the step that led to it was judged
+  bool has_columns_ = false;  // the newest proposal has priced noise columns
+  double cost_ = 0;           // deterministic, of trajectory()
+  double noise_cost_ = 0;     // price of its noise, as the step that led to it was judged
   std::unique_ptr<Workspace> work_;
 };
 

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "host/mpc/delay_prediction.h"
-#include "host/mpc/op3_phases.h"
+#include "host/mpc/noise_phases.h"
 #include "host/mpc/solver.h"
 
 namespace sanso::mpc {
@@ -20,9 +20,20 @@ struct UpperLayer::Impl {
             std::max(1, static_cast<int>(std::lround(s.dt_s / to_seconds(kTickPeriod))))),
         pool(s.threads, s.pin_threads),
         phases({s.horizon, s.dt_s, s.difference_step}, m, pool),
+        noisy(noise_phases()),
         solver({s.max_iterations, s.convergence, s.regularization, s.input_limit_rad,
                 s.one_noise_channel},
-               phases) {}
+               noisy ? static_cast<Phases&>(*noisy) : phases) {}
+
+  /// Null: no noise has slopes.
+  std::unique_ptr<NoisePhases> noise_phases() {
+    const NoiseSettings noise{settings.noise_slope, settings.one_noise_channel, settings.spread};
+    if (!noise.input_slope && noise.spread == 0.0) return nullptr;
+    const Op3PhasesSettings of_all{settings.horizon, settings.dt_s, settings.difference_step};
+    auto out = std::make_unique<NoisePhases>(noise, of_all, phases, pool);
+    out->set_model(model);
+    return out;
+  }
 
   void fill_context(std::int32_t plan_tick);
   void fill_stage(int stage, double tick);
@@ -36,6 +47,7 @@ struct UpperLayer::Impl {
   int ticks_per_knot;
   SpinPool pool;
   Op3Phases phases;
+  std::unique_ptr<NoisePhases> noisy;
   Solver solver;
   DelayPrediction delay;
   TrialContext trial;
@@ -139,6 +151,7 @@ UpperLayer::~UpperLayer() = default;
 void UpperLayer::set_model(const host::AugmentedModel& model) {
   impl_->model = model;
   impl_->phases.set_model(model);
+  if (impl_->noisy) impl_->noisy->set_model(model);
 }
 
 void UpperLayer::begin_trial(const TrialContext& context) {

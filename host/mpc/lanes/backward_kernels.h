@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/mpc/backward_pass.h"
+#include "host/mpc/lanes/column_kernels.h"
 #include "host/mpc/lanes/native_vector.h"
 
 namespace sanso::mpc::SANSO_ISA {
@@ -128,6 +129,20 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
     for (int j = 0; j < 3; ++j) s.Qxx[kTheta + i][kTheta + j] += cost.lxx_theta[i][j];
 }
 
+/// What noise columns add to the stage's quadratic.
+inline void add_columns(const ColumnsPrice& price, StageScratch& s) {
+  for (int i = 0; i < kNdx; ++i) {
+    s.Qx[i] += price.slope[i];
+    for (int j = i; j < kNdx; ++j) s.Qxx[i][j] += price.curvature[i][j];
+  }
+  for (int i = 0; i < kNu; ++i) {
+    const double* row = price.curvature[kNdx + i];
+    s.Qu[i] += price.slope[kNdx + i];
+    for (int j = 0; j < kNdx; ++j) s.Qu_x[i][j] += row[j];
+    for (int j = 0; j < kNu; ++j) s.Quu[i][j] += row[kNdx + j];
+  }
+}
+
 /// What the noise of a stage costs, as a quadratic in the change of its input.
 inline void price_of_noise(const StageScratch& s, NoisePrice& out) {
   out.still = s.noise_still;
@@ -242,6 +257,10 @@ inline BackwardSummary run_backward_pass(const BackwardInput& in, const Backward
     if (in.wait_for) in.wait_for(in.wait_context, stage);
     action_value(in, stage, value, s);
     price_of_noise(s, out.noise[stage]);
+    if (in.columns) {
+      price_of_columns(*in.columns, stage, value, out.columns[stage]);
+      add_columns(out.columns[stage], s);
+    }
     hold_inputs_at_limits(in.u[stage], in.input_limit_rad, s);
     if (!factorize(s, in.mu)) return summary;
     StageGains& g = out.gains[stage];

@@ -73,13 +73,60 @@ struct LinearProblem {
   }
 };
 
+/// Noise columns of a linear problem, in the solver's layout and in Eigen's.
+struct LinearColumns {
+  std::vector<StageNoise> stages{LinearProblem::kStages};
+  std::vector<std::vector<MatrixXd>> D;  // [stage][column] 36 x 48
+  std::vector<std::vector<VectorXd>> c;
+  NoiseColumns columns;
+
+  /// `count` random columns; every second one with a channel a coordinate.
+  LinearColumns(unsigned seed, int count)
+      : D(stages.size(), std::vector<MatrixXd>(static_cast<std::size_t>(count))),
+        c(stages.size(), std::vector<VectorXd>(static_cast<std::size_t>(count))) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    columns.count = count;
+    for (int e = 0; e < count; ++e)
+      columns.variance[e] = 0.3 + 0.2 * e, columns.by_coordinate[e] = e % 2 == 1;
+    const auto matrix = [&](int cols, double size) {
+      return MatrixXd(MatrixXd::NullaryExpr(kNdx, cols, [&] { return size * normal(random); }));
+    };
+    for (std::size_t k = 0; k < stages.size(); ++k)
+      for (int e = 0; e < count; ++e) {
+        const auto at = static_cast<std::size_t>(e);
+        D[k][at] = matrix(kColumns, 0.1), c[k][at] = matrix(1, 0.2);
+        fill(D[k][at], c[k][at], stages[k].column[e]);
+      }
+    columns.stage = stages.data();
+  }
+  static void fill(const MatrixXd& D, const VectorXd& c, NoiseColumn& out) {
+    for (int i = 0; i < kNdx; ++i) {
+      out.c[i] = c[i];
+      for (int j = 0; j < kColumns; ++j) out.D[i][j] = D(i, j);
+    }
+  }
+  /// Sum of variance [c | D]' W [c | D] under the value V: at, slope and curvature in one matrix.
+  MatrixXd price(std::size_t stage, const MatrixXd& V) const {
+    MatrixXd sum = MatrixXd::Zero(1 + kColumns, 1 + kColumns);
+    for (std::size_t e = 0; e < D[stage].size(); ++e) {
+      const MatrixXd W = columns.by_coordinate[e] ? MatrixXd(V.diagonal().asDiagonal()) : V;
+      MatrixXd all(kNdx, 1 + kColumns);
+      all << c[stage][e], D[stage][e];
+      sum += columns.variance[e] * all.transpose() * W * all;
+    }
+    return sum;
+  }
+};
+
 struct Pass {
   std::unique_ptr<StageGains[]> gains{new StageGains[kMaxStages]};
   std::unique_ptr<NoisePrice[]> noise{new NoisePrice[kMaxStages]};
+  std::unique_ptr<ColumnsPrice[]> columns{new ColumnsPrice[kMaxStages]};
   std::unique_ptr<Value> value{new Value};
   BackwardSummary summary;
   Pass(BackwardPassFn run, const BackwardInput& in) {
-    summary = run(in, {gains.get(), noise.get()}, *value);
+    summary = run(in, {gains.get(), noise.get(), columns.get()}, *value);
   }
   double price(int k, const VectorXd& du) const {
     const NoisePrice& n = noise[k];
@@ -105,6 +152,7 @@ struct NamedPass {
 std::vector<NamedPass> passes() {
   const LaneKernels* all[3];
   std::vector<NamedPass> out;
+  out.reserve(3);
   for (int i = 0; i < available_lane_kernels(all, 3); ++i)
     out.push_back({all[i]->name, all[i]->backward_pass});
   return out;
@@ -149,6 +197,74 @@ TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
             ASSERT_NEAR(result.value->Vxx[i][j], V(i, j), 1e-9 * V.norm());
         }
       }
+}
+
+TEST(BackwardPass, EqualsRiccatiWithNoiseThatHasSlopes) {
+  for (const auto& pass : passes()) {
+    SCOPED_TRACE(pass.name);
+    const LinearProblem p(11);
+    const LinearColumns noise(12, 3);
+    BackwardInput in = p.input(0.0);
+    in.columns = &noise.columns;
+    const Pass result(pass.run, in);
+    ASSERT_TRUE(result.summary.ok);
+    MatrixXd V = p.W;
+    VectorXd v = p.lx[LinearProblem::kStages];
+    for (int k = LinearProblem::kStages - 1; k >= 0; --k) {
+      const MatrixXd priced = noise.price(static_cast<std::size_t>(k), V);
+      const ColumnsPrice& out = result.columns[k];
+      ASSERT_NEAR(out.at, priced(0, 0), 1e-9 * priced.norm());
+      for (int i = 0; i < kColumns; ++i) {
+        ASSERT_NEAR(out.slope[i], priced(0, 1 + i), 1e-9 * priced.norm());
+        for (int j = 0; j < kColumns; ++j)
+          ASSERT_NEAR(out.curvature[i][j], priced(1 + i, 1 + j), 1e-9 * priced.norm());
+      }
+      MatrixXd AB(kNdx, kColumns);
+      AB << p.A[k], p.B[k];
+      MatrixXd Q = AB.transpose() * V * AB + priced.bottomRightCorner(kColumns, kColumns);
+      Q.topLeftCorner(kNdx, kNdx) += p.W;
+      Q.bottomRightCorner(kNu, kNu) += p.R;
+      VectorXd q = AB.transpose() * v + priced.col(0).tail(kColumns);
+      q.head(kNdx) += p.lx[k];
+      q.tail(kNu) += p.lu[k];
+      const MatrixXd Quu = Q.bottomRightCorner(kNu, kNu), Qux = Q.bottomLeftCorner(kNu, kNdx);
+      const VectorXd Qu = q.tail(kNu);
+      const MatrixXd K = -Quu.partialPivLu().solve(Qux);
+      const VectorXd ff = -Quu.partialPivLu().solve(Qu);
+      for (int i = 0; i < kNu; ++i) {
+        EXPECT_NEAR(result.gains[k].k[i], ff[i], 1e-9 * ff.norm());
+        for (int j = 0; j < kNdx; ++j)
+          ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
+      }
+      v = q.head(kNdx) + K.transpose() * Qu;
+      V = Q.topLeftCorner(kNdx, kNdx) + Qux.transpose() * K;
+    }
+  }
+}
+
+TEST(BackwardPass, AColumnThatFollowsTheInputIsTheNoiseThatInputsMake) {
+  const LinearProblem p(13);
+  const double sigma = 0.7;
+  LinearColumns noise(14, 1);
+  for (int k = 0; k < LinearProblem::kStages; ++k) {
+    MatrixXd D = MatrixXd::Zero(kNdx, kColumns);
+    D.rightCols(kNu) = p.B[k];
+    LinearColumns::fill(D, p.F[k], noise.stages[static_cast<std::size_t>(k)].column[0]);
+  }
+  noise.columns.variance[0] = sigma * sigma;
+  for (const bool one : {false, true}) {
+    noise.columns.by_coordinate[0] = !one;
+    BackwardInput in = p.input(0.0);
+    in.columns = &noise.columns;
+    const Pass columns(lane_kernels().backward_pass, in),
+        input(lane_kernels().backward_pass, p.input(sigma, 0, one));
+    for (int k = 0; k < LinearProblem::kStages; ++k)
+      for (int i = 0; i < kNu; ++i) {
+        EXPECT_NEAR(columns.gains[k].k[i], input.gains[k].k[i], 1e-9);
+        for (int j = 0; j < kNdx; ++j)
+          ASSERT_NEAR(columns.gains[k].K[i][j], input.gains[k].K[i][j], 1e-9);
+      }
+  }
 }
 
 TEST(BackwardPass, RegularizationKeepsTheValueOfTheRegularizedPolicy) {

@@ -84,15 +84,27 @@ TEST(UpperLayer, PlansLowerTheCostAllAlongAMotionAndAllocateNothing) {
   }
 }
 
-TEST(UpperLayer, TheSameRequestGivesTheSameBitsWithAnyNumberOfThreads) {
+/// Settings whose noise has slopes, and a model with another beside it.
+struct Sloped {
+  MpcSettings settings;
+  host::AugmentedModel model;
+  Sloped() {
+    settings.noise_slope = true;
+    settings.spread = 1.0;
+    model::ModelParameters heavier = model::nominal_parameters();
+    for (auto& body : heavier.body) body.mass *= 1.1;
+    model.spread.push_back(model::make_step_model(heavier));
+  }
+};
+
+void expect_same_bits_with_threads(MpcSettings settings, const host::AugmentedModel& model) {
   Squat squat;
   const PlanRequest request = squat.request(120);
   std::vector<PlanResult> results(3);
   const int threads[] = {1, 2, 4};
   for (std::size_t i = 0; i < 3; ++i) {
-    MpcSettings settings;
     settings.threads = threads[i];
-    UpperLayer upper(settings, host::AugmentedModel{});
+    UpperLayer upper(settings, model);
     upper.begin_trial(squat.context());
     upper.plan(request, results[i]);
     EXPECT_EQ(results[i].cost_after, results[0].cost_after);
@@ -100,6 +112,32 @@ TEST(UpperLayer, TheSameRequestGivesTheSameBitsWithAnyNumberOfThreads) {
     upper.plan(request, results[i]);  // and cold starts have no memory
     EXPECT_EQ(results[i].cost_after, results[0].cost_after);
   }
+}
+
+TEST(UpperLayer, TheSameRequestGivesTheSameBitsWithAnyNumberOfThreads) {
+  expect_same_bits_with_threads({}, {});
+  const Sloped sloped;
+  expect_same_bits_with_threads(sloped.settings, sloped.model);
+}
+
+TEST(UpperLayer, NoiseWithSlopesIsPlannedWithoutAllocation) {
+  Squat squat;
+  const Sloped sloped;
+  UpperLayer upper(sloped.settings, {});
+  upper.set_model(sloped.model);
+  upper.begin_trial(squat.context());
+  const PlanRequest request = squat.request(120);
+  const auto result = std::make_unique<PlanResult>(), without = std::make_unique<PlanResult>();
+  const long before = allocations;
+  upper.plan(request, *result);
+  EXPECT_EQ(allocations - before, 0);
+  ASSERT_EQ(result->status, Status::ok);
+  EXPECT_LT(result->cost_after, result->cost_before);
+  upper.set_model({});
+  upper.plan(request, *without);
+  EXPECT_GT(result->expected_cost - result->cost_after,
+            without->expected_cost - without->cost_after)
+      << "what the models differ by is priced beside the noise of the inputs";
 }
 
 TEST(UpperLayer, PredictionThroughTheDelayIsTheControllersSumTickByTick) {
