@@ -13,7 +13,8 @@ enum class Stream : std::uint64_t {
   identification = 2,
   residual = 3,
   pushes = 4,
-  bring_up = 5
+  bring_up = 5,
+  ensemble = 6
 };
 
 /// Neighbouring inputs, zero included, give unrelated outputs.

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "host/learn/seeds.h"
+#include "host/mpc/noise_columns.h"
 #include "shared/files/framed.h"
 #include "shared/model/op3_step.h"
 
@@ -15,7 +16,7 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kLearnerMagic[] = "SANSOMDL";
-constexpr std::uint32_t kLearnerVersion = 1;
+constexpr std::uint32_t kLearnerVersion = 2;
 constexpr double kHalfwayLoss = 1.0;  // E1 of the sigma law
 
 void visit_network(auto& n, auto&& io) {
@@ -49,8 +50,13 @@ host::AugmentedModel ModelLearner::current() const {
   // the very bits of the initial model: going through its parameters would round
   if (z_.isZero(0.0)) return m;
   const model::ContactSettings contact = m.analytical.contact;
-  m.analytical = model::make_step_model(map_.parameters(z_));
-  m.analytical.contact = contact;
+  const auto model_at = [&](const Eigen::VectorXd& z) {
+    model::StepModel out = model::make_step_model(map_.parameters(z));
+    out.contact = contact;
+    return out;
+  };
+  m.analytical = model_at(z_);
+  for (const Eigen::VectorXd& z : members_) m.spread.push_back(model_at(z));
   return m;
 }
 
@@ -108,14 +114,31 @@ std::optional<double> ModelLearner::begin_damped(const std::vector<PredictionWin
 
 std::optional<double> ModelLearner::begin_refined(const std::vector<PredictionWindow>& windows) {
   if (windows.empty()) return std::nullopt;
-  const IdentifySettings& settings = settings_.identify;
-  const std::vector<PredictionWindow> some =
-      thinned(windows, static_cast<std::size_t>(settings.max_windows));
-  const double loss_initial = n_step_loss(some, initial_.analytical, initial_.ground, weights_);
-  const double prior = settings.prior_weight * loss_initial / static_cast<double>(map_.size());
-  z_ = refined({some, map_, initial_.ground, weights_}, prior, z_, settings.refine,
-               settings.threads);
+  const std::vector<PredictionWindow> some = some_of(windows);
+  z_ = refined({some, map_, initial_.ground, weights_}, prior_on(some), z_,
+               settings_.identify.refine, settings_.identify.threads);
+  draw_ensemble(windows);
   return loss_at(z_, windows);
+}
+
+std::vector<PredictionWindow> ModelLearner::some_of(
+    const std::vector<PredictionWindow>& windows) const {
+  return thinned(windows, static_cast<std::size_t>(settings_.identify.max_windows));
+}
+
+double ModelLearner::prior_on(const std::vector<PredictionWindow>& windows) const {
+  return settings_.identify.prior_weight *
+         n_step_loss(windows, initial_.analytical, initial_.ground, weights_) /
+         static_cast<double>(map_.size());
+}
+
+void ModelLearner::draw_ensemble(const std::vector<PredictionWindow>& windows) {
+  if (settings_.ensemble.members == 0) return;
+  const std::vector<PredictionWindow> some = some_of(windows);
+  const std::uint64_t seed =
+      derived_seed(seed_, static_cast<std::uint64_t>(rounds_), Stream::ensemble);
+  members_ = ensemble({some, map_, initial_.ground, weights_}, prior_on(some), z_,
+                      settings_.ensemble, seed, settings_.identify.threads);
 }
 
 double ModelLearner::loss_at(const Eigen::VectorXd& z,
@@ -174,6 +197,7 @@ void ModelLearner::identify_parameters(const Data& data, LearningRound& round) {
   round.identification_used = after < before || !settings_.held_out_decides;
   if (!round.identification_used) return;
   z_ = found.z;
+  draw_ensemble(data.train);
   residual_.reset();  // it was trained on what the old parameters missed
   trust_ = {};
 }
@@ -251,6 +275,8 @@ void ModelLearner::save(const std::filesystem::path& path) const {
   files::FramedWriter out;
   out.put(static_cast<std::uint32_t>(z_.size()));
   out.put(z_);
+  out.put(static_cast<std::uint32_t>(members_.size()));
+  for (const Eigen::VectorXd& z : members_) out.put(z);
   out.put(sigma_);
   out.put(static_cast<std::int32_t>(rounds_));
   out.put(static_cast<std::uint8_t>(residual_.has_value()));
@@ -265,6 +291,11 @@ void ModelLearner::load(const std::filesystem::path& path) {
                              ": holds another set of model parameters; delete it and learn again");
   }
   in.get(z_);
+  const auto members = in.read<std::uint32_t>();
+  if (members > mpc::kMaxSpread)
+    throw std::runtime_error(path.string() + ": damaged; delete it and learn again");
+  members_.assign(members, z_);
+  for (Eigen::VectorXd& z : members_) in.get(z);
   in.get(sigma_);
   rounds_ = in.read<std::int32_t>();
   residual_.reset();

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "host/learn/model/damping_of_moves.h"
+#include "host/learn/model/ensemble.h"
 #include "host/learn/model/identify.h"
 #include "host/learn/model/residual_training.h"
 #include "host/learn/model/residual_trust.h"
@@ -29,6 +30,7 @@ double sigma_of_loss(double n_step_loss);
 struct ModelLearningSettings {
   IdentifySettings identify;
   ResidualSettings residual;
+  EnsembleSettings ensemble;
   bool use_residual = true;  // false: ablation "without residual"
   int window_stride_ticks = 6;
   int transition_stride_ticks = 2;
@@ -67,6 +69,7 @@ struct ModelLearningSettings {
     field("set_up", set_up, "yes or no", false, true,
           "zeros of the joints, height of the ground and lag of the targets are found too; no: as "
           "drawn (paper)");
+    ensemble.visit(field);
   }
 };
 
@@ -152,6 +155,10 @@ class ModelLearner {
   std::vector<Episode> usable(const std::vector<Episode>& all) const;
   Data split(const std::vector<Episode>& episodes) const;
   void identify_parameters(const Data& data, LearningRound& round);
+  /// The members anew, about z.
+  void draw_ensemble(const std::vector<PredictionWindow>& windows);
+  double prior_on(const std::vector<PredictionWindow>& windows) const;
+  std::vector<PredictionWindow> some_of(const std::vector<PredictionWindow>& windows) const;
   void train_network(const std::vector<Episode>& episodes, const Data& data, LearningRound& round);
   /// N-step loss with as much of `network` as may come to be trusted.
   double loss_in_use(const host::ResidualNetwork& network,
@@ -165,6 +172,7 @@ class ModelLearner {
   std::uint64_t seed_;
   ParameterMap map_;
   Eigen::VectorXd z_;
+  std::vector<Eigen::VectorXd> members_;           // as z, where an ensemble is asked for
   std::optional<host::ResidualNetwork> residual_;  // as trained, whole
   ResidualTrust trust_;
   double sigma_ = kSigmaStart;

@@ -42,6 +42,28 @@ TEST(ModelLearner, StoredAndReadBackIsTheSameModel) {
   EXPECT_EQ(other.rounds(), 1);
 }
 
+TEST(ModelLearner, MembersOfAnEnsembleAreStoredToo) {
+  ModelLearningSettings settings = quick();
+  settings.ensemble.members = 2;
+  ModelLearner learner({}, weights(), settings, kSeed);
+  EXPECT_TRUE(learner.current().spread.empty());
+  learner.begin_refined(learner.usable_windows(episode_of_world(1)));
+  const test::TempFolder folder;
+  learner.save(folder.path() / "model.bin");
+  ModelLearner other({}, weights(), settings, kSeed);
+  other.load(folder.path() / "model.bin");
+  const auto members = learner.current().spread, back = other.current().spread;
+  ASSERT_EQ(members.size(), 2U);
+  ASSERT_EQ(back.size(), 2U);
+  const std::vector<PredictionWindow> probe = learner.usable_windows(episode_of_world(50));
+  const auto loss = [&](const model::StepModel& m) {
+    return n_step_loss(probe, m, model::make_plane(), weights());
+  };
+  for (std::size_t e = 0; e < members.size(); ++e)
+    EXPECT_EQ(loss(members[e]), loss(back[e])) << "bit for bit";
+  EXPECT_NE(loss(members[0]), loss(members[1]));
+}
+
 TEST(ModelLearner, OneEpisodeTeachesNothing) {
   ModelLearner learner({}, weights(), {}, kSeed);
   const LearningRound round = learner.learn(episodes(1));
