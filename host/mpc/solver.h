@@ -58,9 +58,9 @@ class Solver {
     StageGains gains[kMaxStages];  // of the newest proposal
     StageGains taken[kMaxStages];  // of the last one that lowered the cost
     NoisePrice noise[kMaxStages];
-    ColumnsPrice columns[kMaxStages];
     Value value;
     LaneTrajectories lanes;
+    ColumnsPrice columns[kMaxStages];  // last: rarely used, and large
   };
   enum class Step { taken, too_small, none };
 

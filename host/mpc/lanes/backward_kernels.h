@@ -130,7 +130,7 @@ inline void action_value(const BackwardInput& in, int stage, const Value& value,
 }
 
 /// What noise columns add to the stage's quadratic.
-inline void add_columns(const ColumnsPrice& price, StageScratch& s) {
+[[gnu::noinline, gnu::cold]] inline void add_columns(const ColumnsPrice& price, StageScratch& s) {
   for (int i = 0; i < kNdx; ++i) {
     s.Qx[i] += price.slope[i];
     for (int j = i; j < kNdx; ++j) s.Qxx[i][j] += price.curvature[i][j];
