@@ -158,6 +158,13 @@ std::vector<NamedPass> passes() {
   return out;
 }
 
+void expect_gains(const StageGains& gains, const MatrixXd& K, const VectorXd& k) {
+  for (int i = 0; i < kNu; ++i) {
+    EXPECT_NEAR(gains.k[i], k[i], 1e-9 * k.norm());
+    for (int j = 0; j < kNdx; ++j) ASSERT_NEAR(gains.K[i][j], K(i, j), 1e-9 * K.norm());
+  }
+}
+
 TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
   for (unsigned seed = 1; seed <= 4; ++seed)
     for (const double sigma : {0.0, 0.7})
@@ -181,11 +188,7 @@ TEST(BackwardPass, EqualsRiccatiWithMultiplicativeNoise) {
           const MatrixXd Qux = p.B[k].transpose() * V * p.A[k];
           const MatrixXd K = -Quu.partialPivLu().solve(Qux);
           const VectorXd ff = -Quu.partialPivLu().solve(Qu);
-          for (int i = 0; i < kNu; ++i) {
-            EXPECT_NEAR(result.gains[k].k[i], ff[i], 1e-9 * ff.norm());
-            for (int j = 0; j < kNdx; ++j)
-              ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
-          }
+          ASSERT_NO_FATAL_FAILURE(expect_gains(result.gains[k], K, ff));
           v = p.lx[k] + p.A[k].transpose() * v + K.transpose() * Quu * ff + K.transpose() * Qu +
               Qux.transpose() * ff;
           V = p.W + p.A[k].transpose() * V * p.A[k] + K.transpose() * Quu * K +
@@ -231,11 +234,7 @@ TEST(BackwardPass, EqualsRiccatiWithNoiseThatHasSlopes) {
       const VectorXd Qu = q.tail(kNu);
       const MatrixXd K = -Quu.partialPivLu().solve(Qux);
       const VectorXd ff = -Quu.partialPivLu().solve(Qu);
-      for (int i = 0; i < kNu; ++i) {
-        EXPECT_NEAR(result.gains[k].k[i], ff[i], 1e-9 * ff.norm());
-        for (int j = 0; j < kNdx; ++j)
-          ASSERT_NEAR(result.gains[k].K[i][j], K(i, j), 1e-9 * K.norm());
-      }
+      ASSERT_NO_FATAL_FAILURE(expect_gains(result.gains[k], K, ff));
       v = q.head(kNdx) + K.transpose() * Qu;
       V = Q.topLeftCorner(kNdx, kNdx) + Qux.transpose() * K;
     }
