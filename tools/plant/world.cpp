@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "shared/files/atomic_file.h"
@@ -196,24 +198,38 @@ bool is_file(const std::string& name) {
   return std::filesystem::exists(name) && !std::filesystem::is_directory(name);
 }
 
+/// "17" or "17x1.5" behind the name of a way to draw; the whole, `name`, for messages.
+World load_drawn(World (*draw)(std::uint64_t), const std::string& name, std::string_view prefix) {
+  const std::string rest = name.substr(prefix.size());
+  const std::string digits = rest.substr(0, rest.find('x'));
+  const auto refuse = [&] {
+    return WorldError(fmt::format(
+        "world '{}': expected {}N with a whole number N, or {}NxW with a width W from 0 to {}",
+        name, prefix, prefix, kWidest));
+  };
+  if (digits.empty() || digits.size() > 18 ||
+      digits.find_first_not_of("0123456789") != std::string::npos)
+    throw refuse();
+  const World world = draw(std::stoull(digits));
+  if (digits == rest) return world;
+  const char* const end = rest.data() + rest.size();
+  double width = 0.0;
+  const auto read = std::from_chars(rest.data() + digits.size() + 1, end, width);
+  if (read.ec != std::errc{} || read.ptr != end || !(width >= 0.0 && width <= kWidest))
+    throw refuse();
+  return widened(world, width);
+}
+
 World load_named(const std::string& name_or_path) {
   for (const auto& [prefix, draw] :
-       {std::pair{"seed:", &draw_world}, std::pair{"honest:", &draw_honest_world}}) {
-    if (!name_or_path.starts_with(prefix)) continue;
-    const std::string digits = name_or_path.substr(std::string_view(prefix).size());
-    if (digits.empty() || digits.size() > 18 ||
-        digits.find_first_not_of("0123456789") != std::string::npos) {
-      throw WorldError(
-          fmt::format("world '{}': expected {}N with a whole number N", name_or_path, prefix));
-    }
-    return draw(std::stoull(digits));
-  }
+       {std::pair{"seed:", &draw_world}, std::pair{"honest:", &draw_honest_world}})
+    if (name_or_path.starts_with(prefix)) return load_drawn(draw, name_or_path, prefix);
   const std::string& built_in = built_in_file(name_or_path + ".toml");
   if (!built_in.empty()) return parse_world(built_in, "worlds/" + name_or_path + ".toml");
   if (!is_file(name_or_path)) {
     throw WorldError(fmt::format(
-        "world '{}': expected nominal, lab, hard, back, worst, tired, hung, seed:N, honest:N or "
-        "the path of a TOML file",
+        "world '{}': expected nominal, lab, hard, back, worst, tired, hung, seed:N, honest:N, "
+        "honest:NxWIDTH or the path of a TOML file",
         name_or_path));
   }
   try {

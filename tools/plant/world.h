@@ -137,8 +137,9 @@ struct World {
 };
 
 /// "nominal", "lab", "hard", "back", "worst", "tired", "hung" (files of worlds/), "seed:17" or
-/// "honest:17" (drawn), or the path of a TOML file; "lab+ramp" is lab on the ground `ramp` (or a
-/// profile file), "lab+ramp+wheels" on wheels as well. Throws WorldError.
+/// "honest:17" (drawn), "honest:17x1.5" (drawn and widened by 1.5), or the path of a TOML file;
+/// "lab+ramp" is lab on the ground `ramp` (or a profile file), "lab+ramp+wheels" on wheels as well.
+/// Throws WorldError.
 World load_world(const std::string& name_or_path);
 
 /// A world drawn by `seed` inside the ranges of docs/howto/emulator.md.
@@ -148,6 +149,12 @@ World draw_world(std::uint64_t seed);
 /// and delay are independent, every joint has its own zero and gain, the floor is not level and the
 /// sensors drift. Ranges: docs/howto/emulator.md.
 World draw_honest_world(std::uint64_t seed);
+
+/// `world` with whatever it differs in from the maker's figures `width` times as far from them:
+/// what is a ratio in its logarithm, the horn in its compliance. The bits of `world` at 1. `width`
+/// from 0 to kWidest, where a drawn world is still one that a file may hold.
+inline constexpr double kWidest = 2.5;
+World widened(World world, double width);
 
 /// A world file with all that `world` says; parse_world() gives it back to the last bit.
 std::string to_toml(const World& world);

@@ -97,4 +97,65 @@ World draw_honest_world(std::uint64_t seed) {
   return w;
 }
 
+namespace {
+
+/// Moves a drawn figure away from the maker's, which it was drawn around.
+class Widening {
+ public:
+  explicit Widening(double width) : width_(width) {}
+  void difference(double& value, double maker) const { value = maker + width_ * (value - maker); }
+  void ratio(double& value, double maker) const { value = maker * std::pow(value / maker, width_); }
+  void inverse(double& value, double maker) const {
+    value = 1.0 / (1.0 / maker + width_ * (1.0 / value - 1.0 / maker));
+  }
+  void size(double& value) const { value *= width_; }
+  void size(Vec3& value) const {
+    for (double& entry : value) size(entry);
+  }
+
+ private:
+  double width_;
+};
+
+void widen_servo(const Widening& widen, ServoParameters& s) {
+  const ServoParameters maker;
+  widen.ratio(s.motor_inertia_kgm2, maker.motor_inertia_kgm2);
+  widen.ratio(s.p_divisor, maker.p_divisor);
+  widen.inverse(s.gear_stiffness_Nm_rad, maker.gear_stiffness_Nm_rad);
+  widen.difference(s.left_gain_scale, maker.left_gain_scale);
+  for (double* figure :
+       {&s.gain_spread, &s.zero_offset_rad, &s.coulomb_Nm, &s.stribeck_extra_Nm, &s.load_friction,
+        &s.viscous_Nms_rad, &s.backlash_rad, &s.spread, &s.command_delay_s, &s.sensor_delay_s})
+    widen.size(*figure);
+}
+
+}  // namespace
+
+World widened(World w, double width) {
+  if (width == 1.0) return w;
+  const World maker;
+  const Widening widen(width);
+  widen.size(w.body.torso_extra_mass_kg);
+  widen.size(w.body.torso_com_offset_m);
+  widen.difference(w.body.leg_mass_scale, maker.body.leg_mass_scale);
+  widen_servo(widen, w.servo);
+  widen.difference(w.supply.voltage_V, maker.supply.voltage_V);
+  widen.size(w.supply.internal_ohm);
+  widen.ratio(w.ground.friction, maker.ground.friction);
+  widen.size(w.ground.tilt_roll_rad);
+  widen.size(w.ground.tilt_pitch_rad);
+  widen.size(w.ground.plate_height_m);
+  widen.difference(w.ground.contact_time_s, maker.ground.contact_time_s);
+  widen.size(w.imu.accel_bias_m_s2);
+  widen.size(w.imu.gyro_bias_rad_s);
+  widen.size(w.imu.orientation_bias_rad);
+  widen.size(w.imu.yaw_drift_rad_s);
+  w.imu.gravity_filter_s /= width;
+  widen.difference(w.pose.delay_s, maker.pose.delay_s);
+  widen.size(w.pose.drift_m);
+  widen.size(w.pose.dropouts_per_s);
+  w.name += fmt::format("x{}", width);
+  return w;
+}
+
 }  // namespace sanso::plant

@@ -42,8 +42,8 @@ void add_learn(CLI::App& app, int& result) {
   command
       ->add_option(
           "--world", options->world,
-          "of the emulated robot: nominal, lab, hard, back, worst, tired, seed:N, honest:N or a "
-          "TOML file")
+          "of the emulated robot: nominal, lab, hard, back, worst, tired, seed:N, honest:N, "
+          "honest:NxWIDTH (further from the maker's figures) or a TOML file")
       ->capture_default_str();
   command
       ->add_option("--ground", options->ground,

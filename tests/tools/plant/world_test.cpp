@@ -64,6 +64,37 @@ TEST(World, AWrittenWorldIsReadBackToTheLastBit) {
   }
 }
 
+TEST(World, AWiderDrawIsTheSameRobotFurtherFromTheMakers) {
+  const World maker, drawn = load_world("honest:7"), wide = load_world("honest:7x2");
+  EXPECT_EQ(to_toml(load_world("honest:7x1")), to_toml(drawn));
+  EXPECT_EQ(wide.name, "honest:7x2");
+  EXPECT_DOUBLE_EQ(wide.body.torso_com_offset_m[0], 2.0 * drawn.body.torso_com_offset_m[0]);
+  EXPECT_DOUBLE_EQ(wide.servo.load_friction, 2.0 * drawn.servo.load_friction);
+  EXPECT_NEAR(wide.supply.voltage_V - maker.supply.voltage_V,
+              2.0 * (drawn.supply.voltage_V - maker.supply.voltage_V), 1e-12);
+  EXPECT_NEAR(wide.servo.p_divisor * maker.servo.p_divisor,
+              drawn.servo.p_divisor * drawn.servo.p_divisor, 1e-9);
+  const World none = load_world("honest:7x0");  // the maker's but for what is not a figure
+  EXPECT_NEAR(none.servo.gear_stiffness_Nm_rad, maker.servo.gear_stiffness_Nm_rad, 1e-9);
+  EXPECT_EQ(none.servo.coulomb_Nm, 0.0);
+}
+
+TEST(World, TheWidestDrawsCanBeWrittenReadAndSimulated) {
+  for (int seed = 0; seed < 200; ++seed) {
+    const std::string name = "honest:" + std::to_string(seed) + "x2.5";
+    const World w = load_world(name);
+    World again;
+    ASSERT_NO_THROW(again = parse_world(to_toml(w), name)) << name;
+    EXPECT_EQ(to_toml(again), to_toml(w)) << name;
+    if (seed % 20 == 0) {
+      EXPECT_NO_THROW(Plant{w}) << name;
+    }
+  }
+  for (const char* name : {"honest:7x", "honest:7x-1", "honest:7x2.6", "honest:7xnan", "honest:x2",
+                           "honest:7x1x1", "honest:7x1 "})
+    EXPECT_THROW(load_world(name), WorldError) << name;
+}
+
 /// A draw in which one sign follows another hides what learning is for. 400 draws: a share of 1/4
 /// has a standard deviation of 0.022.
 TEST(World, SignsOfHonestWorldsAreIndependent) {
