@@ -79,6 +79,7 @@ struct DecisionSettings {
   double tied_drives = 2.0;
   double same_robot = 0.25;
   double same_law = 0.015;
+  double interval_stretch = 1.2;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;
@@ -137,6 +138,8 @@ struct DecisionSettings {
           "of an effect's size: recordings that differ by less are one robot on two days");
     field("same_law", same_law, "share", 1e-06, 0.5,
           "of a figure's size: two laws of one name, both fitted, differ by as much (deviation)");
+    field("interval_stretch", interval_stretch, "factor", 0.5, 5.0,
+          "on intervals of figures: what 95 % of sealed cases took (docs/results, intervals)");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,
