@@ -114,7 +114,10 @@ class Judged {
                              state_.candidate(a.candidate).title()));
       return {"removes too little of what it was fitted to", ""};
     }
-    if (a.far_behind) a.heldout = heldout_energy(*state_.found.around, a.fit);
+    if (a.far_behind) {
+      a.fit = resume(*state_.found.around, std::move(a.fit), 0);
+      a.heldout = heldout_energy(*state_.found.around, a.fit);
+    }
     return objections_to(state_, a, at_its_bound);
   }
 

@@ -75,13 +75,14 @@ bool drop_refuted(SearchState& state) {
       ++i;
       continue;
     }
-    FitResult reduced = state.without(i);
+    FitResult reduced = state.rough_without(i);
     const std::string refuted = state.residual_against(reduced, found.final);
     if (refuted.empty()) {
       ++i;
       continue;
     }
     const std::string title = state.accepted(i).title();
+    reduced = resume(*found.around, std::move(reduced), 0);
     const Eigen::VectorXd energy = heldout_energy(*found.around, reduced);
     if (compare(*state.problem, energy, found.final_heldout).removed() >
         state.decisions().stand_in_share * energy.sum()) {

@@ -88,7 +88,7 @@ FitResult freed(const Surroundings& around, FitResult found) {
   const auto nuisances = found.fixed.begin() + found.parameters;
   if (std::find(nuisances, found.fixed.end(), 1) == found.fixed.end()) return found;
   const FittingSettings& fitting = around.settings().fitting;
-  FitResult again = fit(around, Model{found.model.effects, {}}, fitting.first_iterations);
+  FitResult again = rough_fit(around, Model{found.model.effects, {}}, fitting.first_iterations);
   if (again.objective >= found.objective) return found;
   return resume(around, std::move(again), fitting.iterations - fitting.first_iterations);
 }
@@ -107,18 +107,17 @@ int numbers_chosen(const DecisionSettings& settings, const Library& library, con
   return out;
 }
 
-/// Parameters of effect `i` of a fit: f(parameter, value, sigma, held at a bound) until it returns
-/// true.
+/// Parameters of effect `i` of a fit: f(parameter, value, its place among all effects' parameters)
+/// until it returns true.
 template <class F>
 bool any_parameter(const Library& library, const FitResult& fit, std::size_t i, const F& f) {
-  const std::vector<double> sigma = parameter_sigmas(fit, library);
   std::size_t first = 0;
   for (std::size_t k = 0; k < i; ++k) first += library[fit.model.effects[k]].parameters.size();
   const Chosen& effect = fit.model.effects[i];
   const std::vector<CandidateParameter>& parameters = library[effect].parameters;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     if (parameters[k].structural) continue;
-    if (f(parameters[k], effect.theta[k], sigma[first + k], fit.fixed[first + k] != 0)) return true;
+    if (f(parameters[k], effect.theta[k], first + k)) return true;
   }
   return false;
 }
@@ -295,7 +294,7 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
       const Surroundings& where = is_event((*around.library)[a.candidate]) ? around : some;
       start = best_start(where, base, a.candidate, screening.best(a.candidate));
     }
-    a.fit = fit(around, start, around.settings().fitting.first_iterations);
+    a.fit = rough_fit(around, start, around.settings().fitting.first_iterations);
   });
   double best = beside;
   for (const Alternative& a : out) best = std::min(best, a.fit.objective);
@@ -306,14 +305,16 @@ std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
     const bool as_before = a.far_behind;
     a.far_behind = a.fit.objective > near;
     if (as_before && a.far_behind) return;
+    if (a.far_behind) {
+      a.heldout = seen_energy(around, a.fit);
+      return;
+    }
+    const FittingSettings& fitting = around.settings().fitting;
     // what was far behind where channels and shots were weighed otherwise
-    if (as_before) a.fit = fit(around, a.fit.model, around.settings().fitting.first_iterations);
-    if (!a.fit.converged && !a.far_behind)
-      a.fit =
-          resume(around, std::move(a.fit),
-                 around.settings().fitting.iterations - around.settings().fitting.first_iterations);
-    if (!a.far_behind) a.fit = freed(around, std::move(a.fit));
-    a.heldout = a.far_behind ? seen_energy(around, a.fit) : heldout_energy(around, a.fit);
+    if (as_before) a.fit = rough_fit(around, a.fit.model, fitting.first_iterations);
+    const int left = a.fit.converged ? 0 : fitting.iterations - fitting.first_iterations;
+    a.fit = freed(around, resume(around, std::move(a.fit), left));
+    a.heldout = heldout_energy(around, a.fit);
   });
   return out;
 }
@@ -349,18 +350,18 @@ bool leaves_null(const DecisionSettings& settings, const Library& library, const
   const std::vector<CandidateParameter>& all = library[fit.model.effects[i]].parameters;
   if (std::all_of(all.begin(), all.end(), [](const CandidateParameter& p) { return p.structural; }))
     return true;
-  const double width = settings.standard_errors;
+  const std::vector<double> sigma = parameter_sigmas(fit, library);
   return any_parameter(
-      library, fit, i,
-      [width](const CandidateParameter& p, double value, double sigma, bool fixed) {
-        return std::abs(value - p.null) > (fixed ? 0.0 : width * sigma);
+      library, fit, i, [&](const CandidateParameter& p, double value, std::size_t place) {
+        const double width = fit.fixed[place] != 0 ? 0.0 : settings.standard_errors * sigma[place];
+        return std::abs(value - p.null) > width;
       });
 }
 
 bool at_bound(const Library& library, const FitResult& fit, std::size_t i) {
   return any_parameter(library, fit, i,
-                       [](const CandidateParameter& p, double value, double, bool fixed) {
-                         return fixed && !at_null(p, value);
+                       [&](const CandidateParameter& p, double value, std::size_t place) {
+                         return fit.fixed[place] != 0 && !at_null(p, value);
                        });
 }
 

@@ -78,8 +78,8 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
 /// was, without derivatives.
 /// `beside`: the objective of the best that was fitted to `base` before.
 /// Candidates far behind after the first steps (by what the best of all removes of
-/// `base_objective`) are not polished, nor are groups left out of them: `heldout` is then the
-/// energy of what they have seen.
+/// `base_objective`) are not polished and have no derivatives, nor are groups left out of them:
+/// `heldout` is then the energy of what they have seen.
 std::vector<Alternative> fit_all(const Surroundings& around, const Model& base,
                                  double base_objective, const std::vector<std::size_t>& which,
                                  const Screening& screening,

@@ -77,9 +77,13 @@ void SearchState::relinearise() {
 }
 
 FitResult SearchState::without(std::size_t index) const {
+  return resume(*found.around, rough_without(index), 0);
+}
+
+FitResult SearchState::rough_without(std::size_t index) const {
   Model model = found.final.model;
   model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(index));
-  return fit(*found.around, model, problem->settings.fitting.steps_without);
+  return rough_fit(*found.around, model, problem->settings.fitting.steps_without);
 }
 
 void SearchState::drop(std::size_t index, FitResult reduced) {

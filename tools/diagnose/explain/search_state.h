@@ -52,8 +52,10 @@ struct SearchState {
   void calibrate(const Screening& screening);
   /// Starts and nuisances at the current model; its fit polished there, the nominal model's too.
   void relinearise();
-  /// The model less the effect at place `index`, everything else refitted.
+  /// The model less the effect at place `index`, everything else refitted; the second without
+  /// derivatives.
   FitResult without(std::size_t index) const;
+  FitResult rough_without(std::size_t index) const;
   /// Takes that effect out; `reduced`: the fit without it.
   void drop(std::size_t index, FitResult reduced);
 

@@ -46,9 +46,9 @@ void fit_from_its_prediction(const SearchState& state, std::size_t i, Alternativ
   if (!alike || rival.fit.objective < found.final.objective + kNoiseUnit) return;
   const Imitation same = imitate(around, found.final, i, rival.fit.model.effects.back());
   if (same.distance > state.practical()) return;
-  FitResult fitted = fit(around, same.model, around.settings().fitting.iterations);
+  FitResult fitted = rough_fit(around, same.model, around.settings().fitting.iterations);
   if (fitted.objective >= rival.fit.objective) return;
-  rival.fit = std::move(fitted);
+  rival.fit = resume(around, std::move(fitted), 0);
   rival.heldout = heldout_energy(around, rival.fit);
   rival.far_behind = false;
 }
@@ -114,7 +114,7 @@ bool swap_for_better(SearchState& state) {
     // far behind is told by what the effect itself removes: by what the best of the others gains
     // over it, all but that one were
     std::vector<Alternative> tried =
-        fit_all(*found.around, base, state.without(i).objective, which, found.first,
+        fit_all(*found.around, base, state.rough_without(i).objective, which, found.first,
                 entry.alternatives, found.final.objective);
     parallel_for(tried.size(), [&](std::size_t k) { fit_from_its_prediction(state, i, tried[k]); });
     const Alternative self{entry.candidate, found.final, found.final_heldout};

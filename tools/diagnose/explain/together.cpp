@@ -41,8 +41,9 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
   parallel_for(pairs.size(), [&](std::size_t i) {
     FittedPair& f = out[i];
     f.pair = pairs[i];
-    f.fit = fit(around, best_start(some, state.found.final.model, pairs[i].first, pairs[i].second),
-                fitting.first_iterations);
+    f.fit = rough_fit(around,
+                      best_start(some, state.found.final.model, pairs[i].first, pairs[i].second),
+                      fitting.first_iterations);
   });
   double best = INFINITY;
   for (const FittedPair& f : out) best = std::min(best, f.fit.objective);
@@ -50,9 +51,8 @@ std::vector<FittedPair> fit_pairs(const SearchState& state, const std::vector<Ca
       best + fitting.polish_share * std::max(0.0, state.found.final.objective - best);
   std::erase_if(out, [near](const FittedPair& f) { return f.fit.objective > near; });
   parallel_for(out.size(), [&](std::size_t i) {
-    if (out[i].fit.converged) return;
-    out[i].fit =
-        resume(around, std::move(out[i].fit), fitting.iterations - fitting.first_iterations);
+    const int left = out[i].fit.converged ? 0 : fitting.iterations - fitting.first_iterations;
+    out[i].fit = resume(around, std::move(out[i].fit), left);
   });
   std::erase_if(out, [&](const FittedPair& f) { return as_good_alone(state, f, singles); });
   parallel_for(out.size(),

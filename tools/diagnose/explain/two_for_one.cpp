@@ -47,13 +47,15 @@ std::optional<FitResult> best_pair(const SearchState& state, std::size_t i) {
   parallel_for(pairs.size(), [&](std::size_t k) {
     const CandidatePair& pair = pairs[k];
     if (base.has(pair.first.candidate) || base.has(pair.second.candidate)) return;
-    fits[k] = fit(around, best_start(some, base, pair.first, pair.second), fitting.iterations);
+    fits[k] =
+        rough_fit(around, best_start(some, base, pair.first, pair.second), fitting.iterations);
   });
   std::erase_if(fits, [](const FitResult& f) { return f.model.effects.empty(); });
   if (fits.empty()) return std::nullopt;
-  return *std::min_element(fits.begin(), fits.end(), [](const FitResult& a, const FitResult& b) {
-    return a.objective < b.objective;
-  });
+  const auto best = std::min_element(
+      fits.begin(), fits.end(),
+      [](const FitResult& a, const FitResult& b) { return a.objective < b.objective; });
+  return resume(around, std::move(*best), 0);
 }
 
 /// Nothing speaks against the pair, and the one does not predict better.
@@ -69,7 +71,7 @@ bool stands(const SearchState& state, std::size_t i, const FitResult& pair) {
   both.heldout = heldout_energy(*state.found.around, pair);
   const HeldoutGain lost = compare(*state.problem, both.heldout, state.found.final_heldout);
   return !beaten(state.decisions(), lost, state.practical()) && holds_on_conditions(state, both) &&
-         state.residual_against(state.without(i), pair).empty();
+         state.residual_against(state.rough_without(i), pair).empty();
 }
 
 void take_its_place(SearchState& state, std::size_t i, FitResult pair) {

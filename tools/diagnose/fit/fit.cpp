@@ -16,59 +16,6 @@
 
 namespace sanso::diagnose {
 
-Surroundings make_surroundings(const Problem& problem, const Library& library, const Model& model) {
-  Surroundings s{problem, &library, StartElimination(problem, library, model), {}};
-  const std::size_t count = library.nuisances.size();
-  s.A.resize(problem->size, count);
-  const Remembered known(problem, library, model);
-  const Eigen::VectorXd base = prediction_error_near(
-      problem, library, model, Eigen::VectorXd::Zero(problem->size), {}, {}, &known);
-  parallel_for(count, [&](std::size_t i) {
-    Model moved = model;
-    moved.nuisance.resize(library.nuisances.size(), 0.0);
-    const double step = library.nuisances[i].tolerance;
-    moved.nuisance[i] += step;
-    s.A.col(i) = prediction_error_near(problem, library, moved, base, library.nuisances[i].joints,
-                                       {}, &known) -
-                 base;
-  });
-  return s;
-}
-
-void Surroundings::set_shot_scale(const Eigen::VectorXd& energy_by_shot) {
-  std::vector<double> mean_square;
-  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-    const double rows = static_cast<double>(problem->shots[s].rows * problem->channels.size());
-    mean_square.push_back(energy_by_shot[s] / rows);
-  }
-  const double outlier = settings().decisions.shot_outlier;
-  shot_scale = outlier * outlier * std::max(1.0, median(mean_square));
-}
-
-Eigen::VectorXd Surroundings::bounded(const Eigen::VectorXd& energy_by_shot) const {
-  Eigen::VectorXd out = energy_by_shot;
-  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-    const Shot& shot = problem->shots[s];
-    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
-    double& e = out[s];
-    if (scale > 0.0) e = scale * std::log1p(std::max(e, 0.0) / scale);
-    if (leaves_out(shot)) e = 0.0;
-  }
-  return out;
-}
-
-Eigen::VectorXd Surroundings::weights(const Eigen::VectorXd& energy_by_shot) const {
-  Eigen::VectorXd out = Eigen::VectorXd::Ones(energy_by_shot.size());
-  for (std::size_t s = 0; s < problem->shots.size(); ++s) {
-    const Shot& shot = problem->shots[s];
-    const double scale = shot_scale * static_cast<double>(shot.rows * problem->channels.size());
-    double& weight = out[s];
-    if (scale > 0.0) weight = 1.0 / (1.0 + std::max(energy_by_shot[s], 0.0) / scale);
-    if (leaves_out(shot)) weight = 0.0;
-  }
-  return out;
-}
-
 namespace {
 
 /// A model's free numbers in the fit's coordinates: effect parameters / typical, then nuisances /
@@ -191,25 +138,37 @@ struct Normal {
   double objective;
 };
 
-Normal assemble(const Surroundings& around, const Coordinates& c, const Eigen::MatrixXd& J,
-                const Eigen::VectorXd& r, const Eigen::VectorXd& x) {
-  const Eigen::Index n = c.size();
-  const Eigen::VectorXd energy = around.starts.energy_by_shot(r);
-  const Eigen::MatrixXd gram = around.starts.gram(with_error(J, r), around.weights(energy));
-  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1), around.bounded(energy).sum()};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    out.H(i, i) += prior(around, c.effects(), i);
-    if (i < c.effects()) continue;
-    out.g[i] += around.settings().tolerances.precision * x[i];
-    out.objective += around.settings().tolerances.precision * x[i] * x[i];
-  }
-  return out;
+/// `energy`: of every shot, at x.
+double objective_of(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
+                    const Eigen::VectorXd& energy) {
+  return around.bounded(energy).sum() +
+         around.settings().tolerances.precision * x.tail(x.size() - c.effects()).squaredNorm();
 }
 
-double objective_at(const Surroundings& around, const Coordinates& c, const Eigen::VectorXd& x,
-                    const Eigen::VectorXd& r) {
-  return around.bounded(around.starts.energy_by_shot(r)).sum() +
-         around.settings().tolerances.precision * x.tail(x.size() - c.effects()).squaredNorm();
+/// Where a fit stands.
+struct Point {
+  Eigen::VectorXd x, r;
+  Eigen::MatrixXd J = {};  // d r / d x there; empty: not known
+  double damping = 1e-4;
+  bool converged = false;
+};
+
+double objective_at(const Surroundings& around, const Coordinates& c, const Point& at) {
+  return objective_of(around, c, at.x, around.starts.energy_by_shot(at.r));
+}
+
+/// The normal equations at a point whose derivative is known.
+Normal assemble(const Surroundings& around, const Coordinates& c, const Point& at) {
+  const Eigen::Index n = c.size();
+  const Eigen::VectorXd energy = around.starts.energy_by_shot(at.r);
+  const Eigen::MatrixXd gram = around.starts.gram(with_error(at.J, at.r), around.weights(energy));
+  Normal out{gram.topLeftCorner(n, n), gram.topRightCorner(n, 1),
+             objective_of(around, c, at.x, energy)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    out.H(i, i) += prior(around, c.effects(), i);
+    if (i >= c.effects()) out.g[i] += around.settings().tolerances.precision * at.x[i];
+  }
+  return out;
 }
 
 /// Step of the damped normal equations with coordinates at an active bound held still.
@@ -229,17 +188,6 @@ Eigen::VectorXd step_inside(const Coordinates& c, const Normal& normal, const Ei
   return -H.ldlt().solve(g);
 }
 
-}  // namespace
-
-namespace {
-
-/// Where a fit stands.
-struct Point {
-  Eigen::VectorXd x, r;
-  double damping = 1e-4;
-  bool converged = false;
-};
-
 /// One damped step from `at`, shorter until the objective falls; converged where it falls no more,
 /// or where the derivatives promise next to nothing. Where friction sticks they promise anything:
 /// the last attempts go a hundredth of the way.
@@ -255,12 +203,13 @@ void take_step(const Surroundings& around, const Coordinates& c, const Normal& n
     if (attempt == 0 && promised >= 0.0 && promised < least) break;
     Eigen::VectorXd r =
         prediction_error_near(around.problem, *around.library, c.model(trial), at.r, {}, shots);
-    const double objective = objective_at(around, c, trial, r);
+    const double objective = objective_of(around, c, trial, around.starts.energy_by_shot(r));
     if (objective < normal.objective) {
       improved = true;
       at.converged = normal.objective - objective < around.settings().fitting.converged * objective;
       at.x = trial;
       at.r = std::move(r);
+      at.J.resize(0, 0);
       at.damping = std::max(at.damping * 0.2, 1e-6);
     } else {
       at.damping = at.damping * 10.0 + 1e-2;
@@ -269,33 +218,54 @@ void take_step(const Surroundings& around, const Coordinates& c, const Normal& n
   if (!improved) at.converged = true;
 }
 
-/// Goes on from `from` with prediction error `error`; `out.J` holds its derivative already where
-/// `derived`.
-FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorXd from,
-                Eigen::VectorXd error, FitResult out, bool derived, int iterations) {
-  out.parameters = c.effects();
-  Point at{std::move(from), std::move(error)};
-  Normal normal;
-  for (int iteration = 0;; ++iteration) {
-    if (iteration > 0 || !derived) out.J = jacobian(around, c, at.x, at.r);
-    normal = assemble(around, c, out.J, at.r, at.x);
-    if (iteration >= iterations || at.converged) break;
-    take_step(around, c, normal, at);
+void derive(const Surroundings& around, const Coordinates& c, Point& at,
+            const std::vector<char>& shots = {}) {
+  if (at.J.cols() == 0) at.J = jacobian(around, c, at.x, at.r, shots);
+}
+
+void descend(const Surroundings& around, const Coordinates& c, Point& at, int iterations,
+             const std::vector<char>& shots = {}) {
+  for (int iteration = 0; iteration < iterations && !at.converged; ++iteration) {
+    derive(around, c, at, shots);
+    take_step(around, c, assemble(around, c, at), at, shots);
   }
-  out.converged = at.converged;
-  const Eigen::VectorXd& x = at.x;
-  out.model = c.model(x);
-  out.objective = normal.objective;
-  out.r = std::move(at.r);
-  out.fixed.assign(c.size(), 0);
-  Eigen::MatrixXd H = normal.H;
+}
+
+Point begin(const Surroundings& around, const Coordinates& c, const Model& start) {
+  Eigen::VectorXd x = c.inside(c.of(start));
+  Eigen::VectorXd r = prediction_error(around.problem, *around.library, c.model(x));
+  return {std::move(x), std::move(r)};
+}
+
+/// By coordinate: held at a bound, or structural.
+std::vector<char> held_at(const Coordinates& c, const Eigen::VectorXd& x) {
+  std::vector<char> out(static_cast<std::size_t>(c.size()), 0);
   for (Eigen::Index i = 0; i < c.size(); ++i) {
     // a limit that may be off reaches as far as kOff: what is near its lower end is said in units
     const double near = 1e-6 * std::min(1.0, c.high(i) - c.low(i));
     const bool structural = i < c.effects() && c.parameter(i).structural;
-    if (!structural && x[i] > c.low(i) + near && x[i] < c.high(i) - near) continue;
-    out.fixed[i] = 1;
+    const bool inside = x[i] > c.low(i) + near && x[i] < c.high(i) - near;
+    out[static_cast<std::size_t>(i)] = structural || !inside;
   }
+  return out;
+}
+
+FitResult rough_result(const Surroundings& around, const Coordinates& c, Point at) {
+  FitResult out;
+  out.parameters = static_cast<int>(c.effects());
+  out.model = c.model(at.x);
+  out.objective = objective_at(around, c, at);
+  out.fixed = held_at(c, at.x);
+  out.converged = at.converged;
+  out.r = std::move(at.r);
+  out.J = std::move(at.J);
+  return out;
+}
+
+FitResult result_with_derivatives(const Surroundings& around, const Coordinates& c, Point at) {
+  derive(around, c, at);
+  const Eigen::MatrixXd H = assemble(around, c, at).H;
+  FitResult out = rough_result(around, c, std::move(at));
   out.covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
   return out;
 }
@@ -304,16 +274,24 @@ FitResult go_on(const Surroundings& around, const Coordinates& c, Eigen::VectorX
 
 FitResult fit(const Surroundings& around, const Model& start, int iterations) {
   const Coordinates c(around, start);
-  const Eigen::VectorXd x = c.inside(c.of(start));
-  return go_on(around, c, x, prediction_error(around.problem, *around.library, c.model(x)), {},
-               false, iterations);
+  Point at = begin(around, c, start);
+  descend(around, c, at, iterations);
+  return result_with_derivatives(around, c, std::move(at));
+}
+
+FitResult rough_fit(const Surroundings& around, const Model& start, int iterations) {
+  const Coordinates c(around, start);
+  Point at = begin(around, c, start);
+  descend(around, c, at, iterations);
+  return rough_result(around, c, std::move(at));
 }
 
 FitResult resume(const Surroundings& around, FitResult from, int iterations) {
   const Coordinates c(around, from.model);
-  const Eigen::VectorXd x = c.of(from.model);
-  Eigen::VectorXd r = std::move(from.r);
-  return go_on(around, c, x, std::move(r), std::move(from), true, iterations);
+  Point at{c.of(from.model), std::move(from.r), std::move(from.J)};
+  at.converged = iterations == 0 && from.converged;
+  descend(around, c, at, iterations);
+  return result_with_derivatives(around, c, std::move(at));
 }
 
 QuickFit quick_fit(const Surroundings& around, const Model& start, int iterations) {
@@ -326,11 +304,8 @@ QuickFit quick_fit(const Surroundings& around, const Model& start, int iteration
   };
   Point at{c.inside(c.of(start)), Eigen::VectorXd::Zero(around.problem->size)};
   at.r = error(at.x, at.r, seen);
-  for (int iteration = 0; iteration < iterations && !at.converged; ++iteration) {
-    const Eigen::MatrixXd J = jacobian(around, c, at.x, at.r, seen);
-    take_step(around, c, assemble(around, c, J, at.r, at.x), at, seen);
-  }
-  const double objective = objective_at(around, c, at.x, at.r);
+  descend(around, c, at, iterations, seen);
+  const double objective = objective_at(around, c, at);
   if (!unseen.empty()) at.r = error(at.x, at.r, unseen);
   return {c.model(at.x), objective, std::move(at.r)};
 }

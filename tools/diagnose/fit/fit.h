@@ -52,7 +52,10 @@ struct FitResult {
 /// Gauss-Newton with box projection and step control. `iterations` 0: only evaluates and
 /// linearises.
 FitResult fit(const Surroundings& around, const Model& start, int iterations);
-/// Goes on with a fit in the same surroundings, from its prediction error and derivatives.
+/// The same, but J and covariance are left empty, which saves the passes of a derivative.
+FitResult rough_fit(const Surroundings& around, const Model& start, int iterations);
+/// Goes on with a fit, rough or not, in the same surroundings, from its prediction error and the
+/// derivatives that it has. `iterations` 0: only gives a rough fit its derivatives.
 FitResult resume(const Surroundings& around, FitResult from, int iterations);
 
 /// RMS of a model's position errors in noise levels (or trust floors), starts taken out, shots

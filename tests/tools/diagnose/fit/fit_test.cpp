@@ -319,6 +319,26 @@ TEST(Overdispersion, OfNoiseIsOneAndGrowsWithTheSquare) {
   EXPECT_NEAR(overdispersion(*c.problem, 3.0 * r)[0] / one, 9.0, 1e-6);
 }
 
+TEST(RoughFit, GivenItsDerivativesIsTheFit) {
+  const SmallComparison c = rubbing(5);
+  const Surroundings around = make_surroundings(c.problem, c.library, nominal(c));
+  const Model start = with(c, c.of("coulomb_friction"), {0.02});
+  for (const int iterations : {0, 1, 3, 9}) {
+    const FitResult whole = fit(around, start, iterations);
+    FitResult rough = rough_fit(around, start, iterations);
+    EXPECT_EQ(rough.covariance.size(), 0);
+    EXPECT_EQ(rough.r, whole.r);
+    EXPECT_EQ(rough.objective, whole.objective);
+    EXPECT_EQ(rough.fixed, whole.fixed);
+    EXPECT_EQ(rough.converged, whole.converged);
+    rough = resume(around, std::move(rough), 0);
+    EXPECT_EQ(rough.J, whole.J);
+    EXPECT_EQ(rough.covariance, whole.covariance);
+    EXPECT_EQ(rough.model.effects[0].theta, whole.model.effects[0].theta);
+    EXPECT_EQ(rough.converged, whole.converged);
+  }
+}
+
 TEST(QuickFit, IsTheFitWithoutDerivatives) {
   const SmallComparison c =
       compared(pendulum(kNoisyServo), {hidden("coulomb_friction", "a", {{"coulomb", 0.08}})},
