@@ -19,6 +19,7 @@ struct FittingSettings {
   int places = 14;
   int halvings = 5;
   double event_resolution = 0.0078125;
+  double event_reach = 2.5;
   int nuisance_sweeps = 300;
   int pursuit = 5;
   int identify_rounds = 6;
@@ -57,6 +58,9 @@ struct FittingSettings {
     field("halvings", halvings, "halvings", 1, 30, "of a step of that grid, to find the rest");
     field("event_resolution", event_resolution, "of half a shot", 0.0001, 0.5,
           "an event's edges are halved down to it: two milliseconds");
+    field(
+        "event_reach", event_reach, "shots", 0.5, 1000.0,
+        "that begin so near an event can show it: its edges move by one and a half, it lasts one");
     field("nuisance_sweeps", nuisance_sweeps, "sweeps", 10, 100000,
           "of coordinate descent; far more than few, weakly coupled coordinates need");
     field("pursuit", pursuit, "signatures", 1, 100,

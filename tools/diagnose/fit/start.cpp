@@ -281,16 +281,10 @@ Model best_choice(const Surroundings& around, const Model& base, Model model,
   return model;
 }
 
-}  // namespace
-
-Surroundings some_shots(const Surroundings& around, const Model& model) {
-  const FittingSettings& fitting = around.settings().fitting;
+Surroundings only_shots(const Surroundings& around, const Model& model,
+                        const std::vector<std::size_t>& kept) {
   const Problem& problem = around.problem;
-  if (std::cmp_less(problem->shots.size(), fitting.thinned_from)) return around;
-  std::vector<std::size_t> kept;
-  const auto every = static_cast<std::size_t>(fitting.thinned_every);
-  for (std::size_t s = every / 2; s < problem->shots.size(); s += every) kept.push_back(s);
-  const Problem few = with_shots(problem, kept, fitting.recalled);
+  const Problem few = with_shots(problem, kept, around.settings().fitting.recalled);
   Eigen::MatrixXd A(static_cast<Eigen::Index>(few->size), around.A.cols());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     block_of(A, few->shots[i], 0, few->channels.size()) =
@@ -300,15 +294,53 @@ Surroundings some_shots(const Surroundings& around, const Model& model) {
           around.shot_scale};
 }
 
+/// The shots in which an event that was probed at `t` can show, wherever its edges are put.
+std::vector<std::size_t> shots_of_event(const Comparison& comparison, double t) {
+  const double reach = comparison.settings.fitting.event_reach;
+  std::vector<std::size_t> out;
+  for (std::size_t s = 0; s < comparison.shots.size(); ++s) {
+    const Shot& shot = comparison.shots[s];
+    const std::vector<double>& clock = comparison.sources[shot.source].drive.t;
+    const double from = clock[shot.window.first], length = clock[shot.window.last] - from;
+    if (std::abs(t - from) < reach * length) out.push_back(s);
+  }
+  return out;
+}
+
+Model start_of(const Surroundings& around, const Model& base, std::size_t candidate,
+               std::size_t strongest, double amount) {
+  const Candidate& effect = (*around.library)[candidate];
+  Model best = best_size(around, base, candidate, effect.probes[strongest], amount);
+  const std::vector<std::size_t> choices = one_of_each_choice(effect, strongest);
+  if (choices.size() > 1) best = best_choice(around, base, std::move(best), choices);
+  return with_best_places(around, std::move(best));
+}
+
+}  // namespace
+
+Surroundings some_shots(const Surroundings& around, const Model& model) {
+  const FittingSettings& fitting = around.settings().fitting;
+  const Problem& problem = around.problem;
+  if (std::cmp_less(problem->shots.size(), fitting.thinned_from)) return around;
+  std::vector<std::size_t> kept;
+  const auto every = static_cast<std::size_t>(fitting.thinned_every);
+  for (std::size_t s = every / 2; s < problem->shots.size(); s += every) kept.push_back(s);
+  return only_shots(around, model, kept);
+}
+
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe) {
   const Candidate& effect = (*around.library)[candidate];
   const std::size_t strongest = probe != nullptr ? probe->probe : 0;
   const double amount = probe != nullptr ? probe->amount : 1.0;
-  Model best = best_size(around, base, candidate, effect.probes[strongest], amount);
-  const std::vector<std::size_t> choices = one_of_each_choice(effect, strongest);
-  if (choices.size() > 1) best = best_choice(around, base, std::move(best), choices);
-  return with_best_places(around, std::move(best));
+  const std::optional<std::size_t> event = index_of(effect, Role::event);
+  if (!event) return start_of(around, base, candidate, strongest, amount);
+  const std::vector<std::size_t> kept =
+      shots_of_event(*around.problem, effect.probes[strongest][*event]);
+  if (kept.empty()) return start_of(around, base, candidate, strongest, amount);
+  Model start = start_of(only_shots(around, base, kept), base, candidate, strongest, amount);
+  // what the others came to there they did for a few shots
+  return with(base, candidate, start.effects.back().theta);
 }
 
 Model best_start(const Surroundings& around, const Model& base, const ProbeScore& a,

@@ -16,7 +16,8 @@ Surroundings some_shots(const Surroundings& around, const Model& model);
 /// (one at the end of its tolerance, which stood in for the effect, would stay there). `probe`: its
 /// strongest probe; nullptr: the first one. Of an effect of several limits every choice of limits
 /// that it probes is tried, and one more beside the best: the linear screening does not tell a
-/// speed limit from one of acceleration, and many servos have both.
+/// speed limit from one of acceleration, and many servos have both. An event is sought in the shots
+/// of `around` that can show it.
 Model best_start(const Surroundings& around, const Model& base, std::size_t candidate,
                  const ProbeScore* probe);
 

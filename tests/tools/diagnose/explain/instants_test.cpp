@@ -9,6 +9,7 @@
 
 #include "tests/support/noisy_world.h"
 #include "tools/diagnose/explain/whole_time.h"
+#include "tools/diagnose/fit/start.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -153,6 +154,25 @@ TEST(SpreadOfInstants, OfWhatNoShotShowsIsNothing) {
   Pushed world;
   world.found.model.effects[0].theta[Pushed::kStart] = 100.0;  // after the last of them
   EXPECT_TRUE(spread_of_instants(*world.around, world.found, 1.0).isZero());
+}
+
+/// Half a shot early and twice as long: its edges are found where they show, and what else the
+/// model has stays where all shots put it.
+TEST(Event, IsSoughtInTheShotsThatCanShowIt) {
+  Pushed pushed;
+  Candidate early = pushed.library[0];
+  early.probes = {{2.0, 0.0, 0.0, pushed.kPush[Pushed::kStart] - 0.2, 0.25}};
+  pushed.library.candidates.push_back(early);
+  const std::size_t candidate = pushed.library.candidates.size() - 1;
+  Model base;
+  base.effects.push_back({0, {0.3, 0.0, 0.0, 1.0, 0.1}});
+  const Model start = best_start(*pushed.around, base, candidate, nullptr);
+  ASSERT_EQ(start.effects.size(), 2U);
+  EXPECT_EQ(start.effects[0].theta, base.effects[0].theta);
+  const std::vector<double>& theta = start.effects[1].theta;
+  EXPECT_NEAR(theta[Pushed::kStart], pushed.kPush[Pushed::kStart], 0.03);
+  EXPECT_NEAR(theta[Pushed::kStart] + theta[Pushed::kDuration],
+              pushed.kPush[Pushed::kStart] + pushed.kPush[Pushed::kDuration], 0.03);
 }
 
 }  // namespace
