@@ -73,6 +73,7 @@ struct DecisionSettings {
   double mostly_agree = 0.5;
   double adequate = 1.42;
   int rivals = 8;
+  int rivals_beside = 24;
   int pairs = 4;
   int pairs_of_one = 2;
   double one_signature = 0.005;
@@ -126,6 +127,8 @@ struct DecisionSettings {
           "above, what is left has more energy than the noise itself");
     field("rivals", rivals, "candidates", 1, 1000,
           "cluster representatives fitted fully at every step");
+    field("rivals_beside", rivals_beside, "candidates times names", 1, 10000,
+          "at most: a fit moves all names, and what comes after the third seldom is one");
     field("pairs", pairs, "pairs", 0, 1000,
           "of effects fitted together where none passes alone; each costs as much as two rivals");
     field("pairs_of_one", pairs_of_one, "pairs", 1, 1000,

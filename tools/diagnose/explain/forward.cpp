@@ -136,7 +136,7 @@ std::optional<std::size_t> best_of_its_kind(SearchState& state, int step,
   while (which) {
     const std::vector<std::size_t> alike =
         stood_for(state.problem->settings, state.library, screening, least_energy,
-                  judged.fitted()[*which].candidate, judged.fitted());
+                  judged.fitted()[*which].candidate, judged.fitted(), state.found.accepted.size());
     if (alike.empty()) return which;
     const std::size_t stood = judged.fitted()[*which].candidate;
     judged.add(fit_all(*state.found.around, state.found.final.model, state.found.final.objective,
@@ -180,7 +180,7 @@ Forward forward(SearchState& state, int step) {
   const double least =
       std::max(state.practical(), state.decisions().minimum_share * found.final_heldout.sum());
   const std::vector<std::size_t> which =
-      rivals(state.problem->settings, state.library, screening, least);
+      rivals(state.problem->settings, state.library, screening, least, found.accepted.size());
   if (which.empty()) {
     state.say(fmt::format(
         "step {}: no candidate stands out (strongest score {:.2f}, critical {:.2f})", step + 1,

@@ -197,15 +197,21 @@ double practical_energy(const Comparison& comparison) {
   return std::max(kNoiseUnit, size * size * rows_of_a_joint(comparison));
 }
 
+std::size_t most_rivals(const DecisionSettings& settings, std::size_t names) {
+  const int beside = settings.rivals_beside / static_cast<int>(std::max<std::size_t>(names, 1));
+  return static_cast<std::size_t>(std::clamp(beside, 1, settings.rivals));
+}
+
 std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
-                                const Screening& screening, double least_energy) {
+                                const Screening& screening, double least_energy,
+                                std::size_t names) {
   const DecisionSettings& decisions = settings.decisions;
   const std::vector<std::size_t> significant =
       worth_a_fit(settings, library, screening, least_energy);
   std::vector<std::size_t> chosen;
   const std::vector<std::size_t> leaders =
       cluster_leaders(screening, significant, decisions.same_signature);
-  const auto most = static_cast<std::size_t>(decisions.rivals);
+  const std::size_t most = most_rivals(decisions, names + 1);
   const auto add = [&](std::size_t c) {
     if (chosen.size() < most && std::find(chosen.begin(), chosen.end(), c) == chosen.end())
       chosen.push_back(c);
@@ -232,8 +238,9 @@ std::vector<std::size_t> rivals(const Settings& settings, const Library& library
 
 std::vector<std::size_t> stood_for(const Settings& settings, const Library& library,
                                    const Screening& screening, double least_energy,
-                                   std::size_t candidate, const std::vector<Alternative>& fitted) {
-  const auto most = static_cast<std::size_t>(settings.decisions.rivals);
+                                   std::size_t candidate, const std::vector<Alternative>& fitted,
+                                   std::size_t names) {
+  const std::size_t most = most_rivals(settings.decisions, names + 1);
   std::vector<std::size_t> out;
   for (const std::size_t c : worth_a_fit(settings, library, screening, least_energy)) {
     const bool alike = library[c].effect == library[candidate].effect ||
@@ -263,7 +270,7 @@ std::vector<std::size_t> replacements(const DecisionSettings& settings, const Li
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  const auto most = static_cast<std::size_t>(settings.rivals);
+  const std::size_t most = most_rivals(settings, model.effects.size());
   std::vector<std::size_t> out;
   for (const auto& [score, c] : order) {
     if (out.size() < most) out.push_back(c);

@@ -54,18 +54,23 @@ inline constexpr double kNoiseUnit = 2.0;
 /// Energy that an effect of the smallest size that matters removes, at one joint alone.
 double practical_energy(const Comparison& comparison);
 
-/// What is fitted fully: of every cluster its simplest member that scores nearly as high as its
-/// strongest, an effect once for joints that overlap; then the strongest members, then the rest by
-/// score. `least_energy`: what promises less is not tried.
+/// How many are fitted for one place of a model that has `names` with it.
+std::size_t most_rivals(const DecisionSettings& settings, std::size_t names);
+
+/// What is fitted fully beside `names` others: of every cluster its simplest member that scores
+/// nearly as high as its strongest, an effect once for joints that overlap; then the strongest
+/// members, then the rest by score. `least_energy`: what promises less is not tried.
 std::vector<std::size_t> rivals(const Settings& settings, const Library& library,
-                                const Screening& screening, double least_energy);
+                                const Screening& screening, double least_energy,
+                                std::size_t names = 0);
 
 /// What `candidate` stood for when rivals() chose it: candidates of its cluster, and its own effect
-/// at other joints, that promise enough and are not among `fitted`; strongest first, at most
-/// `rivals` of the settings.
+/// at other joints, that promise enough and are not among `fitted`; strongest first, as many as
+/// rivals().
 std::vector<std::size_t> stood_for(const Settings& settings, const Library& library,
                                    const Screening& screening, double least_energy,
-                                   std::size_t candidate, const std::vector<Alternative>& fitted);
+                                   std::size_t candidate, const std::vector<Alternative>& fitted,
+                                   std::size_t names = 0);
 
 /// Which candidates to try in place of an accepted one of `model`: its cluster, its known
 /// confounders, what was fitted beside it.

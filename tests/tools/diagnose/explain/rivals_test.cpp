@@ -175,6 +175,25 @@ TEST(Rivals, WhatPromisesTooLittleIsNotTried) {
   EXPECT_TRUE(rivals(Settings{}, b.library, seen, 1e12).empty());
 }
 
+TEST(Rivals, BesideManyNamesFewerAreFitted) {
+  DecisionSettings settings;
+  settings.rivals = 8, settings.rivals_beside = 24;
+  for (const std::size_t names : {0U, 1U, 2U, 3U}) EXPECT_EQ(most_rivals(settings, names), 8U);
+  EXPECT_EQ(most_rivals(settings, 4), 6U);
+  EXPECT_EQ(most_rivals(settings, 6), 4U);
+  EXPECT_EQ(most_rivals(settings, 100), 1U) << "one at least";
+  Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}},
+          {"viscous_friction", "coulomb_friction", "cable_spring", "link_mass"});
+  const Surroundings around = make_surroundings(b.problem, b.library, Model{});
+  const Screening seen = screen(around, Model{}, fit(around, Model{}, 3).r, b.all(), Random(1));
+  Settings one;
+  one.decisions.rivals_beside = 3;
+  const std::vector<std::size_t> all = rivals(one, b.library, seen, 1.0, 0),
+                                 few = rivals(one, b.library, seen, 1.0, 2);
+  ASSERT_GT(all.size(), 1U);
+  EXPECT_EQ(few, std::vector<std::size_t>{all.front()});
+}
+
 TEST(Rivals, ANumberThatNoRowShowsWasNotChosen) {
   Bench b({{"viscous_friction", {"a"}, {{"viscous", 0.12}}}}, {"viscous_friction", "cable_spring"});
   const std::size_t spring = b.of("cable_spring"), damper = b.of("viscous_friction");
