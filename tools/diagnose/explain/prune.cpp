@@ -49,6 +49,7 @@ void backward(SearchState& state, std::size_t just_judged) {
       continue;
     }
     state.say("no longer needed: " + state.accepted(i).title());
+    state.leaves(found.accepted[i].candidate);
     state.drop(i, std::move(reduced));
   }
 }

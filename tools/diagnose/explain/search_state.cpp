@@ -86,6 +86,11 @@ FitResult SearchState::rough_without(std::size_t index) const {
   return rough_fit(*found.around, model, problem->settings.fitting.steps_without);
 }
 
+void SearchState::leaves(std::size_t candidate) {
+  const bool before = std::find(left_once.begin(), left_once.end(), candidate) != left_once.end();
+  (before ? given_up : left_once).push_back(candidate);
+}
+
 void SearchState::drop(std::size_t index, FitResult reduced) {
   found.accepted.erase(found.accepted.begin() + static_cast<std::ptrdiff_t>(index));
   found.final = std::move(reduced);

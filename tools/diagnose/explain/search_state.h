@@ -28,8 +28,10 @@ struct SearchState {
   Selection found;
   // lost commands that scatter alone speaks for: none of them could be pointed at
   std::optional<std::size_t> unpointed;
-  // candidates that their own residual contradicted, or of which not even a part was needed
+  // candidates that their own residual contradicted, or of which not even a part was needed, or
+  // that left twice beside others
   std::vector<std::size_t> given_up;
+  std::vector<std::size_t> left_once;  // candidates that others made superfluous
 
   const DecisionSettings& decisions() const { return problem->settings.decisions; }
   const Candidate& candidate(std::size_t i) const { return library[i]; }
@@ -56,6 +58,8 @@ struct SearchState {
   /// derivatives.
   FitResult without(std::size_t index) const;
   FitResult rough_without(std::size_t index) const;
+  /// Beside others it is not needed any more; a search that asks it a third time goes around.
+  void leaves(std::size_t candidate);
   /// Takes that effect out; `reduced`: the fit without it.
   void drop(std::size_t index, FitResult reduced);
 

@@ -80,6 +80,19 @@ TEST(State, WhatWasContradictedIsNotAskedAgain) {
   EXPECT_EQ(s.state.asked().size() + 1, s.state.open().size());
 }
 
+TEST(State, WhatLeftTwiceIsNotAskedAThirdTime) {
+  Standing s({kRubbing}, {"coulomb_friction"});
+  const std::size_t damper = s.c.of("viscous_friction");
+  const auto asked = [&] {
+    const std::vector<std::size_t> all = s.state.asked();
+    return std::count(all.begin(), all.end(), damper) == 1;
+  };
+  s.state.leaves(damper);
+  EXPECT_TRUE(asked()) << "beside other names it may be needed";
+  s.state.leaves(damper);
+  EXPECT_FALSE(asked());
+}
+
 TEST(OneForTwo, OneFrictionOfTwoNumbersTakesThePlaceOfTwoOfOne) {
   Standing s({hidden("directional_load_friction", "a", {{"drive", 0.3}, {"backdrive", 0.05}})},
              {"gear_efficiency", "load_friction"}, kOfLoad);
