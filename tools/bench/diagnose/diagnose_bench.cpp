@@ -100,20 +100,33 @@ nlohmann::ordered_json json_of(const Outcome& o) {
           {"seconds", o.seconds}};
 }
 
-Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
-  const std::filesystem::path folder =
-      std::filesystem::path(options.folder) / fmt::format("{}_{}", options.robot, seed);
-  std::filesystem::remove_all(folder);
-  const DiagnoseCase made = options.conceal(seed, options.robot, folder.string());
+/// A case that was diagnosed, and what it is compared with afterwards.
+struct Diagnosed {
+  std::filesystem::path folder;
   diagnose::DiagnoseOptions task;
-  task.model = made.model;
-  task.recordings = made.recordings;
+  diagnose::Verdict verdict;
+  Outcome outcome;
+};
+
+Diagnosed conceal_case(const DiagnoseBenchOptions& options, unsigned long seed) {
+  Diagnosed out;
+  out.outcome.seed = seed;
+  out.folder = std::filesystem::path(options.folder) / fmt::format("{}_{}", options.robot, seed);
+  std::filesystem::remove_all(out.folder);
+  const DiagnoseCase made = options.conceal(seed, options.robot, out.folder.string());
+  out.task.model = made.model;
+  out.task.recordings = made.recordings;
+  out.task.settings = options.settings;
+  return out;
+}
+
+void run_case(const DiagnoseBenchOptions& options, Diagnosed& done) {
+  const std::filesystem::path& folder = done.folder;
+  diagnose::DiagnoseOptions& task = done.task;
   task.first_look_by_group = true;
-  task.settings = options.settings;
   const auto start = std::chrono::steady_clock::now();
-  const diagnose::Diagnosis found = diagnose::diagnose(task, [](const std::string&) {});
-  Outcome out;
-  out.seed = seed;
+  diagnose::Diagnosis found = diagnose::diagnose(task, [](const std::string&) {});
+  Outcome& out = done.outcome;
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const std::string verdict = (folder / "verdict.json").string();
   files::write_atomically(verdict, diagnose::verdict_json(found.verdict));
@@ -124,44 +137,41 @@ Outcome run_case(const DiagnoseBenchOptions& options, unsigned long seed) {
                    {"sparse regression", sparse_regression(look)},
                    {"friction ladder", friction_ladder(look)}};
   out.explained = explained_half_second(found.verdict, out.proved);
+  // a run that is stopped keeps it
+  files::write_atomically(folder / "outcome.json", json_of(out).dump(2) + "\n");
+  task.first_look_by_group = false;
+  done.verdict = std::move(found.verdict);
+}
+
+/// With a search that is told the true effects, with a residual network, and with a library that
+/// lacks them.
+void compare_case(const DiagnoseBenchOptions& options, Diagnosed& done) {
+  Outcome& out = done.outcome;
   const bool hidden =
       out.score.family == CaseFamily::single || out.score.family == CaseFamily::pair;
-  // the simpler methods simulate a bolted base
-  if (diagnose::floats(made.model)) {
-    if (hidden && out.score.ratio >= 3.0) {
-      diagnose::DiagnoseOptions told = task;
-      told.effects = out.score.truth;
-      explain_whole(found.verdict, diagnose::diagnose(told, [](const std::string&) {}).verdict,
-                    out);
-    }
-    files::write_atomically(folder / "outcome.json", json_of(out).dump(2) + "\n");
-    return out;
-  }
-  task.first_look_by_group = false;
-  const auto network = [&] {
-    out.network = residual_network(made.model, made.recordings, seed, options.settings);
-  };
-  const auto told_the_truth = [&] {
-    if (!hidden || out.score.ratio < 3.0) return;
-    diagnose::DiagnoseOptions told = task;
+  const bool floats = diagnose::floats(done.task.model);
+  if (hidden && out.score.ratio >= 3.0) {
+    diagnose::DiagnoseOptions told = done.task;
     told.effects = out.score.truth;
+    const diagnose::Verdict verdict = diagnose::diagnose(told, [](const std::string&) {}).verdict;
     bool proved = false;
-    out.explained_by_truth =
-        explained_half_second(diagnose::diagnose(told, [](const std::string&) {}).verdict, proved);
-  };
-  const auto left_out = [&] {
-    if (!options.leave_out || !hidden) return;
-    diagnose::DiagnoseOptions other = task;
+    if (floats)
+      explain_whole(done.verdict, verdict, out);
+    else
+      out.explained_by_truth = explained_half_second(verdict, proved);
+  }
+  // the simpler methods simulate a bolted base
+  if (!floats)
+    out.network =
+        residual_network(done.task.model, done.task.recordings, out.seed, options.settings);
+  if (!floats && options.leave_out && hidden) {
+    diagnose::DiagnoseOptions other = done.task;
     other.without = out.score.truth;
     const diagnose::Verdict without = diagnose::diagnose(other, [](const std::string&) {}).verdict;
     out.without_status = without.status;
     for (const diagnose::Finding& f : without.findings) out.without_named.push_back(f.effect);
-  };
-  const std::function<void()> beside[] = {network, told_the_truth, left_out};
-  diagnose::parallel_for(std::size(beside), [&](std::size_t i) { beside[i](); });
-  // a run that is stopped keeps it
-  files::write_atomically(folder / "outcome.json", json_of(out).dump(2) + "\n");
-  return out;
+  }
+  files::write_atomically(done.folder / "outcome.json", json_of(out).dump(2) + "\n");
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -332,20 +342,37 @@ void print_json(const std::vector<Outcome>& all) {
 }  // namespace
 
 int bench_diagnose(const DiagnoseBenchOptions& options) {
-  std::vector<Outcome> all;
+  std::vector<Diagnosed> cases;
   const auto begin = std::chrono::steady_clock::now();
-  // one after the other: two at once would not take the time that a user waits
-  for (int k = 0; k < options.cases; ++k) {
+  const auto late = [&] {
     const double minutes =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 60.0;
-    if (options.minutes > 0.0 && minutes > options.minutes) break;
-    all.push_back(run_case(options, options.seed + static_cast<unsigned long>(k)));
-    const Outcome& o = all.back();
-    fmt::print(stderr, "[{}/{}] seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n", all.size(),
-               options.cases, o.seed, to_string(o.score.family), o.score.ratio,
-               joined(o.score.truth), o.score.status, joined(o.score.named),
-               o.score.right ? "right" : "wrong", o.seconds);
+    return options.minutes > 0.0 && minutes > options.minutes;
+  };
+  const auto count = static_cast<std::size_t>(std::max(0, options.cases));
+  while (cases.size() < count && !late()) {
+    constexpr std::size_t kAtOnce = 16;  // so many are lost, at most, where minutes end
+    std::vector<Diagnosed> some(std::min(kAtOnce, count - cases.size()));
+    diagnose::parallel_for(some.size(), [&](std::size_t k) {
+      some[k] = conceal_case(options, options.seed + cases.size() + k);
+    });
+    // one after the other: two at once would not take the time that a user waits
+    for (std::size_t k = 0; k < some.size() && !late(); ++k) {
+      run_case(options, some[k]);
+      cases.push_back(std::move(some[k]));
+      const Outcome& o = cases.back().outcome;
+      fmt::print(stderr, "[{}/{}] seed {}: {} ratio {:g}: {} -> {} {}: {}, {:.1f} s\n",
+                 cases.size(), count, o.seed, to_string(o.score.family), o.score.ratio,
+                 joined(o.score.truth), o.score.status, joined(o.score.named),
+                 o.score.right ? "right" : "wrong", o.seconds);
+    }
   }
+  diagnose::parallel_for(cases.size(), [&](std::size_t k) {
+    if (!late()) compare_case(options, cases[k]);
+  });
+  std::vector<Outcome> all(cases.size());
+  std::transform(cases.begin(), cases.end(), all.begin(),
+                 [](Diagnosed& done) { return std::move(done.outcome); });
   std::vector<double> seconds(all.size());
   std::transform(all.begin(), all.end(), seconds.begin(),
                  [](const Outcome& o) { return o.seconds; });
