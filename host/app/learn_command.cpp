@@ -71,7 +71,7 @@ LearnSettings defaults_of(const motion::Motion& motion, bool real_time) {
 
 std::string note_of(const learn::TrialSummary& t) {
   return fmt::format("trial {} cost {:.2f}{}  update {:.1f} ms  {:.1f} s", t.trial + 1, t.cost,
-                     t.failed() ? std::string(" FAILED: ") + learn::to_string(t.end) : "",
+                     t.failed() ? " FAILED: " + learn::how_it_ended(t) : "",
                      learn::percentile(t.update_ms, 0.5), t.wall_s);
 }
 

@@ -39,7 +39,7 @@ std::unique_ptr<SessionState> state_of(const fs::path& folder) {
 }
 
 std::string outcome(const TrialSummary& t) {
-  if (t.failed()) return learn::to_string(t.end);
+  if (t.failed()) return learn::how_it_ended(t);
   return t.succeeded() ? "no" : "no, but " + t.broken_clauses.front();
 }
 

@@ -49,6 +49,12 @@ void get_learned(files::FramedReader& in, SessionState& state) {
 
 }  // namespace
 
+std::string how_it_ended(const TrialSummary& trial) {
+  std::string text = to_string(trial.end);
+  if (trial.fault != 0) text += " F" + std::to_string(trial.fault);
+  return text;
+}
+
 TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle) {
   TrialSummary s;
   s.trial = episode.trial;

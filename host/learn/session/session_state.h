@@ -58,6 +58,9 @@ struct SessionState {
 /// `middle`: as it was in the trial.
 TrialSummary summarize(const Episode& episode, const policy::MiddleTable& middle);
 
+/// For people: how the trial ended, with the number of the fault that ended it (docs/faults.md).
+std::string how_it_ended(const TrialSummary& trial);
+
 /// Whole or not at all: a kill leaves the state before. Throws when it cannot be written.
 void save_state(const std::filesystem::path& path, const SessionState& state);
 /// Throws std::runtime_error when the file is missing or damaged. Large: filled in place.

@@ -58,6 +58,13 @@ TEST_F(SessionReport, TableHasALineForEveryTrial) {
   EXPECT_THAT(table, HasSubstr("41.50"));
 }
 
+TEST_F(SessionReport, ATrialThatAFaultEndedSaysWhich) {
+  learn::TrialSummary t;
+  t.end = learn::TrialEnd::fault, t.fault = 32;
+  EXPECT_EQ(learn::how_it_ended(t), "controller fault F32");
+  EXPECT_EQ(learn::how_it_ended({}), "completed");
+}
+
 TEST_F(SessionReport, PageNamesFirstLastAndBestTrial) {
   const std::string page = text_of(write_session_report(session("a", 4)));
   EXPECT_THAT(page,
