@@ -67,6 +67,8 @@ void ImuWatch::update(Nanoseconds now, const ImuSample& imu, const Estimator& es
     return;
   }
   if (legs_contradict(dt, imu, estimator)) reason_ = kAgainstLegs;
+  // on whatever the soles lie, and after rocking too: a turned sensor shows no rates along theirs
+  if (standing && rates_agree(kProves, kProvingMotion)) mounting_known_ = true;
   if (standing && !mounting_known_ && !rocked_ && leans_another_way(dt, imu, estimator))
     reason_ = kAgainstLegs;
   last_ = imu;
@@ -153,8 +155,7 @@ bool ImuWatch::leans_another_way(double dt, const ImuSample& imu, const Estimato
   const double agreement = telling ? legs.dot(sensor) / (size * other) : 0.0;
   const bool agrees = agreement > kAgreement;
   lean_.agreeing_ticks = agrees ? lean_.agreeing_ticks + 1 : 0;
-  mounting_known_ =
-      lean_.agreeing_ticks >= kContradictingTicks || rates_agree(kProves, kProvingMotion);
+  mounting_known_ = lean_.agreeing_ticks >= kContradictingTicks;
   const bool contradicts =
       telling && stood && agreement < kLeastCorrelation && !rates_agree(kVouches, kVouchingMotion);
   lean_.contradicting_ticks = contradicts ? lean_.contradicting_ticks + 1 : 0;

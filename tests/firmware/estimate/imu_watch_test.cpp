@@ -249,6 +249,20 @@ TEST(ImuWatch, OnceTheyHaveAgreedAMomentIsNoContradiction) {
   EXPECT_EQ(against(known, 12), ImuWatch::kAgainstLegs);
 }
 
+/// A soft robot rocks before anything is known of its sensor. What legs and sensor say of its rates
+/// afterwards vouches for the sensor all the same.
+TEST(ImuWatch, ARobotThatHasRockedIsBelievedOnceItsRatesAgree) {
+  Accounts rocked;
+  rocked.go(0, 0, 50);
+  EXPECT_EQ(rocked.go(0, kRocking_rad, 30), ImuWatch::kPlausible);
+  Accounts vouched = rocked;
+  EXPECT_EQ(against(rocked, 4), ImuWatch::kAgainstLegs);
+  for (const double lean : {0.03, -0.03, 0.03, 0.0})
+    EXPECT_EQ(vouched.go(lean, kRocking_rad + lean, 20), ImuWatch::kPlausible);
+  EXPECT_EQ(against(vouched, 4), ImuWatch::kPlausible);
+  EXPECT_EQ(against(vouched, 12), ImuWatch::kAgainstLegs);
+}
+
 /// Between two steps the soles lie on one plane for a moment, not all of them on the ground.
 TEST(ImuWatch, NothingIsConcludedBetweenTwoSteps) {
   for (const double way : {1.0, -1.0}) {
