@@ -81,6 +81,7 @@ struct DecisionSettings {
   double same_robot = 0.25;
   double same_law = 0.015;
   double interval_stretch = 1.2;
+  double much_left = 0.25;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;
@@ -143,6 +144,8 @@ struct DecisionSettings {
           "of a figure's size: two laws of one name, both fitted, differ by as much (deviation)");
     field("interval_stretch", interval_stretch, "factor", 0.5, 5.0,
           "on intervals of figures: what 95 % of sealed cases took (docs/results, intervals)");
+    field("much_left", much_left, "share", 0.0, 10.0,
+          "of the error beyond noise: names that leave more, above `adequate`, are not sure");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,

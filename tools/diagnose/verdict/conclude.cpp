@@ -100,11 +100,25 @@ Evidence without_what_may_be_nothing(Evidence evidence) {
   return evidence;
 }
 
+/// A law that the library lacks is taken apart into names that it has. Where they leave much of it,
+/// none of them is sure.
+Evidence doubted_beside_much(Evidence evidence) {
+  const DecisionSettings& decisions = evidence.decisions;
+  if (evidence.left.share <= decisions.much_left || evidence.left.level <= decisions.adequate)
+    return evidence;
+  for (Finding& f : evidence.findings) {
+    f.beside_much = true;
+    f.status = status_of(f);
+  }
+  return evidence;
+}
+
 }  // namespace
 
 Verdict conclude(const Evidence& all) {
   if (!all.defects.empty()) return refusal(all.defects);
-  const Evidence evidence = without_what_may_be_nothing(without_tolerated(all));
+  const Evidence evidence =
+      doubted_beside_much(without_what_may_be_nothing(without_tolerated(all)));
   if (evidence.unfinished) return stopped(evidence);
   Verdict out;
   out.unexplained = unexplained(evidence);

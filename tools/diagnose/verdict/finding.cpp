@@ -196,6 +196,7 @@ std::string stopped_at_bounds(const Finding& finding) {
 }
 
 std::string reserve(const Finding& finding) {
+  if (finding.beside_much) return "so much stays beside it that it may be a part of something else";
   if (finding.spans_null) return "its interval contains the null";
   if (finding.unrepeated)
     return "its joint goes through too few periods to tell it from what bends over the angle";
@@ -209,7 +210,7 @@ std::string reserve(const Finding& finding) {
 }
 
 VerdictStatus status_of(const Finding& finding) {
-  if (!finding.terms.empty() || finding.spans_null || finding.unrepeated)
+  if (!finding.terms.empty() || finding.spans_null || finding.unrepeated || finding.beside_much)
     return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
   return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed

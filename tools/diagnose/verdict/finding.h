@@ -56,6 +56,8 @@ struct Finding {
   // a ripple over the angle of which its joint goes through less than LibrarySettings::periods:
   // whatever bends over the angle would look so
   bool unrepeated = false;
+  // as much stays without a name that it may be a part of what has none
+  bool beside_much = false;
   // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing
   bool tolerated = false;
   std::vector<Rival> rivals;
@@ -66,12 +68,14 @@ struct Finding {
 /// there is of another size or another structure.
 std::string stopped_at_bounds(const Finding& finding);
 
-/// Why a finding is not confirmed: an interval that contains the null, a ripple that was not seen
-/// to repeat, a bound, or terms that together describe any torque of the angle; empty: nothing.
+/// Why a finding is not confirmed: much that stays beside it, an interval that contains the null, a
+/// ripple that was not seen to repeat, a bound, or terms that together describe any torque of the
+/// angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
-/// PRESENT_UNNAMED where it is one of several terms or may be nothing; ONE_OF where several names
-/// are left; CONFIRMED where one is and no bound stopped it; else PRESENT_UNNAMED.
+/// PRESENT_UNNAMED where it is one of several terms, may be nothing or stands beside much; ONE_OF
+/// where several names are left; CONFIRMED where one is and no bound stopped it; else
+/// PRESENT_UNNAMED.
 VerdictStatus status_of(const Finding& finding);
 
 /// Of a verdict that was reached: PRESENT_UNNAMED where something stays without a name or a finding

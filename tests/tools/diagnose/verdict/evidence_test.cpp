@@ -275,5 +275,25 @@ TEST(LocationSentence, NamesTheCalledCellsOfTheFirstJointOnly) {
   EXPECT_EQ(location_sentence(map).find("reversal"), std::string::npos) << "no lift, no place";
 }
 
+/// Of a law that is not in the library names take what they can. What they leave tells.
+TEST(Conclude, BesideMuchThatStaysNoNameIsSure) {
+  for (const std::vector<std::string>& set :
+       {std::vector<std::string>{"backlash"}, {"backlash", "joint_compliance"}}) {
+    const VerdictStatus sure = set.size() > 1 ? VerdictStatus::one_of : VerdictStatus::confirmed;
+    Evidence e = found(sure, set);
+    e.left.share = e.decisions.much_left + 0.01;
+    e.left.level = e.decisions.adequate + 0.01;
+    const Verdict doubted = conclude(e);
+    EXPECT_EQ(doubted.findings[0].status, VerdictStatus::present_unnamed);
+    EXPECT_EQ(doubted.findings[0].one_of, set) << "what it may be is told all the same";
+    EXPECT_NE(doubted.answer.find("so much stays beside it"), std::string::npos) << doubted.answer;
+    Evidence little = e, quiet = e;
+    little.left.share = e.decisions.much_left;  // however loud what is left: most has a name
+    quiet.left.level = e.decisions.adequate;    // of a small effect noise is a large share
+    for (const Evidence& other : {little, quiet})
+      EXPECT_EQ(conclude(other).findings[0].status, sure);
+  }
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
