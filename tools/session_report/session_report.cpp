@@ -121,7 +121,7 @@ std::filesystem::path write_session_report(const fs::path& folder) {
   page.table(trial_table(*state));
   add_trial(page, folder, state->history.front());
   if (state->history.size() > 1) add_trial(page, folder, state->history.back());
-  const fs::path file = folder / "report.html";
+  fs::path file = folder / "report.html";
   files::write_atomically(file, page.finish());
   return file;
 }

@@ -10,7 +10,6 @@ namespace sanso::firmware {
 namespace {
 
 using testing::EmulatedController;
-using wire::CommandKind;
 using wire::SupervisorState;
 
 Settings mounted(const math::Quat& quat_base_sensor) {
