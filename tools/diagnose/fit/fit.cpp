@@ -5,14 +5,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/fit/normal_equations.h"
 #include "tools/diagnose/fit/quick_fit.h"
-#include "tools/diagnose/stats/robust.h"
 
 namespace sanso::diagnose {
 
