@@ -204,18 +204,18 @@ World load_drawn(World (*draw)(std::uint64_t), const std::string& name, std::str
   const std::string digits = rest.substr(0, rest.find('x'));
   const auto refuse = [&] {
     return WorldError(fmt::format(
-        "world '{}': expected {}N with a whole number N, or {}NxW with a width W from 0 to {}",
-        name, prefix, prefix, kWidest));
+        "world '{}': expected {}N with a whole number N, or {}NxW with a width W from {} to {}",
+        name, prefix, prefix, kNarrowest, kWidest));
   };
   if (digits.empty() || digits.size() > 18 ||
       digits.find_first_not_of("0123456789") != std::string::npos)
     throw refuse();
-  const World world = draw(std::stoull(digits));
+  World world = draw(std::stoull(digits));
   if (digits == rest) return world;
   const char* const end = rest.data() + rest.size();
   double width = 0.0;
   const auto read = std::from_chars(rest.data() + digits.size() + 1, end, width);
-  if (read.ec != std::errc{} || read.ptr != end || !(width >= 0.0 && width <= kWidest))
+  if (read.ec != std::errc{} || read.ptr != end || !(width >= kNarrowest && width <= kWidest))
     throw refuse();
   return widened(world, width);
 }

@@ -150,10 +150,11 @@ World draw_world(std::uint64_t seed);
 /// sensors drift. Ranges: docs/howto/emulator.md.
 World draw_honest_world(std::uint64_t seed);
 
+/// Between these widths a drawn world stays one that a file may hold.
+inline constexpr double kNarrowest = 0.1, kWidest = 2.5;
 /// `world` with whatever it differs in from the maker's figures `width` times as far from them:
-/// what is a ratio in its logarithm, the horn in its compliance. The bits of `world` at 1. `width`
-/// from 0 to kWidest, where a drawn world is still one that a file may hold.
-inline constexpr double kWidest = 2.5;
+/// what is a ratio in its logarithm, the horn in its compliance, the time in which the IMU's up
+/// follows the felt force in its inverse. The bits of `world` at 1.
 World widened(World world, double width);
 
 /// A world file with all that `world` says; parse_world() gives it back to the last bit.

@@ -74,14 +74,18 @@ TEST(World, AWiderDrawIsTheSameRobotFurtherFromTheMakers) {
               2.0 * (drawn.supply.voltage_V - maker.supply.voltage_V), 1e-12);
   EXPECT_NEAR(wide.servo.p_divisor * maker.servo.p_divisor,
               drawn.servo.p_divisor * drawn.servo.p_divisor, 1e-9);
-  const World none = load_world("honest:7x0");  // the maker's but for what is not a figure
-  EXPECT_NEAR(none.servo.gear_stiffness_Nm_rad, maker.servo.gear_stiffness_Nm_rad, 1e-9);
-  EXPECT_EQ(none.servo.coulomb_Nm, 0.0);
+  const World narrow = load_world("honest:7x0.1");
+  EXPECT_NEAR(1 / narrow.servo.gear_stiffness_Nm_rad - 1 / maker.servo.gear_stiffness_Nm_rad,
+              0.1 * (1 / drawn.servo.gear_stiffness_Nm_rad - 1 / maker.servo.gear_stiffness_Nm_rad),
+              1e-12);
+  EXPECT_DOUBLE_EQ(narrow.imu.gravity_filter_s, 10.0 * drawn.imu.gravity_filter_s);
 }
 
-TEST(World, TheWidestDrawsCanBeWrittenReadAndSimulated) {
-  for (int seed = 0; seed < 200; ++seed) {
-    const std::string name = "honest:" + std::to_string(seed) + "x2.5";
+TEST(World, TheWidestAndNarrowestDrawsCanBeWrittenReadAndSimulated) {
+  for (int k = 0; k < 800; ++k) {
+    const int seed = k / 4;
+    const std::string name = std::string(k % 2 == 0 ? "honest:" : "seed:") + std::to_string(seed) +
+                             (k % 4 < 2 ? "x2.5" : "x0.1");
     const World w = load_world(name);
     World again;
     ASSERT_NO_THROW(again = parse_world(to_toml(w), name)) << name;
@@ -90,8 +94,8 @@ TEST(World, TheWidestDrawsCanBeWrittenReadAndSimulated) {
       EXPECT_NO_THROW(Plant{w}) << name;
     }
   }
-  for (const char* name : {"honest:7x", "honest:7x-1", "honest:7x2.6", "honest:7xnan", "honest:x2",
-                           "honest:7x1x1", "honest:7x1 "})
+  for (const char* name : {"honest:7x", "honest:7x0", "honest:7x-1", "honest:7x2.6", "honest:7xnan",
+                           "honest:x2", "honest:7x1x1", "honest:7x1 "})
     EXPECT_THROW(load_world(name), WorldError) << name;
 }
 
