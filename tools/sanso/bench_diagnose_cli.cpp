@@ -9,6 +9,7 @@
 #include "tools/bench/diagnose/diagnose_bench.h"
 #include "tools/bench/diagnose/folder_bench.h"
 #include "tools/bench/diagnose/scaled_setting.h"
+#include "tools/bench/diagnose/sensitivity.h"
 #include "tools/conceal/conceal.h"
 #include "tools/conceal/reveal.h"
 #include "tools/sanso/commands.h"
@@ -64,15 +65,42 @@ bench::DiagnoseScore opened(const conceal::Score& s) {
   return out;
 }
 
+struct Options {
+  bench::DiagnoseBenchOptions bench;
+  bench::FolderBenchOptions cases;
+  bool sensitivity = false;
+  std::vector<std::string> only;
+  std::string family, effect, setting;
+  double ratio = 0.0;
+};
+
+int run_sensitivity(const Options& options) {
+  if (options.cases.folder.empty()) throw CLI::RequiredError("--folder, with --sensitivity,");
+  try {
+    return bench::bench_sensitivity(
+        {options.cases.folder, options.bench.folder, options.only, options.cases.resume});
+  } catch (const std::invalid_argument& error) {
+    throw CLI::ValidationError("--only", error.what());
+  }
+}
+
+/// Cases that somebody else made, in the place of new ones.
+void add_folder_options(CLI::App& command, Options& options) {
+  command.add_option("--folder", options.cases.folder,
+                     "score the cases of this folder (model/, rec_*.csv, heldout/, answer.json "
+                     "each) instead of concealing new ones");
+  command.add_flag("--resume", options.cases.resume,
+                   "with --folder: keep the outcomes that are in the working folder");
+  CLI::Option* sensitivity = command.add_flag(
+      "--sensitivity", options.sensitivity,
+      "with --folder: ask every case with every setting halved and doubled; print what changes");
+  command.add_option("--only", options.only, "with --sensitivity: these settings or groups alone")
+      ->needs(sensitivity);
+}
+
 }  // namespace
 
 void add_bench_diagnose(CLI::App& app, int& result) {
-  struct Options {
-    bench::DiagnoseBenchOptions bench;
-    bench::FolderBenchOptions cases;
-    std::string family, effect, setting;
-    double ratio = 0.0;
-  };
   auto options = std::make_shared<Options>();
   // `bench` may exist already with the benchmarks that take no options; "diagnose" then stands
   // beside them
@@ -96,11 +124,7 @@ void add_bench_diagnose(CLI::App& app, int& result) {
                       "only clean, single, pair, decoy, outside or ambiguous cases");
   command->add_option("--effect", options->effect, "only this effect hidden");
   command->add_option("--ratio", options->ratio, "only this severity");
-  command->add_option("--folder", options->cases.folder,
-                      "score the cases of this folder (model/, rec_*.csv, heldout/, answer.json "
-                      "each) instead of concealing new ones");
-  command->add_flag("--resume", options->cases.resume,
-                    "with --folder: keep the outcomes that are in the working folder");
+  add_folder_options(*command, *options);
   command->add_option("--work", options->bench.folder, "where cases and outcomes are put")
       ->capture_default_str();
   command->add_option("--minutes", options->bench.minutes,
@@ -117,6 +141,10 @@ void add_bench_diagnose(CLI::App& app, int& result) {
       } catch (const std::invalid_argument& error) {
         throw CLI::ValidationError("--setting", error.what());
       }
+    }
+    if (options->sensitivity) {
+      result = run_sensitivity(*options);
+      return;
     }
     if (!options->cases.folder.empty()) {
       options->cases.out = options->bench.folder;

@@ -20,6 +20,9 @@ TEST(ScaledSetting, ScalesRealAndWholeNumbersOfACopy) {
   EXPECT_EQ(scaled(settings, "decisions.rivals=0.01").decisions.rivals, 1)
       << "a count stays at least one";
   EXPECT_EQ(settings.decisions.rivals, Settings{}.decisions.rivals);
+  EXPECT_EQ(value_of(scaled(settings, "decisions.rivals=2"), "decisions.rivals"),
+            2.0 * settings.decisions.rivals);
+  EXPECT_THROW(value_of(settings, "decisions.nothing"), std::invalid_argument);
 }
 
 TEST(ScaledSetting, RefusesUnknownNamesAndBadFactors) {
@@ -39,16 +42,6 @@ TEST(ScaledSetting, SaysNameValueAndRangeOfWhatLeavesItsRange) {
     EXPECT_STREQ(error.what(),
                  "setting decisions.family_wise = 1: expected 1e-06 .. 0.5 (probability)");
   }
-}
-
-/// "group.name" of every setting, in the order of the settings page.
-std::vector<std::string> setting_names() {
-  std::vector<std::string> names;
-  Settings settings;
-  settings.visit([&](const std::string& group, auto& section) {
-    section.visit([&](const char* key, auto&&...) { names.push_back(group + "." + key); });
-  });
-  return names;
 }
 
 TEST(ScaledSetting, EverySettingCanBeHalvedAndDoubledByANameOfItsOwn) {

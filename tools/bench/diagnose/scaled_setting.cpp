@@ -16,6 +16,23 @@ void scale(int& value, double factor) {
   value = std::max(1, static_cast<int>(std::lround(value * factor)));
 }
 
+/// Calls f(value) for the setting of that name. Throws std::invalid_argument when there is none.
+template <class F>
+void at(diagnose::Settings& settings, const std::string& name, F&& f) {
+  bool found = false;
+  settings.visit([&](const std::string& group, auto& section) {
+    section.visit([&](const char* key, auto& value, auto&&...) {
+      if (name != group + "." + key) return;
+      f(value);
+      found = true;
+    });
+  });
+  if (!found) {
+    throw std::invalid_argument("no setting '" + name +
+                                "'; they stand in docs/settings-diagnose.md");
+  }
+}
+
 }  // namespace
 
 diagnose::Settings scaled(diagnose::Settings settings, const std::string& assignment) {
@@ -26,20 +43,24 @@ diagnose::Settings scaled(diagnose::Settings settings, const std::string& assign
   if (!(factor > 0.0) || !std::isfinite(factor)) {
     throw std::invalid_argument("'" + assignment + "': expected NAME=FACTOR with a factor above 0");
   }
-  bool found = false;
-  settings.visit([&](const std::string& group, auto& section) {
-    section.visit([&](const char* key, auto& value, auto&&...) {
-      if (name != group + "." + key) return;
-      scale(value, factor);
-      found = true;
-    });
-  });
-  if (!found) {
-    throw std::invalid_argument("no setting '" + name +
-                                "'; they stand in docs/settings-diagnose.md");
-  }
+  at(settings, name, [factor](auto& value) { scale(value, factor); });
   diagnose::require_in_range(settings);
   return settings;
+}
+
+std::vector<std::string> setting_names() {
+  std::vector<std::string> names;
+  diagnose::Settings settings;
+  settings.visit([&](const std::string& group, auto& section) {
+    section.visit([&](const char* key, auto&&...) { names.push_back(group + "." + key); });
+  });
+  return names;
+}
+
+double value_of(diagnose::Settings settings, const std::string& name) {
+  double out = 0.0;
+  at(settings, name, [&out](auto& value) { out = static_cast<double>(value); });
+  return out;
 }
 
 }  // namespace sanso::bench
