@@ -59,8 +59,9 @@ struct MpcSettings {
         "spread", spread, "1", 0.0, 10.0,
         "amplitude of the noise by which models that fit about as well differ (model.members); 0: "
         "none");
-    field("warm_start", warm_start, "yes or no", false, true,
-          "from the last plan moved by one knot instead of u_up = 0 (paper: no)");
+    field(
+        "warm_start", warm_start, "yes or no", false, true,
+        "from the last plan moved on, or the share of it that costs least, not from 0 (paper: no)");
     field("threads", threads, "threads", 1, 64, "of the planner, the caller's among them");
     field("pin_threads", pin_threads, "yes or no", false, true, "thread i stays on processor i");
     field("delay_prediction", delay_prediction, "yes or no", false, true,

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "host/mpc/lane_kernels.h"
 
@@ -16,6 +17,9 @@ constexpr int kMaxProposals = 4;     // regularizations tried at one linearisati
 constexpr double kMuFactor = 100.0;  // between them
 // first value that does something, per rad^2 of an input weight near 1
 constexpr double kMuFloor = 1e-2;
+// of the inputs that a plan begins with: after a push nothing may be better than the last plan
+alignas(64) constexpr double kStartShares[kLineSearchLanes] = {1.0, 0.8, 0.6, 0.45,
+                                                               0.3, 0.2, 0.1, 0.0};
 
 /// Adds the time between construction and destruction to a counter.
 class Stopwatch {
@@ -81,14 +85,31 @@ bool Solver::roll_out_start(SolveResult& result) {
   LinePolicy policy;
   policy.nominal = &work_->trajectory;
   policy.input_limit_rad = settings_.input_limit_rad;
-  phases_.roll_out(policy, kStepLengths, work_->lanes);
-  result.cost_before = cost_ = work_->lanes.cost(0);
+  std::memset(work_->gains, 0, sizeof work_->gains);
+  if (start_as_line()) policy.gains = work_->gains;
+  phases_.roll_out(policy, kStartShares, work_->lanes);
+  const int lane = cheapest_lane();
+  result.cost_before = cost_ = work_->lanes.cost(lane);
   result.finite = std::isfinite(cost_);
-  if (result.finite) take_lane(0);
+  if (result.finite) take_lane(lane);
   std::memset(work_->gains, 0, sizeof work_->gains);
   std::memset(work_->taken, 0, sizeof work_->taken);
   std::memset(work_->noise, 0, sizeof work_->noise);
   return result.finite;
+}
+
+/// The start's inputs as a line from none to all of them, without feedback. False: they are zero.
+bool Solver::start_as_line() {
+  Trajectory& t = work_->trajectory;
+  bool any = false;
+  for (int k = 0; k < phases_.stages(); ++k) {
+    for (int i = 0; i < kNu; ++i) {
+      any = any || t.u[k][i] != 0.0;
+      work_->gains[k].k[i] = std::exchange(t.u[k][i], 0.0);
+    }
+    std::copy_n(t.x[0], kNx, t.x[k + 1]);  // what a feedback of zero would compare with
+  }
+  return any;
 }
 
 Solver::Step Solver::improve(double sigma, SolveResult& result) {
@@ -143,6 +164,10 @@ int Solver::try_step_lengths(SolveResult& result) {
   policy.columns = columns();
   policy.input_limit_rad = settings_.input_limit_rad;
   phases_.roll_out(policy, kStepLengths, work_->lanes);
+  return cheapest_lane();
+}
+
+int Solver::cheapest_lane() const {
   int best = 0;
   const auto merit = [&](int lane) {
     return work_->lanes.cost(lane) + work_->lanes.noise_cost(lane);

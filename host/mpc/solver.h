@@ -38,8 +38,8 @@ class Solver {
  public:
   Solver(const SolverSettings& settings, Phases& phases);
 
-  /// From trajectory().x[0] and trajectory().u (the start); leaves the best trajectory and its
-  /// gains here.
+  /// From trajectory().x[0] and trajectory().u (the start: of its inputs the share, none to all,
+  /// that costs least); leaves the best trajectory and its gains here.
   /// `deadline` is a steady-clock time, 0 none: no iteration starts that is not expected to end
   /// before it.
   void solve(double sigma, Nanoseconds deadline, SolveResult& result);
@@ -65,9 +65,11 @@ class Solver {
   enum class Step { taken, too_small, none };
 
   bool roll_out_start(SolveResult& result);
+  bool start_as_line();
   Step improve(double sigma, SolveResult& result);
   bool propose(double sigma, SolveResult& result);
   int try_step_lengths(SolveResult& result);
+  int cheapest_lane() const;
   double noise_price() const;
   const ColumnsPrice* columns() const { return has_columns_ ? work_->columns : nullptr; }
   void take_lane(int lane);

@@ -210,6 +210,15 @@ TEST(UpperLayer, WarmStartBeginsWithTheLastPlanMovedOn) {
   warm.plan(request, c);
   cold.plan(request, d);
   EXPECT_LT(c.cost_before, 0.5 * d.cost_before);
+  // pushed to where the last plan leads nowhere: as much of it as helps, none if none does
+  for (const double push : {-1.5, -0.8, 0.8, 1.5}) {
+    request.observed_tick = request.plan_tick;
+    request.plan_tick += 6;
+    request.x_observed[model::kXVel] = push;
+    warm.plan(request, c);
+    cold.plan(request, d);
+    EXPECT_LE(c.cost_before, d.cost_before) << push << " m/s";
+  }
 }
 
 TEST(UpperLayer, RefusesAStateThatIsNotANumber) {
