@@ -81,7 +81,7 @@ struct DecisionSettings {
   double same_robot = 0.25;
   double same_law = 0.015;
   double interval_stretch = 1.2;
-  double much_left = 0.25;
+  double much_left = 0.18;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;

@@ -101,12 +101,13 @@ Evidence without_what_may_be_nothing(Evidence evidence) {
 }
 
 /// A law that the library lacks is taken apart into names that it has. Where they leave much of it,
-/// none of them is sure.
+/// none of them is sure. Chance scatters as far as any error, given a size: beside it nothing stays
+/// that is more than noise, or it is not what was missing.
 Evidence doubted_beside_much(Evidence evidence) {
   const DecisionSettings& decisions = evidence.decisions;
-  if (evidence.left.share <= decisions.much_left || evidence.left.level <= decisions.adequate)
-    return evidence;
+  if (evidence.left.level <= decisions.adequate) return evidence;
   for (Finding& f : evidence.findings) {
+    if (!f.chance && evidence.left.share <= decisions.much_left) continue;
     f.beside_much = true;
     f.status = status_of(f);
   }

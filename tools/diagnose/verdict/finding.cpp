@@ -124,6 +124,7 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   const Candidate& c = library[entry.candidate];
   Finding f;
   f.effect = c.effect;
+  f.chance = c.random;
   f.family = c.family;
   f.where = c.where;
   f.p_family = entry.p_family;
@@ -196,6 +197,8 @@ std::string stopped_at_bounds(const Finding& finding) {
 }
 
 std::string reserve(const Finding& finding) {
+  if (finding.beside_much && finding.chance)
+    return "more than noise stays beside it, and chance scatters as far as any error";
   if (finding.beside_much) return "so much stays beside it that it may be a part of something else";
   if (finding.spans_null) return "its interval contains the null";
   if (finding.unrepeated)

@@ -56,6 +56,7 @@ struct Finding {
   // a ripple over the angle of which its joint goes through less than LibrarySettings::periods:
   // whatever bends over the angle would look so
   bool unrepeated = false;
+  bool chance = false;  // Candidate::random: its scatter takes what no model predicts
   // as much stays without a name that it may be a part of what has none
   bool beside_much = false;
   // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing

@@ -295,5 +295,21 @@ TEST(Conclude, BesideMuchThatStaysNoNameIsSure) {
   }
 }
 
+/// A third of all commands lost scatters as far as any error: a share of it says nothing.
+TEST(Conclude, ChanceIsSureWhereItLeavesNoiseAlone) {
+  Evidence e = found(VerdictStatus::confirmed, {"packet_loss"});
+  e.findings[0].chance = true;
+  e.left.share = 0.01;
+  e.left.level = e.decisions.adequate + 0.01;
+  const Verdict doubted = conclude(e);
+  EXPECT_EQ(doubted.findings[0].status, VerdictStatus::present_unnamed);
+  EXPECT_NE(doubted.answer.find("more than noise stays"), std::string::npos) << doubted.answer;
+  e.findings[0].chance = false;
+  EXPECT_EQ(conclude(e).findings[0].status, VerdictStatus::confirmed);
+  e.findings[0].chance = true;
+  e.left.level = e.decisions.adequate;
+  EXPECT_EQ(conclude(e).findings[0].status, VerdictStatus::confirmed);
+}
+
 }  // namespace
 }  // namespace sanso::diagnose
