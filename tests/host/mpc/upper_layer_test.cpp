@@ -217,7 +217,8 @@ TEST(UpperLayer, WarmStartBeginsWithTheLastPlanMovedOn) {
     request.x_observed[model::kXVel] = push;
     warm.plan(request, c);
     cold.plan(request, d);
-    EXPECT_LE(c.cost_before, d.cost_before) << push << " m/s";
+    // a feedback of zero is added there, which may round the sums another way
+    EXPECT_LE(c.cost_before, d.cost_before * (1 + 1e-9)) << push << " m/s";
   }
 }
 
