@@ -32,9 +32,6 @@ struct Variant {
   std::string setting;
   double factor = 1.0;
   diagnose::Settings settings;
-  auto operator<=>(const Variant& other) const {
-    return std::pair(setting, factor) <=> std::pair(other.setting, other.factor);
-  }
 };
 
 bool asked_for(const std::vector<std::string>& only, const std::string& name) {

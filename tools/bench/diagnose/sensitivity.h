@@ -19,7 +19,7 @@ struct ScaledAnswer {
   std::string setting;  // "group.name"; empty: all as they are
   double factor = 1.0;
   std::string name;  // of the case
-  std::string said;  // status and names, or why there is no answer
+  std::string said;  // status and the first of every set, or why there is no answer
   bool right = false;
   int wrong_confirmed = 0;
 };
