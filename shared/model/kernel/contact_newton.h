@@ -176,7 +176,7 @@ inline void sole_inertia(const T (&A)[kNumFeet][6][6], const T (&A_cross)[6][6],
     }
   // a straight leg makes a direction of the sole nearly immovable: keeps the inverse finite there
   for (int i = 0; i < kTwists; ++i)
-    negative_inertia[i][i] = (1.0 + 1e-9) * negative_inertia[i][i] + 1e-12;
+    negative_inertia[i][i] = (1.0 + 1e-11) * negative_inertia[i][i] + 1e-12;
   negative_inverse(negative_inertia);
 }
 

@@ -230,17 +230,29 @@ inline void sweep_feet(const StepModel& model, StepWork<T>& w, StepScratch<T>& s
   }
 }
 
+/// (N s)^2, of the lane that is farthest from a solution.
+template <class T>
+inline double contact_left(const StepModel& model, const StepWork<T>& w,
+                           const StepScratch<T>& scratch) {
+  T sum = 0.0;
+  for (int l = 0; l < kNumFeet; ++l)
+    sum += contact_defect(model.friction_forward, model.friction_sideways, w.foot[l],
+                          scratch.lambda[l][0]);
+  return largest(sum);
+}
+
 /// Contact impulses: Gauss-Seidel sweeps find which rows touch, stick and slide, a Newton step
 /// solves for them; again until every lane is solved. A lane that was solved before the others
 /// stays where it is but for rounding. From a solution nearby the rows are known: a Newton step
-/// comes first, and often it is all.
+/// comes first, and often it is all; from the solution itself there is nothing to do.
 template <class T>
 inline void solve_contact(const StepModel& model, double h, StepWork<T>& w,
                           StepScratch<T>& scratch) {
   start_contact(model, h, w, scratch);
+  const double solved = model.contact.tolerance * model.contact.tolerance;
+  if (scratch.warm_start && contact_left(model, w, scratch) <= solved) return;
   T negative_inertia[kTwists][kTwists];
   sole_inertia(w.A, w.A_cross, negative_inertia);
-  const double solved = model.contact.tolerance * model.contact.tolerance;
   const auto newton = [&] {
     return largest(newton_step(model.friction_forward, model.friction_sideways,
                                model.contact.regularization, w.A, w.A_cross, negative_inertia,
