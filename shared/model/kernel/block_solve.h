@@ -59,13 +59,47 @@ template <bool Lower, class T>
 inline void subtract_product(const T (&X)[6][6], const T (&inverse_d)[6], const T (&Y)[6][6],
                              T (&out)[6][6]) {
 #pragma GCC unroll 6
-  for (int k = 0; k < 6; ++k)
+  for (int i = 0; i < 6; ++i)  // a row of `out` at a time stays in registers
 #pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < 6; ++k) {
       const T scaled = X[k][i] * inverse_d[k];
 #pragma GCC unroll 6
       for (int j = 0; j < (Lower ? i + 1 : 6); ++j) out[i][j] -= scaled * Y[k][j];
     }
+}
+
+/// A += Y' D^-1 Z.
+template <class T>
+inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6],
+                                 T (&A)[6][6]) {
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i)
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) {
+      const T scaled = Y[k][i] * inverse_d[k];
+#pragma GCC unroll 6
+      for (int j = 0; j < 6; ++j) A[i][j] += scaled * Z[k][j];
+    }
+}
+
+/// A = Y' D^-1 Y + Z' E^-1 Z, symmetric to the last bit.
+template <class T>
+inline void weighted_squares(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6],
+                             const T (&inverse_e)[6], T (&A)[6][6]) {
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+    T row[6];
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) row[j] = T(0.0);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) {
+      const T y = Y[k][i] * inverse_d[k], z = Z[k][i] * inverse_e[k];
+#pragma GCC unroll 6
+      for (int j = 0; j <= i; ++j) row[j] += y * Y[k][j] + z * Z[k][j];
+    }
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) A[i][j] = A[j][i] = row[j];
+  }
 }
 
 }  // namespace sanso::model::SANSO_ISA

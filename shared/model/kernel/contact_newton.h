@@ -22,42 +22,57 @@ inline constexpr int kTwists = 6 * kNumFeet;
 /// lower triangle only.
 template <class T>
 inline void negative_inverse(T (&M)[kTwists][kTwists]) {
+#pragma GCC unroll 1
   for (int k = 0; k < kTwists; ++k) {
     T column[kTwists];
     for (int i = 0; i < kTwists; ++i) column[i] = i > k ? M[i][k] : M[k][i];
     const T pivot = 1.0 / column[k];
+    // row and column k too, without a branch: they are written afterwards
+#pragma GCC unroll 12
     for (int i = 0; i < kTwists; ++i) {
-      if (i == k) continue;
       const T scaled = column[i] * pivot;
-      for (int j = 0; j <= i; ++j)
-        if (j != k) M[i][j] -= scaled * column[j];
-      (i > k ? M[i][k] : M[k][i]) = scaled;
+#pragma GCC unroll 12
+      for (int j = 0; j <= i; ++j) M[i][j] -= scaled * column[j];
     }
+    for (int i = 0; i < kTwists; ++i) (i > k ? M[i][k] : M[k][i]) = column[i] * pivot;
     M[k][k] = -pivot;
   }
 }
 
 /// L U of M in place by elimination without exchanges (M is positive definite but for the part of
-/// sliding friction): U above the diagonal, inverse pivots on it, multipliers below.
+/// sliding friction): U above the diagonal, inverse pivots on it, multipliers below. Row by row, so
+/// that a row stays in registers.
 template <class T>
 inline void factorize12(T (&M)[kTwists][kTwists]) {
-  for (int k = 0; k < kTwists; ++k) {
-    M[k][k] = 1.0 / M[k][k];
-    for (int i = k + 1; i < kTwists; ++i) {
-      M[i][k] = M[i][k] * M[k][k];
-      for (int j = k + 1; j < kTwists; ++j) M[i][j] -= M[i][k] * M[k][j];
+#pragma GCC unroll 12
+  for (int i = 0; i < kTwists; ++i) {
+    T row[kTwists];
+#pragma GCC unroll 12
+    for (int j = 0; j < kTwists; ++j) row[j] = M[i][j];
+#pragma GCC unroll 12
+    for (int k = 0; k < i; ++k) {
+      row[k] = row[k] * M[k][k];
+#pragma GCC unroll 12
+      for (int j = k + 1; j < kTwists; ++j) row[j] -= row[k] * M[k][j];
     }
+    row[i] = 1.0 / row[i];
+#pragma GCC unroll 12
+    for (int j = 0; j < kTwists; ++j) M[i][j] = row[j];
   }
 }
 
 /// b <- M^-1 b with M from factorize12.
 template <class S, class T>
 inline void solve12(const S (&M)[kTwists][kTwists], T (&b)[kTwists]) {
-  for (int i = 1; i < kTwists; ++i)
-    for (int k = 0; k < i; ++k) b[i] -= M[i][k] * b[k];
-  for (int i = kTwists - 1; i >= 0; --i) {
-    for (int j = i + 1; j < kTwists; ++j) b[i] -= M[i][j] * b[j];
-    b[i] = b[i] * M[i][i];
+#pragma GCC unroll 12
+  for (int k = 0; k < kTwists; ++k)
+#pragma GCC unroll 12
+    for (int i = k + 1; i < kTwists; ++i) b[i] -= M[i][k] * b[k];
+#pragma GCC unroll 12
+  for (int j = kTwists - 1; j >= 0; --j) {
+    b[j] = b[j] * M[j][j];
+#pragma GCC unroll 12
+    for (int i = 0; i < j; ++i) b[i] -= M[i][j] * b[j];
   }
 }
 
@@ -190,9 +205,10 @@ inline T newton_step(double mu_forward, double mu_sideways, double regularizatio
                      FootContact<T> (&foot)[kNumFeet], T (*lambda)[kCornersPerFoot][3]) {
   const double softness = regularization / (1.0 + regularization);
   T M[kTwists][kTwists], tau[kTwists] = {};
+#pragma GCC unroll 12
   for (int i = 0; i < kTwists; ++i)
-    for (int j = 0; j < kTwists; ++j)
-      M[i][j] = i >= j ? -negative_inertia[i][j] : -negative_inertia[j][i];
+#pragma GCC unroll 12
+    for (int j = 0; j <= i; ++j) M[i][j] = M[j][i] = -negative_inertia[i][j];
   CornerSet<T> set[kNumFeet][kCornersPerFoot];
   T* impulse[kNumFeet] = {lambda[0][0], lambda[1][0]};  // rows of a foot, flat
   T before = 0.0;

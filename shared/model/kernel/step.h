@@ -123,31 +123,13 @@ inline void factorize(StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l) forward6<6>(w.base, w.foot[l].G);
 }
 
-/// A += Y' D^-1 Z and, for a symmetric product, the lower triangle mirrored afterwards by the
-/// caller.
-template <class T>
-inline void add_weighted_product(const T (&Y)[6][6], const T (&inverse_d)[6], const T (&Z)[6][6],
-                                 T (&A)[6][6]) {
-#pragma GCC unroll 6
-  for (int k = 0; k < 6; ++k)
-#pragma GCC unroll 6
-    for (int i = 0; i < 6; ++i) {
-      const T scaled = Y[k][i] * inverse_d[k];
-#pragma GCC unroll 6
-      for (int j = 0; j < 6; ++j) A[i][j] += scaled * Z[k][j];
-    }
-}
-
 /// Inverse inertia of each sole and of the pair, and the soles' twists after the step without
 /// contact.
 template <class T>
 inline void sole_response(StepWork<T>& w) {
   for (int l = 0; l < kNumFeet; ++l) {
     FootContact<T>& foot = w.foot[l];
-    for (auto& row : w.A[l])
-      for (T& entry : row) entry = T(0.0);
-    add_weighted_product(foot.X, w.inverse_d[l], foot.X, w.A[l]);
-    add_weighted_product(foot.G, w.base_inverse_d, foot.G, w.A[l]);
+    weighted_squares(foot.X, w.inverse_d[l], foot.G, w.base_inverse_d, w.A[l]);
     for (int k = 0; k < 6; ++k) {
       const T leg_part = w.inverse_d[l][k] * w.rhs_leg[l][k],
               base_part = w.base_inverse_d[k] * w.rhs_base[k];
