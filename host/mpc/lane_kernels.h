@@ -46,6 +46,7 @@ struct StageFinish {
   const double* along_x;
   const double (*layer_slope)[kNdxPadded];  // d (middle + reflex) / dx (nu x ndx)
   const ResidualWeights* residual;
+  KeptJacobian* jacobian;  // of the residual at this stage
   double difference_step;
   double half_step_s;  // from the stage to the middle of its step
 };

@@ -32,6 +32,12 @@ void NoisePhases::set_model(const host::AugmentedModel& model) {
   }
 }
 
+void NoisePhases::begin_solve() {
+  nominal_.begin_solve();
+  if (without_upper_) without_upper_->begin_solve();
+  for (const auto& member : members_) member->begin_solve();
+}
+
 void NoisePhases::linearize_beside(Op3Phases& phases, const Trajectory& at) {
   phases.context() = nominal_.context();
   phases.start_contact_from(nominal_);

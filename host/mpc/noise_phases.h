@@ -26,6 +26,7 @@ class NoisePhases : public Phases {
   void set_model(const host::AugmentedModel& model);
 
   int stages() const override { return nominal_.stages(); }
+  void begin_solve() override;
   void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
                  StageCost* costs) override;
   NoiseColumns noise_columns(double sigma) const override;

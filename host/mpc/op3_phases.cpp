@@ -109,6 +109,10 @@ void Op3Phases::lane_taken(int lane) {
       work_->nominal_contact[k][i] = contact[k].v[i][lane % kRollOutLanes];
 }
 
+void Op3Phases::begin_solve() {
+  for (KeptJacobian& kept : work_->jacobian) kept.present = false;
+}
+
 void Op3Phases::linearize(const Trajectory& nominal, StageDerivatives* derivatives,
                           StageCost* costs) {
   begin_linearize(nominal, derivatives, costs);
@@ -245,6 +249,7 @@ void Op3Phases::finish_stage(const StageParts& of, int stage) {
                            .along_x = ground_varies() ? whole[kAlongX] : nullptr,
                            .layer_slope = n.layer_slope,
                            .residual = residual(),
+                           .jacobian = &work_->jacobian[stage],
                            .difference_step = settings_.difference_step,
                            .half_step_s = 0.5 * settings_.dt_s};
   kernels_.finish_stage(finish, of.derivatives[stage]);

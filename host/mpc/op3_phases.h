@@ -39,6 +39,7 @@ class Op3Phases : public Phases {
   void start_contact_from(const Op3Phases& other);
 
   int stages() const override { return settings_.horizon - 1; }
+  void begin_solve() override;
   void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
                  StageCost* costs) override;
   void begin_linearize(const Trajectory& nominal, StageDerivatives* derivatives,
@@ -71,6 +72,7 @@ class Op3Phases : public Phases {
     Nominal nominal[kMaxStages];
     model::NominalStep step[kMaxStages];
     model::ContactQuad rolled_contact[kRollOutGroups][kMaxStages];  // of the last roll-out
+    KeptJacobian jacobian[kMaxStages];
     double nominal_contact[kMaxStages][model::kNumContactRows];
     // whole steps of all stages side by side, lane = stage: the nominal point, without u_up, and
     // farther along base x

@@ -45,6 +45,8 @@ class Phases {
  public:
   virtual ~Phases() = default;
   virtual int stages() const = 0;  // steps, horizon - 1
+  /// Forgets what was kept from one linearisation to the next: a plan hangs on no earlier one.
+  virtual void begin_solve() {}
   /// Derivatives of every stage and cost models of every knot at `nominal`.
   virtual void linearize(const Trajectory& nominal, StageDerivatives* derivatives,
                          StageCost* costs) = 0;

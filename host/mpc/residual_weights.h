@@ -22,6 +22,14 @@ struct alignas(64) ResidualWeights {
   float b1[kHiddenUnits], b2[kHiddenUnits], b3[kOutputsPadded];
 };
 
+/// The network's Jacobian at a point of a stage, kept for the points nearby: all that it depends on
+/// are the slopes of the units.
+struct alignas(64) KeptJacobian {
+  float slope1[kHiddenUnits], slope2[kHiddenUnits];
+  float J[kOutputCount][kFeaturesPadded];  // d output / d feature, the last two columns zero
+  bool present = false;
+};
+
 /// `network` with its standardisation folded in.
 void fold(const host::ResidualNetwork& network, ResidualWeights& out);
 

@@ -55,6 +55,7 @@ void Solver::solve(double sigma, Nanoseconds deadline, SolveResult& result) {
   result = SolveResult{};
   const Nanoseconds start = steady_now();
   mu_ = settings_.regularization;
+  phases_.begin_solve();
   if (!roll_out_start(result)) return;
   Nanoseconds slowest = 0;  // iteration so far
   while (result.iterations < settings_.max_iterations) {

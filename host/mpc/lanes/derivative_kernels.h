@@ -255,14 +255,13 @@ inline void finish_stage(const StageFinish& f, StageDerivatives& out) {
   for (int i = 0; i < kNx; ++i) next[i] = f.next[i], without[i] = f.without_upper[i];
   difference(f, out);
   if (f.residual) {
-    alignas(64) float features[kFeaturesPadded], y[kOutputsPadded],
-        J[kOutputCount][kFeaturesPadded];
+    alignas(64) float features[kFeaturesPadded], y[kOutputsPadded];
     double d[kNdx];
     kernel::rotation_from_quat(f.x + model::kXQuat, R);
     single_features(f.x, f.u_total, R, features);
-    residual_jacobian(*f.residual, features, y, J);
+    residual_jacobian(*f.residual, features, y, *f.jacobian);
     to_tangent(y, R, d);
-    add_residual_derivative(R, features, y, J, d, out);
+    add_residual_derivative(R, features, y, f.jacobian->J, d, out);
     state_plus(next, d);
     single_features(f.x, f.u_without_upper, R, features);
     residual_single(*f.residual, features, y);

@@ -76,12 +76,42 @@ inline void scale_row(float factor, const float* in, float* out, int count) {
   for (int c = 0; c < count; c += kWidth<float>) store(out + c, factor * load(in + c));
 }
 
-/// Output and d output / d features (36 x 48, the last two columns zero) at one point.
-inline void residual_jacobian(const ResidualWeights& w, const float (&features)[kFeaturesPadded],
-                              float (&output)[kOutputsPadded],
-                              float (&J)[kOutputCount][kFeaturesPadded]) {
-  alignas(64) float a1[kHiddenUnits], a2[kHiddenUnits], d1[kHiddenUnits], d2[kHiddenUnits];
+/// Whether no unit's slope differs by more than `tolerance`.
+inline bool slopes_near(const float* a, const float* b, float tolerance) {
+  Floats largest{};
+  for (int i = 0; i < kHiddenUnits; i += kWidth<float>) {
+    const Floats d = load(a + i) - load(b + i), size = d < 0 ? -d : d;
+    largest = size > largest ? size : largest;
+  }
+  for (int i = 0; i < kWidth<float>; ++i)
+    if (!(largest[i] <= tolerance)) return false;
+  return true;
+}
+
+/// d output / d features from the slopes in `kept`.
+inline void chain_rule(const ResidualWeights& w, KeptJacobian& kept) {
   alignas(64) float V3[kHiddenUnits][kOutputsPadded], V2[kOutputCount][kHiddenUnits];
+  // J = (W3 diag(d2)) W2 diag(d1) W1 from the left: the outputs are fewer than the units
+  for (int i = 0; i < kHiddenUnits; ++i) scale_row(kept.slope2[i], w.W3[i], V3[i], kOutputsPadded);
+  constexpr int kRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
+  for (int i = 0; i < kOutputCount; i += kRows) {
+    multiply<kRows, kHiddenUnits, Start::at_zero>(&V3[0][i], 1, kOutputsPadded, &w.W2_by_unit[0][0],
+                                                  kHiddenUnits, kHiddenUnits, V2[i], kHiddenUnits);
+    for (int r = i; r < i + kRows; ++r)
+      for (int c = 0; c < kHiddenUnits; c += kWidth<float>)
+        store(V2[r] + c, load(V2[r] + c) * load(kept.slope1 + c));
+    multiply<kRows, kFeaturesPadded, Start::at_zero>(V2[i], kHiddenUnits, 1, &w.W1_by_unit[0][0],
+                                                     kFeaturesPadded, kHiddenUnits, kept.J[i],
+                                                     kFeaturesPadded);
+  }
+}
+
+/// Output at one point, and the Jacobian there or, when no unit's slope (0 to 1) differs by more
+/// than kNear, the one in `kept`: it takes twenty times the work of the output.
+inline void residual_jacobian(const ResidualWeights& w, const float (&features)[kFeaturesPadded],
+                              float (&output)[kOutputsPadded], KeptJacobian& kept) {
+  constexpr float kNear = 0.02f;
+  alignas(64) float a1[kHiddenUnits], a2[kHiddenUnits], d1[kHiddenUnits], d2[kHiddenUnits];
   const auto activate_with_slope = [](float* a, float* d) {
     for (int i = 0; i < kHiddenUnits; i += kWidth<float>) {
       Floats slope;
@@ -94,19 +124,12 @@ inline void residual_jacobian(const ResidualWeights& w, const float (&features)[
   layer<1, kHiddenUnits>(a1, 0, &w.W2[0][0], kHiddenUnits, w.b2, a2);
   activate_with_slope(a2, d2);
   layer<1, kOutputsPadded>(a2, 0, &w.W3[0][0], kHiddenUnits, w.b3, output);
-  // J = (W3 diag(d2)) W2 diag(d1) W1 from the left: the outputs are fewer than the units
-  for (int i = 0; i < kHiddenUnits; ++i) scale_row(d2[i], w.W3[i], V3[i], kOutputsPadded);
-  constexpr int kRows = kVectorBytes == 64 ? 6 : 4;  // what the registers hold
-  for (int i = 0; i < kOutputCount; i += kRows) {
-    multiply<kRows, kHiddenUnits, Start::at_zero>(&V3[0][i], 1, kOutputsPadded, &w.W2_by_unit[0][0],
-                                                  kHiddenUnits, kHiddenUnits, V2[i], kHiddenUnits);
-    for (int r = i; r < i + kRows; ++r)
-      for (int c = 0; c < kHiddenUnits; c += kWidth<float>)
-        store(V2[r] + c, load(V2[r] + c) * load(d1 + c));
-    multiply<kRows, kFeaturesPadded, Start::at_zero>(V2[i], kHiddenUnits, 1, &w.W1_by_unit[0][0],
-                                                     kFeaturesPadded, kHiddenUnits, J[i],
-                                                     kFeaturesPadded);
-  }
+  if (kept.present && slopes_near(d1, kept.slope1, kNear) && slopes_near(d2, kept.slope2, kNear))
+    return;
+  std::copy_n(d1, kHiddenUnits, kept.slope1);
+  std::copy_n(d2, kHiddenUnits, kept.slope2);
+  kept.present = true;
+  chain_rule(w, kept);
 }
 
 }  // namespace sanso::mpc::SANSO_ISA

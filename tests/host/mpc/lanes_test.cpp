@@ -183,6 +183,50 @@ TEST(Lanes, ResidualNetworkAndOtherLayersEnterTheDerivativesExactly) {
   }
 }
 
+/// Largest difference of two stages' derivatives.
+double difference(const StageDerivatives& a, const StageDerivatives& b) {
+  double largest = 0;
+  for (int i = 0; i < kNdx; ++i)
+    for (int j = 0; j < kColumns; ++j)
+      largest = std::max(largest, std::abs(a.AB[i][j] - b.AB[i][j]));
+  return largest;
+}
+
+TEST(Lanes, AKeptJacobianOfTheNetworkIsUsedNearItsPointAndNowhereElse) {
+  const auto at = [](Op3Phases& phases, const Trajectory& trajectory, StageDerivatives* out) {
+    auto costs = std::make_unique<StageCost[]>(kMaxHorizon);
+    phases.linearize(trajectory, out, costs.get());
+  };
+  for (const LaneKernels* kernels : all_kernels()) {
+    SCOPED_TRACE(kernels->name);
+    DrawnProblem s(7, true, false, *kernels, model::make_plane());
+    s.trajectory->x[0][2] += 1.0;
+    s.roll_out();
+    auto first = std::make_unique<StageDerivatives[]>(kMaxStages),
+         kept = std::make_unique<StageDerivatives[]>(kMaxStages),
+         fresh = std::make_unique<StageDerivatives[]>(kMaxStages);
+    int same_as_fresh = 0;
+    for (const double rate : {0.001, 0.03, 0.3, 3.0}) {  // rad/s, of the knees
+      auto moved = std::make_unique<Trajectory>(*s.trajectory);
+      for (auto& x : moved->x) x[model::kXJointRate + 3] += rate, x[model::kXJointRate + 9] += rate;
+      s.phases->begin_solve();
+      at(*s.phases, *s.trajectory, first.get());
+      at(*s.phases, *moved, kept.get());
+      s.phases->begin_solve();
+      at(*s.phases, *moved, fresh.get());
+      for (int k = 0; k < 11; ++k) {
+        const double wrong = difference(kept[k], fresh[k]),
+                     by_network = difference(first[k], fresh[k]);
+        // 0.02 of a slope in both layers, of what the network may be
+        EXPECT_LE(wrong, 0.02) << "stage " << k << ", " << rate << " rad/s, of " << by_network;
+        same_as_fresh += wrong == 0.0;
+      }
+    }
+    EXPECT_GE(same_as_fresh, 11);  // far away nothing is kept
+    EXPECT_LE(same_as_fresh, 33);  // nearby it is
+  }
+}
+
 TEST(Lanes, CostModelEqualsDifferencesOfTheCost) {
   DrawnProblem s(9, false, false, lane_kernels(), model::make_plane());
   const reference::Model m(s.model, *s.context, 0.06);

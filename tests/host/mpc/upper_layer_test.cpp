@@ -222,6 +222,25 @@ TEST(UpperLayer, WarmStartBeginsWithTheLastPlanMovedOn) {
   }
 }
 
+TEST(UpperLayer, APlanHangsOnNoEarlierOne) {
+  Squat squat;
+  host::AugmentedModel model;
+  model.residual = problems::random_network(3);
+  UpperLayer used({}, model), fresh({}, model);
+  used.begin_trial(squat.context());
+  fresh.begin_trial(squat.context());
+  PlanResult before, after, alone;
+  used.plan(squat.request(100), before);
+  const PlanRequest second = squat.request(106);
+  used.plan(second, after);
+  fresh.plan(second, alone);
+  ASSERT_EQ(after.policy.knots.size(), alone.policy.knots.size());
+  for (std::size_t k = 0; k < alone.policy.knots.size(); ++k) {
+    EXPECT_EQ(after.policy.knots[k].u, alone.policy.knots[k].u) << "knot " << k;
+    EXPECT_EQ(after.policy.knots[k].K, alone.policy.knots[k].K) << "knot " << k;
+  }
+}
+
 TEST(UpperLayer, RefusesAStateThatIsNotANumber) {
   Squat squat;
   UpperLayer upper({}, host::AugmentedModel{});
