@@ -19,8 +19,6 @@ using model::Tangent;
 
 Eigen::Map<const State> as_state(const double* x) { return Eigen::Map<const State>(x); }
 
-constexpr int kStageParts = kConfigurationGroups + 1;  // pieces of work of a stage
-
 double exponential(double v) { return std::exp(v); }
 
 // Lane arrays seen as the batch step's arguments: the same memory, [component][lane].
@@ -125,23 +123,21 @@ void Op3Phases::begin_linearize(const Trajectory& nominal, StageDerivatives* der
   pool_.run(stage_groups() * (ground_varies() ? 3 : 2),
             [&](int item, int) { evaluate_whole(nominal, item); });
   cost_model(work_->context, stages(), nominal.x[stages()], nullptr, costs[stages()]);
-  for (std::atomic<int>& done : parts_done_) done.store(0, std::memory_order_relaxed);
-  parts_ = {this, &nominal, derivatives, costs};
-  pool_.begin(stages() * kStageParts, parts_);
+  for (std::atomic<bool>& done : stage_done_) done.store(false, std::memory_order_relaxed);
+  stages_ = {this, &nominal, derivatives, costs};
+  pool_.begin(stages(), stages_);
 }
 
-void Op3Phases::StageParts::operator()(int item, int) const {
-  // the backward pass begins with the last one
-  const int stage = phases->stages() - 1 - item / kStageParts;
-  phases->evaluate_part(stage, item % kStageParts);
-  std::atomic<int>& done = phases->parts_done_[stage];
-  if (done.fetch_add(1, std::memory_order_acq_rel) + 1 < kStageParts) return;
+/// All of a stage on one thread: what its evaluations hold stays in that processor's cache.
+void Op3Phases::StageWork::operator()(int item, int) const {
+  const int stage = phases->stages() - 1 - item;  // the backward pass begins with the last one
+  phases->evaluate_stage(nominal->x[stage], stage);
   phases->finish_stage(*this, stage);
-  done.fetch_add(1, std::memory_order_release);
+  phases->stage_done_[stage].store(true, std::memory_order_release);
 }
 
 void Op3Phases::wait_for(int stage) {
-  while (parts_done_[stage].load(std::memory_order_acquire) <= kStageParts)
+  while (!stage_done_[stage].load(std::memory_order_acquire))
     if (!pool_.help()) pool_.finish();
 }
 
@@ -177,8 +173,6 @@ void Op3Phases::prepare_stage(const Trajectory& nominal, int stage) {
     }
   }
   for (int i = 0; i < kNu; ++i) n.u_total[i] = n.u_without_upper[i] + nominal.u[stage][i];
-  kernels_.spread(x, n.u_total, settings_.difference_step, 0.5 * settings_.dt_s,
-                  work_->evaluations[stage]);
 }
 
 /// From the nominal contact solution, to the tolerance of the solver: what is left over is divided
@@ -209,30 +203,30 @@ void Op3Phases::evaluate_whole(const Trajectory& nominal, int item) {
   }
 }
 
-void Op3Phases::evaluate_part(int stage, int part) {
+void Op3Phases::evaluate_stage(const double* x_nominal, int stage) {
   StageEvaluations& e = work_->evaluations[stage];
-  const bool last = part + 1 == kStageParts;  // carries all groups that share the mass matrix
-  const int groups = last ? kEvaluationGroups - kConfigurationGroups : 1;
-  model::StateLanes* x = &as_lanes(e.x[part]);
-  const model::InputLanes* u = &as_input(e.u[part]);
-  if (!shares()) {
-    const model::BatchStep step{
-        .h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
-    for (int g = 0; g < groups; ++g) {
-      model::ContactLanes contact;
-      for (int i = 0; i < model::kNumContactRows; ++i)
-        for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
-      model::step_batch(model_.analytical, model_.ground, x + g, u + g, step, x + g, &contact, 1);
-    }
-  } else if (last) {
-    model::step_neighbours(model_.analytical, work_->step[stage], x, u, settings_.dt_s, x, groups);
-  } else {
+  kernels_.spread(x_nominal, work_->nominal[stage].u_total, settings_.difference_step,
+                  0.5 * settings_.dt_s, e);
+  model::StateLanes* x = &as_lanes(e.x[0]);
+  const model::InputLanes* u = &as_input(e.u[0]);
+  if (shares()) {
+    constexpr int held = kConfigurationGroups;  // the others share the mass matrix
     model::step_held(model_.analytical, model_.ground, work_->step[stage], x, u, settings_.dt_s, x,
-                     groups);
+                     held);
+    model::step_neighbours(model_.analytical, work_->step[stage], x + held, u + held,
+                           settings_.dt_s, x + held, kEvaluationGroups - held);
+    return;
+  }
+  const model::BatchStep step{.h = settings_.dt_s, .substeps = model_.substeps, .warm_start = true};
+  for (int g = 0; g < kEvaluationGroups; ++g) {
+    model::ContactLanes contact;
+    for (int i = 0; i < model::kNumContactRows; ++i)
+      for (int l = 0; l < model::kLanes; ++l) contact.v[i][l] = work_->nominal_contact[stage][i];
+    model::step_batch(model_.analytical, model_.ground, x + g, u + g, step, x + g, &contact, 1);
   }
 }
 
-void Op3Phases::finish_stage(const StageParts& of, int stage) {
+void Op3Phases::finish_stage(const StageWork& of, int stage) {
   const double* x = of.nominal->x[stage];
   cost_model(work_->context, stage, x, of.nominal->u[stage], of.costs[stage]);
   const Nominal& n = work_->nominal[stage];

@@ -52,9 +52,8 @@ class Op3Phases : public Phases {
  private:
   enum Whole { kNominal, kWithoutUpper, kAlongX, kWholeSteps };
   static constexpr int kStageGroups = (kMaxStages + model::kLanes - 1) / model::kLanes;
-  /// Piece of work of begin_linearize: a part of a stage's evaluations; who ends the last part
-  /// finishes the stage.
-  struct StageParts {
+  /// Pieces of work of begin_linearize: a stage each.
+  struct StageWork {
     Op3Phases* phases;
     const Trajectory* nominal;
     StageDerivatives* derivatives;
@@ -82,8 +81,8 @@ class Op3Phases : public Phases {
   void roll_out_group(const LinePolicy& policy, const double* steps, int group, LaneGroup& out);
   void prepare_stage(const Trajectory& nominal, int stage);
   void evaluate_whole(const Trajectory& nominal, int item);
-  void evaluate_part(int stage, int part);
-  void finish_stage(const StageParts& of, int stage);
+  void evaluate_stage(const double* x_nominal, int stage);
+  void finish_stage(const StageWork& of, int stage);
   bool ground_varies() const;
   int stage_groups() const { return (stages() + model::kLanes - 1) / model::kLanes; }
   bool shares() const { return settings_.share_nominal_step && model_.substeps == 1; }
@@ -93,8 +92,8 @@ class Op3Phases : public Phases {
   SpinPool& pool_;
   const LaneKernels& kernels_;
   std::unique_ptr<Workspace> work_;
-  StageParts parts_{};
-  std::atomic<int> parts_done_[kMaxStages] = {};  // of a stage; one more when it is finished
+  StageWork stages_{};
+  std::atomic<bool> stage_done_[kMaxStages] = {};
 };
 
 /// Second-order model of ||x ⊖ x_ref||²_Wx (and of ||u||²_Wu when u is given) on the tangent at x.
