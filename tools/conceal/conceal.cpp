@@ -141,6 +141,8 @@ std::string answer_json(const Case& c, const ConcealOptions& options) {
                        {"where", c.effects[i].where},
                        {"parameters", c.effects[i].parameters},
                        {"ratio", c.ratios[i]}});
+    if (c.effects[i].coulomb_beside > 0.0)
+      effects.back()["beside"] = {{"coulomb_friction", c.effects[i].coulomb_beside}};
   }
   json answer{{"format", kAnswerFormat},
               {"formulas", to_json(c.without.joints.front().formulas)},

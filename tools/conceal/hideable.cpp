@@ -19,16 +19,20 @@ Hideable on_joint(std::string id, double typical, double largest,
                   std::function<Parameters(JointTruth&, double size, Random&)> change,
                   std::vector<std::string> twins) {
   const std::string name = id;
-  return {
-      std::move(id),
-      Scope::joint,
-      typical,
-      largest,
-      true,
-      [name, change](WorldTruth& world, int at, double size, Random& random) {
-        return HiddenEffect{name, {link(world, at).joint}, change(joint(world, at), size, random)};
-      },
-      std::move(twins)};
+  return {std::move(id),
+          Scope::joint,
+          typical,
+          largest,
+          true,
+          [name, change](WorldTruth& world, int at, double size, Random& random) {
+            JointTruth& there = joint(world, at);
+            const double before = there.coulomb;
+            HiddenEffect hidden{name, {link(world, at).joint}, change(there, size, random)};
+            if (!hidden.parameters.contains("coulomb"))
+              hidden.coulomb_beside = there.coulomb - before;
+            return hidden;
+          },
+          std::move(twins)};
 }
 
 Hideable on_link(std::string id, double typical, double largest,

@@ -17,6 +17,9 @@ struct HiddenEffect {
   std::string id;
   std::vector<std::string> where;  // joints, a link, or nothing for the whole robot
   std::map<std::string, double> parameters;
+  // N m of dry friction that it could not do without, beyond its own: in the world too, so naming
+  // it is no mistake
+  double coulomb_beside = 0.0;
 };
 
 struct Hideable {

@@ -61,6 +61,19 @@ void compare_parameters(const json& effect, const json& finding, Score& score) {
   }
 }
 
+bool holds(const std::vector<std::string>& ids, const std::string& id) {
+  return std::find(ids.begin(), ids.end(), id) != ids.end();
+}
+
+void count_confirmed(const json& findings, Score& score) {
+  for (const json& finding : findings) {
+    if (finding.value("status", "") != "CONFIRMED") continue;
+    const std::string id = finding.at("effect").get<std::string>();
+    ++score.confirmed;
+    score.wrong_confirmed += !holds(score.truth, id) && !holds(score.beside, id);
+  }
+}
+
 void score_effects(const json& answer, const json& findings, Score& score) {
   score.in_set = score.where_exact = !score.truth.empty();
   std::size_t hits = 0;
@@ -85,9 +98,12 @@ void score_effects(const json& answer, const json& findings, Score& score) {
   double sizes = 0;
   for (const json& finding : findings) sizes += static_cast<double>(set_of(finding).size());
   score.set_size = findings.empty() ? 0 : sizes / static_cast<double>(findings.size());
-  score.named_first = !score.named.empty() && std::find(score.truth.begin(), score.truth.end(),
-                                                        score.named[0]) != score.truth.end();
-  const double total = static_cast<double>(score.truth.size() + score.named.size());
+  score.named_first = !score.named.empty() && holds(score.truth, score.named[0]);
+  const auto brought_along = std::count_if(
+      score.named.begin(), score.named.end(),
+      [&](const std::string& id) { return holds(score.beside, id) && !holds(score.truth, id); });
+  const double total = static_cast<double>(score.truth.size() + score.named.size()) -
+                       static_cast<double>(brought_along);
   score.f1 = total > 0 ? 2.0 * static_cast<double>(hits) / total : 0;
 }
 
@@ -164,8 +180,11 @@ Score reveal(const std::string& directory, const std::string& verdict_file) {
     for (const json& effect : answer.at("effects")) {
       score.truth.push_back(effect.at("id").get<std::string>());
       score.ratios.push_back(effect.at("ratio").get<double>());
+      const json beside = effect.value("beside", json::object());
+      for (const auto& [id, size] : beside.items()) score.beside.push_back(id);
     }
     score_effects(answer, findings, score);
+    count_confirmed(findings, score);
     if (answer.contains("decoy")) score_decoy(answer, verdict, score);
     if (score.family == Family::outside) score_outside(answer, verdict, score);
   } catch (const json::exception& error) {
@@ -182,7 +201,10 @@ std::string to_json(const Score& s) {
            {"truth", s.truth},
            {"ratios", s.ratios},
            {"status", s.status},
+           {"beside", s.beside},
            {"named", s.named},
+           {"confirmed", s.confirmed},
+           {"wrong_confirmed", s.wrong_confirmed},
            {"detected", s.detected},
            {"named_first", s.named_first},
            {"in_set", s.in_set},

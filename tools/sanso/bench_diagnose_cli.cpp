@@ -58,6 +58,8 @@ bench::DiagnoseScore opened(const conceal::Score& s) {
   out.status = s.status;
   out.detected = s.detected, out.named_first = s.named_first, out.in_set = s.in_set,
   out.where_exact = s.where_exact;
+  out.confirmed = s.confirmed;
+  out.wrong_confirmed = s.wrong_confirmed;
   out.refused_by_name = s.refused_by_name, out.unnamed = s.unnamed, out.right = s.right;
   out.set_size = s.set_size, out.f1 = s.f1;
   out.relative_error = s.relative_error;

@@ -232,6 +232,26 @@ TEST(Hideables, EveryEffectCompilesAndChangesSomething) {
   }
 }
 
+/// What a hidden effect adds to the dry friction is told: its own, or what it brings along.
+TEST(Hideables, NoFrictionIsAddedThatTheAnswerDoesNotTell) {
+  WorldTruth world;
+  world.robot = make_robot("arm");
+  world.joints.resize(2);
+  int brought = 0;
+  for (const Hideable& h : hideables()) {
+    SCOPED_TRACE(h.id);
+    WorldTruth changed = world;
+    Random random(2);
+    const HiddenEffect effect = h.apply(changed, 0, h.largest, random);
+    const auto own = effect.parameters.find("coulomb");
+    const double told =
+        (own != effect.parameters.end() ? own->second : 0.0) + effect.coulomb_beside;
+    EXPECT_NEAR(changed.joints[0].coulomb - world.joints[0].coulomb, told, 1e-12);
+    brought += effect.coulomb_beside > 0.0;
+  }
+  EXPECT_EQ(brought, 2);  // a ripple of friction and one that differs by direction
+}
+
 TEST(MakeRobot, RefusesUnknownNames) { EXPECT_THROW(make_robot("spider"), plant::WorldError); }
 
 }  // namespace

@@ -68,6 +68,34 @@ TEST_F(Reveal, WrongNameWrongPlaceAndSilenceAreWrong) {
   EXPECT_FALSE(score(kBacklash, R"({"mismatch":false,"status":"ABSENT"})").right);
 }
 
+/// A ripple of friction needs friction to ripple: it is in the world too.
+TEST_F(Reveal, WhatAnEffectBroughtAlongIsNoMistakeAndNoMerit) {
+  constexpr char kRipple[] =
+      R"({"robot":"arm","seed":1,"family":"single","ratio_target":10,"twins":[],
+      "effects":[{"id":"position_friction","where":["elbow"],"parameters":{"sine":0.05},
+      "ratio":9.7,"beside":{"coulomb_friction":0.04}}]})";
+  const std::string coulomb =
+      R"({"effect":"coulomb_friction","where":["elbow"],"status":"CONFIRMED"})";
+  const std::string ripple =
+      R"({"effect":"position_friction","where":["elbow"],"status":"CONFIRMED"})";
+  const std::string backlash = R"({"effect":"backlash","where":["elbow"],"status":"CONFIRMED"})";
+  const auto said = [&](const std::string& findings) {
+    return score(kRipple,
+                 R"({"mismatch":true,"status":"CONFIRMED","findings":[)" + findings + "]}");
+  };
+  const Score both = said(ripple + "," + coulomb);
+  EXPECT_TRUE(both.right);
+  EXPECT_DOUBLE_EQ(both.f1, 1.0);
+  EXPECT_EQ(both.confirmed, 2);
+  EXPECT_EQ(both.wrong_confirmed, 0);
+  const Score alone = said(coulomb);
+  EXPECT_FALSE(alone.right || alone.named_first);
+  EXPECT_DOUBLE_EQ(alone.f1, 0.0);
+  EXPECT_EQ(alone.wrong_confirmed, 0);
+  EXPECT_EQ(said(ripple + "," + backlash).wrong_confirmed, 1);
+  EXPECT_LT(said(ripple + "," + backlash).f1, 1.0);
+}
+
 TEST_F(Reveal, CleanIsRightOnlyWhenNothingIsSaid) {
   constexpr char kClean[] =
       R"({"robot":"arm","seed":1,"family":"clean","ratio_target":0,"twins":[],"effects":[]})";

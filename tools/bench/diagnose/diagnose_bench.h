@@ -24,6 +24,7 @@ struct DiagnoseScore {
   // severity reached by the faintest effect, of 0.3, 1, 3, 10, 30 the nearest; 0: none
   double ratio = 0.0;
   std::vector<std::string> truth, named;
+  int confirmed = 0, wrong_confirmed = 0;  // findings; of them not in the world
   std::string status;
   bool detected = false, named_first = false, in_set = false, where_exact = false,
        refused_by_name = false, unnamed = false, right = false;
