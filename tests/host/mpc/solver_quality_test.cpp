@@ -51,8 +51,8 @@ std::vector<double> excess_on_problems(const Effort& effort) {
   return excess;
 }
 
-// 88 % of problems are within 1 % of the reference (docs/results/mpc.md, "Today"; before the midpoint
-// step 95 %); of a drawn sample at least that share less three standard deviations.
+// 88 % of problems are within 1 % of the reference (docs/results/mpc.md, "Today"; before the
+// midpoint step 95 %); of a drawn sample at least that share less three standard deviations.
 TEST(SolverQuality, TheProductReachesTheSlowReference) {
   const std::vector<double> excess = excess_on_problems({});
   const double n = static_cast<double>(excess.size()), share = 0.88;
