@@ -47,6 +47,7 @@ void Op3Phases::set_model(const host::AugmentedModel& model) {
   model_ = model;
   work_->residual.present = false;
   if (model_.residual) fold(*model_.residual, work_->residual);
+  Op3Phases::begin_solve();  // what was kept is another network's
 }
 
 model::State Op3Phases::nominal_next(int stage) const {

@@ -227,6 +227,25 @@ TEST(Lanes, AKeptJacobianOfTheNetworkIsUsedNearItsPointAndNowhereElse) {
   }
 }
 
+TEST(Lanes, AnotherNetworkBeginsWithoutTheLastOnesJacobian) {
+  DrawnProblem s(7, true, false, lane_kernels(), model::make_plane());
+  s.trajectory->x[0][2] += 1.0;
+  s.roll_out();
+  auto with = std::make_unique<StageDerivatives[]>(kMaxStages),
+       after = std::make_unique<StageDerivatives[]>(kMaxStages),
+       fresh = std::make_unique<StageDerivatives[]>(kMaxStages);
+  auto costs = std::make_unique<StageCost[]>(kMaxHorizon);
+  s.phases->linearize(*s.trajectory, with.get(), costs.get());
+  host::AugmentedModel other = s.model;
+  other.residual->W3 *= 0.5;  // the same slopes everywhere
+  s.phases->set_model(other);
+  s.phases->linearize(*s.trajectory, after.get(), costs.get());
+  s.phases->begin_solve();
+  s.phases->linearize(*s.trajectory, fresh.get(), costs.get());
+  EXPECT_GT(difference(with[0], fresh[0]), 1e-6);
+  for (int k = 0; k < 11; ++k) EXPECT_EQ(difference(after[k], fresh[k]), 0.0) << "stage " << k;
+}
+
 TEST(Lanes, CostModelEqualsDifferencesOfTheCost) {
   DrawnProblem s(9, false, false, lane_kernels(), model::make_plane());
   const reference::Model m(s.model, *s.context, 0.06);

@@ -51,11 +51,12 @@ std::vector<double> excess_on_problems(const Effort& effort) {
   return excess;
 }
 
-// 88 % of problems are within 1 % of the reference (docs/results/mpc.md, "Today"; before the
-// midpoint step 95 %); of a drawn sample at least that share less three standard deviations.
+// 94 % of problems within 1 % of the reference are wanted, of a drawn sample at least that share
+// less three standard deviations. Of 500 it is 88 % since the midpoint step (docs/results/mpc.md,
+// "Today"), so that many fail here; twelve cannot tell.
 TEST(SolverQuality, TheProductReachesTheSlowReference) {
   const std::vector<double> excess = excess_on_problems({});
-  const double n = static_cast<double>(excess.size()), share = 0.88;
+  const double n = static_cast<double>(excess.size()), share = 0.94;
   EXPECT_GE(static_cast<double>(within(excess, 0.01)),
             share * n - 3 * std::sqrt(n * share * (1 - share)));
   EXPECT_LT(excess[excess.size() / 2], 0.003);
