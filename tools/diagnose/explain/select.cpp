@@ -149,6 +149,7 @@ void finish(SearchState& state) {
     if (entry.candidate == state.unpointed)
       entry.contradicted = "no lost command could be pointed at, scatter alone speaks for them";
   }
+  for (std::size_t i = 0; i < found.accepted.size(); ++i) follow_level_rivals(state, i);
   const std::vector<double> sigma = parameter_sigmas(found.final, state.library);
   std::size_t next = 0;
   for (std::size_t i = 0; i < found.accepted.size(); ++i) {

@@ -50,6 +50,10 @@ void take_place(SearchState& state, std::size_t i, const Alternative& other);
 /// others are kept as rivals. True: one was replaced.
 bool swap_for_better(SearchState& state);
 
+/// Rivals of the i-th name that were left far behind after a few steps and yet are so by no more
+/// than chance are followed to their end: the data do not tell them from it.
+void follow_level_rivals(SearchState& state, std::size_t i);
+
 /// With everything else refitted, an effect whose own residual contradicts it is no explanation.
 /// One without which predictions would be far worse stays as a description of the data. True: one
 /// left.

@@ -134,4 +134,26 @@ bool swap_for_better(SearchState& state) {
   return swapped;
 }
 
+void follow_level_rivals(SearchState& state, std::size_t i) {
+  const Selection& found = state.found;
+  const Surroundings& around = *found.around;
+  const Eigen::VectorXd seen = around.bounded(around.starts.energy_by_shot(found.final.r));
+  std::vector<Alternative>& others = state.found.accepted[i].alternatives;
+  parallel_for(others.size(), [&](std::size_t k) {
+    Alternative& rival = others[k];
+    if (!rival.far_behind || rival.fit.model.effects.size() != found.final.model.effects.size())
+      return;
+    rival.heldout = around.bounded(around.starts.energy_by_shot(
+        prediction_error(around.problem, *around.library, rival.fit.model)));
+    if (beaten(state.decisions(), compare(*state.problem, rival.heldout, seen), state.practical()))
+      return;
+    const int iterations = around.settings().fitting.iterations;
+    rival.fit = resume(around, rough_fit(around, rival.fit.model, iterations), 0);
+    rival.heldout = heldout_energy(around, rival.fit);
+    rival.far_behind = false;
+    rival.behind = state.gain_of(found.final.model.effects[i], rival.heldout, found.final_heldout);
+    rival.fit.J.resize(0, 0);
+  });
+}
+
 }  // namespace sanso::diagnose

@@ -83,6 +83,33 @@ TEST(Select, NamesWhatWasHiddenAtTheJointWhereItWas) {
   }
 }
 
+/// What is told from a name after a few steps of its fit is told from it beyond chance, or it would
+/// be missing in the set: nothing that is far behind may be level by what it has seen.
+TEST(Select, LeavesFarBehindNothingThatTheDataDoNotTellFromTheName) {
+  const std::vector<std::string> tried{"coulomb_friction", "load_friction", "gear_efficiency",
+                                       "stribeck_friction"};
+  int names = 0, followed = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Searched s(compared(pendulum(kNoisyServo),
+                              {hidden("coulomb_friction", "a", {{"coulomb", 0.004}})}, tried, seed,
+                              3));
+    const Surroundings& around = *s.selection.around;
+    const Eigen::VectorXd seen = around.bounded(around.starts.energy_by_shot(s.selection.final.r));
+    for (const Accepted& name : s.selection.accepted) {
+      ++names;
+      for (const Alternative& a : name.alternatives) {
+        const HeldoutGain behind = compare(*around.problem, a.heldout, seen);
+        const bool beyond =
+            beaten(around.settings().decisions, behind, practical_energy(*around.problem));
+        followed += static_cast<int>(!a.far_behind);
+        EXPECT_TRUE(!a.far_behind || beyond) << s.c.library[a.candidate].title();
+      }
+    }
+  }
+  EXPECT_GT(names, 0);
+  EXPECT_GT(followed, 0);
+}
+
 class OneHidden : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
