@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "tools/diagnose/compare/parallel.h"
 #include "tools/diagnose/explain/effort_law.h"
 #include "tools/diagnose/stats/significance.h"
 
@@ -87,8 +88,11 @@ struct Changes {
 Changes with_efforts_at_the_measured_motion(const Surroundings& around, const Model& without,
                                             const Model& with, Changes simulated) {
   const Comparison& comparison = *around.problem;
-  const Eigen::VectorXd error = effort_error(comparison, *around.library, without);
-  const Eigen::VectorXd change = error - effort_error(comparison, *around.library, with);
+  Eigen::VectorXd error, beside;
+  parallel_for(2, [&](std::size_t i) {
+    (i == 0 ? error : beside) = effort_error(comparison, *around.library, i == 0 ? without : with);
+  });
+  const Eigen::VectorXd change = error - beside;
   for (const Shot& shot : comparison.shots) {
     for (std::size_t c = 0; c < comparison.channels.size(); ++c) {
       if (!is_effort(comparison.channels[c].signal)) continue;

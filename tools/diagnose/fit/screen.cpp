@@ -202,10 +202,12 @@ std::vector<double> saturated_overdispersion(const Surroundings& around,
     for (std::size_t c = 0; c < comparison.channels.size(); ++c)
       if (comparison.channels[c].signal != Signal::q) rows_of(positions, shot, c).setZero();
   }
-  std::vector<double> out = Pursuit(around, known, columns, weights, all).overdispersion();
-  if (positions == all) return out;
-  const std::vector<double> alone =
-      Pursuit(around, known, columns, weights, positions).overdispersion();
+  std::vector<double> out, alone;
+  parallel_for(positions == all ? 1 : 2, [&](std::size_t i) {
+    (i == 0 ? out : alone) =
+        Pursuit(around, known, columns, weights, i == 0 ? all : positions).overdispersion();
+  });
+  if (alone.empty()) return out;
   for (std::size_t c = 0; c < out.size(); ++c) out[c] = std::min(out[c], alone[c]);
   return out;
 }
