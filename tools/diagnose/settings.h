@@ -82,6 +82,7 @@ struct DecisionSettings {
   double same_law = 0.015;
   double interval_stretch = 1.2;
   double much_left = 0.18;
+  double rest_of_law = 0.02;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;
@@ -122,8 +123,7 @@ struct DecisionSettings {
     field("stand_in_share", stand_in_share, "share", 0.01, 1.0,
           "of the error energy: a contradicted effect that removes more stays, as a description");
     field("mostly_agree", mostly_agree, "share of ranks", 0.01, 1.0,
-          "of the shots that gain from a name, at least: its interval may contain the null, where "
-          "recordings differ about its size");
+          "of the shots that gain, at least: from a name whose interval may contain the null");
     field("adequate", adequate, "noise levels", 0.1, 20.0,
           "above, what is left has more energy than the noise itself");
     field("rivals", rivals, "candidates", 1, 1000,
@@ -143,9 +143,11 @@ struct DecisionSettings {
     field("same_law", same_law, "share", 1e-06, 0.5,
           "of a figure's size: two laws of one name, both fitted, differ by as much (deviation)");
     field("interval_stretch", interval_stretch, "factor", 0.5, 5.0,
-          "on intervals of figures: what 95 % of sealed cases took (docs/results, intervals)");
+          "on intervals of figures: nine of ten in sealed cases hold then (docs/results)");
     field("much_left", much_left, "share", 0.0, 10.0,
           "of the error beyond noise: names that leave more, above `adequate`, are not sure");
+    field("rest_of_law", rest_of_law, "share", 0.0, 1.0,
+          "of what another name of its kind removes: less may be that law, off by a seventh");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100,
@@ -159,9 +161,8 @@ struct DecisionSettings {
           "times the median shot's RMS error: from there a shot's weight falls");
     field("tolerance_draws", tolerance_draws, "draws", 1, 1000,
           "of a tolerated model, whose largest scatter is no event: one shot in thirteen is above");
-    field(
-        "nearly_strongest", nearly_strongest, "share", 0.1, 2.0,
-        "of the score of its cluster's strongest: the simplest member that has it speaks for all");
+    field("nearly_strongest", nearly_strongest, "share", 0.1, 2.0,
+          "of its cluster's strongest score: the simplest member that has it speaks for all");
     field("unseen", unseen, "share", 0.0001, 1.0,
           "of the variance that a number keeps which moves no row: above it the fit chose none");
     field("known_first", known_first, "correlation", 0.0, 2.0,

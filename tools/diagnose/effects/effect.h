@@ -98,9 +98,11 @@ enum Residual : unsigned {
   kR8 = 128
 };
 
-/// What an effect's torque at its own joint is a function of, alone. Two effects of one kind at one
-/// joint are terms of a series that describes any such torque, and so no causes.
-enum Term : unsigned { kOfAngle = 1, kOfAcceleration = 2 };
+/// What an effect's torque at its own joint is a function of, alone: the angle, the acceleration,
+/// how far the joint has slipped since it turned round (springs that slide one after the other make
+/// any such torque: Iwan 1966). Two effects of one kind at one joint are terms of a series that
+/// describes any such torque, and so no causes.
+enum Term : unsigned { kOfAngle = 1, kOfAcceleration = 2, kOfSlip = 4 };
 
 /// Kinds of missing information that make an effect untestable.
 enum Need : unsigned {

@@ -203,17 +203,36 @@ std::string reserve(const Finding& finding) {
   if (finding.spans_null) return "its interval contains the null";
   if (finding.unrepeated)
     return "its joint goes through too few periods to tell it from what bends over the angle";
+  if (!finding.bends_with.empty())
+    return "with " + finding.bends_with + " it may be one law that bends over the angle";
+  if (!finding.rest_of.empty())
+    return "it removes so little that it may be what the law of " + finding.rest_of + " is off by";
   if (finding.terms.empty()) return stopped_at_bounds(finding);
   std::string text = "with";
   for (const std::string& t : finding.terms) text += " " + t;
   const char* series = finding.terms_of == kOfAngle          ? "a torque of the angle"
                        : finding.terms_of == kOfAcceleration ? "an inertia"
+                       : finding.terms_of == kOfSlip         ? "a friction that builds up"
                                                              : "a load";
   return text + " it describes " + series + " that may have any cause";
 }
 
+std::vector<Finding> with_their_kind(std::vector<Finding> findings, const DecisionSettings& s) {
+  for (Finding& f : findings) {
+    for (const Finding& other : findings) {
+      if (&other == &f || other.family != f.family || other.where != f.where) continue;
+      if (other.unrepeated && !f.unrepeated) f.bends_with = other.effect;
+      if (!f.chance && f.heldout_gain < s.rest_of_law * other.heldout_gain)
+        f.rest_of = other.effect;
+    }
+  }
+  return findings;
+}
+
 VerdictStatus status_of(const Finding& finding) {
-  if (!finding.terms.empty() || finding.spans_null || finding.unrepeated || finding.beside_much)
+  const bool part_of_another =
+      !finding.terms.empty() || !finding.bends_with.empty() || !finding.rest_of.empty();
+  if (part_of_another || finding.spans_null || finding.unrepeated || finding.beside_much)
     return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
   return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
@@ -321,6 +340,7 @@ std::vector<Finding> findings_of(const Library& library, const Selection& select
     out.back().tolerated = is_tolerated(out.back(), *candidates.back(), nominal, tolerances);
   }
   out = with_terms(std::move(out), candidates, nominal.tree.joints);
+  out = with_their_kind(std::move(out), selection.around->settings().decisions);
   for (Finding& f : out) f.status = status_of(f);
   return out;
 }

@@ -59,6 +59,12 @@ struct Finding {
   bool chance = false;  // Candidate::random: its scatter takes what no model predicts
   // as much stays without a name that it may be a part of what has none
   bool beside_much = false;
+  // a friction beside one, a spring beside one, ... at the same joint that nobody saw repeat: both
+  // may be one law that bends over the angle
+  std::string bends_with;
+  // removes so little of what this one of its kind at the same joint does that it may be what that
+  // one's law is off by
+  std::string rest_of;
   // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing
   bool tolerated = false;
   std::vector<Rival> rivals;
@@ -70,13 +76,18 @@ struct Finding {
 std::string stopped_at_bounds(const Finding& finding);
 
 /// Why a finding is not confirmed: much that stays beside it, an interval that contains the null, a
-/// ripple that was not seen to repeat, a bound, or terms that together describe any torque of the
-/// angle; empty: nothing.
+/// ripple that was not seen to repeat, or one beside it, a larger law that may be off by as much, a
+/// bound, or terms that together describe any torque of the angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
-/// PRESENT_UNNAMED where it is one of several terms, may be nothing or stands beside much; ONE_OF
-/// where several names are left; CONFIRMED where one is and no bound stopped it; else
-/// PRESENT_UNNAMED.
+/// The findings with what is said by one of their kind at the same joint: Finding::bends_with and
+/// rest_of.
+std::vector<Finding> with_their_kind(std::vector<Finding> findings,
+                                     const DecisionSettings& decisions);
+
+/// PRESENT_UNNAMED where it is one of several terms, may be nothing or a part of another law, or
+/// stands beside much; ONE_OF where several names are left; CONFIRMED where one is and no bound
+/// stopped it; else PRESENT_UNNAMED.
 VerdictStatus status_of(const Finding& finding);
 
 /// Of a verdict that was reached: PRESENT_UNNAMED where something stays without a name or a finding

@@ -93,6 +93,56 @@ TEST(Unrepeated, IsNoName) {
   EXPECT_NE(reserve(f).find("too few periods"), std::string::npos);
 }
 
+Finding found(const char* effect, const char* family, const char* where, double gain) {
+  Finding f;
+  f.effect = effect;
+  f.family = family;
+  f.where = {where};
+  f.one_of = {effect};
+  f.heldout_gain = gain;
+  return f;
+}
+
+VerdictStatus status_of_first(std::vector<Finding> findings) {
+  return status_of(with_their_kind(std::move(findings), DecisionSettings{}).front());
+}
+
+/// Dry friction and a ripple of it that was not seen to repeat are one friction that bends over the
+/// angle; what stands at another joint, or is of another kind, is not.
+TEST(OneKind, IsOneLawWithARippleThatNobodySawRepeat) {
+  const Finding dry = found("coulomb_friction", "friction", "knee", 0.3);
+  Finding ripple = found("position_friction", "friction", "knee", 0.5);
+  EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
+  ripple.unrepeated = true;
+  EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::present_unnamed);
+  const std::vector<Finding> both = with_their_kind({dry, ripple}, DecisionSettings{});
+  EXPECT_NE(reserve(both.front()).find("bends over the angle"), std::string::npos);
+  EXPECT_NE(reserve(both.back()).find("too few periods"), std::string::npos);
+  ripple.where = {"hip"};
+  EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
+  ripple.where = dry.where;
+  ripple.family = "sensor";
+  EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
+}
+
+TEST(OneKind, HasNoNameForWhatALargerLawMayBeOffBy) {
+  const double share = DecisionSettings{}.rest_of_law;
+  const Finding large = found("stribeck_friction", "friction", "knee", 0.5);
+  const Finding more = found("coulomb_friction", "friction", "knee", 1.1 * share * 0.5);
+  EXPECT_EQ(status_of_first({more, large}), VerdictStatus::confirmed);
+  Finding less = found("coulomb_friction", "friction", "knee", 0.9 * share * 0.5);
+  EXPECT_EQ(status_of_first({less, large}), VerdictStatus::present_unnamed);
+  EXPECT_EQ(status_of_first({large, less}), VerdictStatus::confirmed);
+  EXPECT_NE(reserve(with_their_kind({less, large}, DecisionSettings{}).front())
+                .find("stribeck_friction is off by"),
+            std::string::npos);
+  less.chance = true;  // judged by its scatter, not by the error it removes
+  EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
+  less.chance = false;
+  less.where = {"hip"};
+  EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
+}
+
 Candidate at(const char* effect, std::size_t joint) {
   Candidate c;
   c.effect = effect;
@@ -111,6 +161,9 @@ TEST(Terms, AMassIsATermOfALoadOnlyWhereItsJointHangsOnTheBase) {
   EXPECT_EQ(terms_of(at("cable_spring", 1), tree), unsigned{kOfAngle});
   EXPECT_EQ(terms_of(at("rotor_inertia", 1), tree), unsigned{kOfAcceleration});
   EXPECT_EQ(terms_of(at("coulomb_friction", 0), tree), 0U);
+  // sliding springs: one of them and many
+  EXPECT_EQ(terms_of(at("presliding_friction", 1), tree), unsigned{kOfSlip});
+  EXPECT_EQ(terms_of(at("maxwell_slip_friction", 0), tree), unsigned{kOfSlip});
 }
 
 }  // namespace
