@@ -188,6 +188,8 @@ struct Effect {
   std::vector<std::string_view> confounders{};  // ids
   // ids of effects that this one is, for some of its parameters
   std::vector<std::string_view> contains{};
+  // what it contains is no part of it but another cause: both may stand in one set
+  bool another_cause = false;
   std::vector<std::string_view> regimes{};  // where in the motion it shows
   std::string_view signature{};             // in words, for the report
   std::vector<Experiment> experiments{};

@@ -223,6 +223,7 @@ Effect payload() {
       .cluster = "J",
       .confounders = {"link_mass", "external_push", "tether"},
       .contains = {"link_mass", "link_com"},
+      .another_cause = true,
       .regimes = {"high load", "late"},
       .signature = "a step in time",
       .experiments = {kTilt},

@@ -113,8 +113,9 @@ bool as_good(const Library& library, const Selection& selection, const Candidate
       !needs_more && !a.far_behind &&
       !beaten(decisions, a.behind, practical_energy(*selection.around->problem), rivals);
   const bool other_place = rival.effect == chosen.effect;
-  return level && rival.said_wrong.empty() && !contains(library[a.candidate], chosen) &&
-         !other_place;
+  const bool same_cause =
+      contains(library[a.candidate], chosen) && !find_effect(rival.effect)->another_cause;
+  return level && rival.said_wrong.empty() && !same_cause && !other_place;
 }
 
 /// The finding that the i-th accepted effect is.
