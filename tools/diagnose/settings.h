@@ -80,7 +80,7 @@ struct DecisionSettings {
   double tied_drives = 2.0;
   double same_robot = 0.25;
   double same_law = 0.015;
-  double interval_stretch = 1.2;
+  double interval_stretch = 1.4;
   double much_left = 0.18;
   double rest_of_law = 0.02;
   int disagreeing_groups = 6;
