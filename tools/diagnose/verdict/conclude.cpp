@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
+#include "tools/diagnose/verdict/outlook.h"
 #include "tools/diagnose/verdict/plain_words.h"
 
 namespace sanso::diagnose {
@@ -100,14 +104,24 @@ Evidence without_what_may_be_nothing(Evidence evidence) {
   return evidence;
 }
 
-/// A law that the library lacks is taken apart into names that it has. Where they leave much of it,
-/// none of them is sure. Chance scatters as far as any error, given a size: beside it nothing stays
-/// that is more than noise, or it is not what was missing.
+/// Share of the held-out error that descriptions remove: what they stand for has no name either.
+double described(const Evidence& evidence) {
+  const std::optional<Outlook> o =
+      outlook(evidence.proof.scores, evidence.unit, evidence.remains, evidence.decisions);
+  return o ? std::max(0.0, o->patched_share - o->named_share) : 0.0;
+}
+
+/// A law that the library lacks is taken apart into names that it has. Where they leave much of it
+/// without a name, none of them is sure; what is unsure for a reason of its own keeps that. Chance
+/// scatters as far as any error, given a size: beside it nothing stays that is more than noise, or
+/// it is not what was missing.
 Evidence doubted_beside_much(Evidence evidence) {
   const DecisionSettings& decisions = evidence.decisions;
   if (evidence.left.level <= decisions.adequate) return evidence;
+  const double stays = evidence.left.share, has_no_name = stays + described(evidence);
   for (Finding& f : evidence.findings) {
-    if (!f.chance && evidence.left.share <= decisions.much_left) continue;
+    const bool unsure = f.status == VerdictStatus::present_unnamed;
+    if (!f.chance && (unsure ? stays : has_no_name) <= decisions.much_left) continue;
     f.beside_much = true;
     f.status = status_of(f);
   }

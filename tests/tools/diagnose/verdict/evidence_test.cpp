@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tools/diagnose/verdict/conclude.h"
 
@@ -293,6 +294,29 @@ TEST(Conclude, BesideMuchThatStaysNoNameIsSure) {
     for (const Evidence& other : {little, quiet})
       EXPECT_EQ(conclude(other).findings[0].status, sure);
   }
+}
+
+/// What descriptions take of the error has no name any more than what stays; what is unsure for a
+/// reason of its own keeps that reason.
+TEST(Conclude, BesideMuchThatIsOnlyDescribedNoNameIsSure) {
+  const double nominal = 0.1, patched = 0.01, noise = 0.001;
+  const double energy = nominal * nominal - noise * noise;
+  const auto concluded = [&](double described, VerdictStatus status) {
+    Evidence e = found(status);
+    e.findings[0].spans_null = status == VerdictStatus::present_unnamed;
+    e.findings[0].agreed_low = 1.0;
+    e.left.share = 0.0;
+    e.left.level = e.decisions.adequate + 0.01;
+    const double named = std::sqrt(patched * patched + described * energy);
+    e.proof.scores[Horizon::ahead(0.5)].all = FitScore{nominal, patched, noise, NAN, named};
+    return conclude(e);
+  };
+  const double much = DecisionSettings{}.much_left;
+  using enum VerdictStatus;
+  EXPECT_EQ(concluded(much - 0.01, confirmed).findings.at(0).status, confirmed);
+  EXPECT_EQ(concluded(much + 0.01, confirmed).findings.at(0).status, present_unnamed);
+  EXPECT_NE(concluded(much + 0.01, present_unnamed).answer.find("contains the null"),
+            std::string::npos);
 }
 
 /// A third of all commands lost scatters as far as any error: a share of it says nothing.
