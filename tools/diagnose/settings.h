@@ -143,7 +143,7 @@ struct DecisionSettings {
     field("same_law", same_law, "share", 1e-06, 0.5,
           "of a figure's size: two laws of one name, both fitted, differ by as much (deviation)");
     field("interval_stretch", interval_stretch, "factor", 0.5, 5.0,
-          "on intervals of figures: nine of ten in sealed cases hold then (docs/results)");
+          "on intervals of figures: seven of eight in fresh sealed cases hold then (docs/results)");
     field("much_left", much_left, "share", 0.0, 10.0,
           "of the error beyond noise: names that leave more, above `adequate`, are not sure");
     field("rest_of_law", rest_of_law, "share", 0.0, 1.0,

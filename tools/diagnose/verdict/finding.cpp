@@ -220,9 +220,12 @@ std::string reserve(const Finding& finding) {
 
 std::vector<Finding> with_their_kind(std::vector<Finding> findings, const DecisionSettings& s) {
   for (Finding& f : findings) {
+    const Effect* effect = find_effect(f.effect);
+    const bool inertia = effect != nullptr && effect->terms == kOfAcceleration;
     for (const Finding& other : findings) {
-      if (&other == &f || other.family != f.family || other.where != f.where) continue;
-      if (other.unrepeated && !f.unrepeated) f.bends_with = other.effect;
+      if (&other == &f || other.tolerated || other.family != f.family || other.where != f.where)
+        continue;
+      if (other.unrepeated && !f.unrepeated && !inertia) f.bends_with = other.effect;
       if (!f.chance && f.heldout_gain < s.rest_of_law * other.heldout_gain)
         f.rest_of = other.effect;
     }

@@ -118,11 +118,24 @@ TEST(OneKind, IsOneLawWithARippleThatNobodySawRepeat) {
   const std::vector<Finding> both = with_their_kind({dry, ripple}, DecisionSettings{});
   EXPECT_NE(reserve(both.front()).find("bends over the angle"), std::string::npos);
   EXPECT_NE(reserve(both.back()).find("too few periods"), std::string::npos);
+  ripple.tolerated = true;  // told in a note, and no finding
+  EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
+  ripple.tolerated = false;
   ripple.where = {"hip"};
   EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
   ripple.where = dry.where;
   ripple.family = "sensor";
   EXPECT_EQ(status_of_first({dry, ripple}), VerdictStatus::confirmed);
+}
+
+/// What follows the acceleration is no bend over the angle, of whatever family it is.
+TEST(OneKind, AnInertiaIsNoPartOfWhatBendsOverTheAngle) {
+  Finding error = found("gear_kinematic_error", "transmission", "knee", 0.5);
+  error.unrepeated = true;
+  const Finding rotor = found("rotor_inertia", "transmission", "knee", 0.3);
+  const Finding play = found("backlash", "transmission", "knee", 0.3);
+  EXPECT_EQ(status_of_first({rotor, error}), VerdictStatus::confirmed);
+  EXPECT_EQ(status_of_first({play, error}), VerdictStatus::present_unnamed);
 }
 
 TEST(OneKind, HasNoNameForWhatALargerLawMayBeOffBy) {
