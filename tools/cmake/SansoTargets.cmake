@@ -10,6 +10,9 @@ set(CMAKE_CXX_FLAGS_DEV "-O2 -g1")
 set(CMAKE_CXX_FLAGS_SANITIZE "-O1 -g1 -fno-omit-frame-pointer")
 set(CMAKE_EXE_LINKER_FLAGS_DEV "")
 set(CMAKE_EXE_LINKER_FLAGS_SANITIZE "")
+# Programs of two fifths of the size. Not zstd: neither lld 14 nor what symbolises the sanitizers' reports knows it.
+set(compressed -Wl,--compress-debug-sections=zlib)
+add_link_options("$<$<CONFIG:Dev,Sanitize>:${compressed}>")
 
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
