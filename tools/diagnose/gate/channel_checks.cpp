@@ -259,4 +259,85 @@ std::vector<Defect> check_stuck(const GateRecording& r, const Joints& joints,
   return out;
 }
 
+namespace {
+
+/// Rows [first, last] of one value, after which a channel is elsewhere at once.
+struct Frozen {
+  std::size_t first = 0, last = 0;
+};
+
+/// Longer than 0.1 s, ended by a step that no motion of this channel makes.
+std::vector<Frozen> frozen_runs(const GateRecording& r, std::span<const double> x,
+                                const GateSettings& settings) {
+  std::vector<double> speeds;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    const double v = std::abs(x[i] - x[i - 1]) / (r.t[i] - r.t[i - 1]);
+    if (std::isfinite(v)) speeds.push_back(v);
+  }
+  if (speeds.empty()) return {};
+  const double fastest = quantile(speeds, 0.99);
+  const double least = settings.jump_quanta * quantisation_step(x);
+  std::vector<Frozen> out;
+  Frozen run;
+  for (std::size_t i = 1; i < x.size(); ++i) {
+    if (!std::isfinite(x[i]) || x[i] == x[run.first]) {
+      if (std::isfinite(x[i])) run.last = i;
+      continue;
+    }
+    const double step = std::abs(x[i] - x[run.first]), dt = r.t[i] - r.t[run.last];
+    const bool at_once = step > std::max(least, 3.0 * fastest * dt);
+    if (at_once && r.t[run.last] - r.t[run.first] > 0.1) out.push_back(run);
+    run = {i, i};
+  }
+  return out;
+}
+
+std::span<const double> rows_of(std::span<const double> x, const Frozen& run) {
+  return x.subspan(run.first, run.last - run.first + 1);
+}
+
+/// What drives the joint: goals, or torques.
+const GateChannel* command_of(const GateRecording& r, const std::string& joint) {
+  for (const char* kind : {"u:", "tau_cmd:"}) {
+    if (const GateChannel* c = r.find(kind + joint); c != nullptr) return c;
+  }
+  return nullptr;
+}
+
+/// Nothing in these rows differs from the first of them.
+bool written_again(const GateRecording& r, const Frozen& run) {
+  return std::all_of(r.channels.begin(), r.channels.end(), [&](const GateChannel& c) {
+    const std::vector<double> x = finite_values(rows_of(c.values, run));
+    return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
+  });
+}
+
+}  // namespace
+
+std::vector<Defect> check_resumed(const GateRecording& r, const Joints& joints,
+                                  const GateSettings& settings) {
+  std::vector<Defect> out;
+  for (const GateJoint& joint : joints) {
+    const GateChannel* q = r.find("q:" + joint.name);
+    const GateChannel* command = command_of(r, joint.name);
+    if (q == nullptr || command == nullptr) continue;
+    const double driven = 0.1 * range_of(command->values);
+    int again = 0;
+    for (const Frozen& run : frozen_runs(r, q->values, settings)) {
+      again += written_again(r, run);
+      const bool hangs =
+          range_of(rows_of(command->values, run)) > driven && r.t[run.last] - r.t[run.first] > 1.0;
+      if (!hangs && again < 3) continue;
+      out.push_back(
+          {r.file, q->name, static_cast<long>(run.last), defect::kStuck,
+           fmt::format("exactly {:.6g} for {:.2g} s and elsewhere in the next row{}; what "
+                       "stands there was not read",
+                       q->values[run.first], r.t[run.last] - r.t[run.first],
+                       hangs ? ", while the command moved" : ", as all channels, several times")});
+      break;
+    }
+  }
+  return out;
+}
+
 }  // namespace sanso::diagnose::gate

@@ -37,6 +37,11 @@ std::vector<Defect> check_clipping(const GateRecording& r, const Joints& joints,
 /// A position that hangs while command or velocity say that the joint moves.
 std::vector<Defect> check_stuck(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);
+
+/// A position stood exactly still and is elsewhere from one row to the next: it was not read
+/// meanwhile, though it was driven; or whole rows were written again, several times.
+std::vector<Defect> check_resumed(const GateRecording& r, const Joints& joints,
+                                  const GateSettings& settings);
 /// Channels that are too large or too small for SI: by the model's limits, and by each other.
 std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);

@@ -116,6 +116,49 @@ TEST(GatePlaces, ASensorThatHangsWhileTheCommandGoesOn) {
   }
 }
 
+/// Of a joint under torque, whose velocity nobody records.
+void make_torque_driven(Data& data) {
+  std::erase_if(data.columns, [](const auto& c) {
+    return c.first.rfind("dq:", 0) == 0 || c.first.rfind("pwm:", 0) == 0;
+  });
+  for (auto& [name, values] : data.columns)
+    if (name.rfind("u:", 0) == 0) name = "tau_cmd:" + name.substr(2);
+}
+
+// Nothing says that the joint moves but the place in which it is afterwards.
+TEST(GatePlaces, ASensorThatHangsForAWhile) {
+  int tried = 0;
+  for (std::uint64_t trial = 0; trial < 40; ++trial) {
+    Place p(trial);
+    p.row = 200 + p.random.below(300);
+    auto& q = p.column("q");
+    const std::size_t first = p.at(), after = first + 240;  // 1.3 s
+    if (std::abs(q[after] - q[first]) < 0.3) continue;
+    ++tried;
+    std::fill(q.begin() + p.row, q.begin() + static_cast<std::ptrdiff_t>(after), q[first]);
+    make_torque_driven(p.data);
+    const Defect d = first_defect(p.data);
+    EXPECT_EQ(d.defect, defect::kStuck) << "trial " << trial;
+    EXPECT_EQ(d.channel, "q:" + p.joint);
+    EXPECT_EQ(d.row, static_cast<long>(after) - 1) << "trial " << trial;
+  }
+  EXPECT_GT(tried, 8);
+}
+
+// The same rows again and again, three times; once a robot may have been set to zero at rest.
+TEST(GatePlaces, RowsThatWereWrittenAgain) {
+  for (const int times : {1, 4}) {
+    Place p(7);
+    for (int k = 0; k < times; ++k) {
+      const std::size_t first = 200 + 250 * static_cast<std::size_t>(k);
+      for (auto& [name, values] : p.data.columns)
+        for (std::size_t i = first; i < first + 60; ++i) values[i] = values[first];
+    }
+    const Defect d = first_defect(p.data);
+    EXPECT_EQ(d.defect == defect::kStuck, times == 4) << d.defect;
+  }
+}
+
 TEST(GatePlaces, AChannelCutOffAtALevel) {
   for (std::uint64_t trial = 0; trial < 20; ++trial) {
     Place p(trial);
