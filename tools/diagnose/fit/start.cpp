@@ -40,7 +40,7 @@ std::vector<double> scaled(const Candidate& effect, const std::vector<double>& p
   std::vector<double> theta = probe;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const CandidateParameter& p = effect.parameters[i];
-    if (p.structural || probe[i] == p.null) continue;
+    if (p.structural || p.role == Role::position || probe[i] == p.null) continue;
     // what is off at its null is scaled, not moved away from it
     theta[i] = p.null == kOff ? probe[i] * std::abs(factor) : p.null + factor * (probe[i] - p.null);
   }
@@ -172,6 +172,10 @@ Range range_of_place(const Surroundings& around, const Candidate& effect, std::s
     out.low = std::min(out.low, probe[index]);
     out.high = std::max(out.high, probe[index]);
   }
+  // a hard stop is met just before the end of what the joint did, which the probes keep away from
+  const double margin = around.settings().data.end_margin;
+  const double beyond = (out.high - out.low) * margin / (1.0 - 2.0 * margin);
+  out.low -= beyond, out.high += beyond;
   return out;
 }
 
@@ -196,16 +200,42 @@ Model halved_to_best_place(const Surroundings& around, const Model& start, std::
   return best.model;
 }
 
-/// A position is tried on a grid first: its probes are few.
-Model with_best_place(const Surroundings& around, Model model, std::size_t index, Range range) {
+/// The last effect with its sizes `factor` times as far from their null, inside their bounds.
+Model resized(const Surroundings& around, Model model, double factor) {
+  Chosen& last = model.effects.back();
+  const Candidate& effect = (*around.library)[last.candidate];
+  last.theta = scaled(effect, last.theta, factor, around.settings().fitting.inside_bound);
+  return model;
+}
+
+/// A position is tried on a grid first, since its probes are few: evenly, and closer to either end.
+/// What is stiff is met deeper than what is soft, and no derivative leads from one to the other
+/// past the shots that hit it; so every stiffness looks for its own place.
+Model with_best_position(const Surroundings& around, const Model& start, std::size_t index,
+                         Range range) {
   const FittingSettings& settings = around.settings().fitting;
-  if (range.step == 0.0) {
-    range.step = (range.high - range.low) / (settings.places + 1);
-    std::vector<double> places;
-    for (int i = 1; i <= settings.places; ++i) places.push_back(range.low + i * range.step);
-    model = best_value(around, model, index, places, 1);
+  range.step = (range.high - range.low) / (settings.places + 1);
+  std::vector<double> places;
+  for (int i = 1; i <= settings.places; ++i) places.push_back(range.low + i * range.step);
+  for (const double share : {0.5, 0.25, 0.125}) {
+    places.push_back(range.low + share * range.step);
+    places.push_back(range.high - share * range.step);
   }
-  return halved_to_best_place(around, model, index, range, range.step / (1 << settings.halvings));
+  const double least = range.step / (1 << settings.halvings);
+  QuickFit best;
+  for (const double factor : {1.0, 4.0, 16.0}) {
+    const Model model = best_value(around, resized(around, start, factor), index, places, 1);
+    QuickFit found = quick_fit(around, halved_to_best_place(around, model, index, range, least), 1);
+    if (best.r.size() == 0 || found.objective < best.objective) best = std::move(found);
+  }
+  return best.model;
+}
+
+Model with_best_place(const Surroundings& around, const Model& model, std::size_t index,
+                      const Range& range) {
+  if (range.step == 0.0) return with_best_position(around, model, index, range);
+  const double least = range.step / (1 << around.settings().fitting.halvings);
+  return halved_to_best_place(around, model, index, range, least);
 }
 
 std::optional<std::size_t> index_of(const Candidate& effect, Role role) {
@@ -222,7 +252,7 @@ Model with_best_event(const Surroundings& around, Model model, const Candidate& 
   const double least = around.settings().fitting.event_resolution;
   const std::optional<std::size_t> duration = index_of(effect, Role::duration);
   const Range when = range_of_place(around, effect, from);
-  model = with_best_place(around, std::move(model), from, when);
+  model = with_best_place(around, model, from, when);
   if (!duration) return model;
   const Range length{effect.parameters[*duration].low, around.settings().data.shot_seconds,
                      when.step};
@@ -244,7 +274,7 @@ Model with_best_places(const Surroundings& around, Model model) {
       continue;
     }
     const Range range = range_of_place(around, effect, i);
-    if (range.high > range.low) model = with_best_place(around, std::move(model), i, range);
+    if (range.high > range.low) model = with_best_place(around, model, i, range);
   }
   return model;
 }

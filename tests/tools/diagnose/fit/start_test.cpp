@@ -61,6 +61,29 @@ TEST(Start, TwoLimitsAreFoundTogether) {
   EXPECT_NEAR(found.model.effects.back().theta[1], kAcceleration, 0.5);
 }
 
+// A hard stop is met just before the end of what the joint did: from the soft one of the probes,
+// which is met much earlier, no derivative leads there.
+TEST(Start, AHardStopIsFoundJustBeforeTheEnd) {
+  constexpr double kStiffness = 150.0, kPosition = 0.57;
+  const test::SmallComparison compared =
+      steps_of({{"joint_stop",
+                 {"a"},
+                 {{"stiffness", kStiffness}, {"position", kPosition}, {"side", 1.0}, {"loss", 0.1}},
+                 0}},
+               {"joint_stop"});
+  const Surroundings around = make_surroundings(compared.problem, compared.library, Model{});
+  const std::size_t stop = compared.of("joint_stop");
+  const std::vector<std::vector<double>>& probes = compared.library[stop].probes;
+  for (std::size_t probe = 0; probe < probes.size(); probe += 4) {  // one of each depth
+    ProbeScore named;
+    named.candidate = stop, named.probe = probe, named.amount = 1.0;
+    const FitResult found = fit(around, best_start(around, Model{}, stop, &named), 12);
+    const std::vector<double>& is = found.model.effects.back().theta;
+    EXPECT_NEAR(is[0], kStiffness, 0.2 * kStiffness) << "probe " << probe;
+    EXPECT_NEAR(is[1], kPosition, 0.005) << "probe " << probe;
+  }
+}
+
 // Effects of sizes alone start where the named probe says, as ever.
 TEST(Start, OneChoiceIsTheNamedProbe) {
   const test::SmallComparison compared =
