@@ -103,6 +103,15 @@ std::vector<double> along_the_link(const SimParams& p, std::size_t j) {
   return {joint.body.com[0], joint.body.com[1], joint.body.com[2]};
 }
 
+/// ... and from the joint before it to its own, along the link that holds both.
+std::vector<double> along_the_link_before(const SimParams& p, std::size_t j) {
+  const TreeJoint& joint = p.tree.joints[j];
+  const Vec3& r = joint.p_parent_joint;
+  const double distance = std::hypot(r[0], r[1], r[2]);
+  if (joint.parent < 0 || distance == 0.0) return {};
+  return {distance, 0.0, 0.0};
+}
+
 /// From the joint to its link's centre of mass.
 double how_far_out(const SimParams& p, std::size_t j) {
   const Vec3& com = p.tree.joints[j].body.com;
@@ -250,6 +259,10 @@ Effect link_geometry() {
       .regimes = {"high load"},
       .signature = "position of the link, many postures",
       .experiments = {kOutsideSensor, kPostures},
+      .tolerances = {{.name = "place",
+                      .order = 10,
+                      .deviation = &ToleranceSettings::length,
+                      .direction = along_the_link_before}},
       .apply = [](SimParams& p, int j, Theta x) { lengthen(p, j, x[0], x[1], x[2]); },
   });
 }

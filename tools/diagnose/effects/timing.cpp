@@ -46,7 +46,7 @@ Effect command_delay() {
       // early. Bounded at zero, the fraction of a millisecond takes the next name that can shift a
       // command forward (feed-forward).
       .tolerances = {{.name = "common lag",
-                      .order = 10,
+                      .order = 11,
                       .deviation = &ToleranceSettings::lag,
                       .direction = everywhere({1.0}),
                       .common = true}},

@@ -175,6 +175,25 @@ TEST(Nuisances, AtTheirNullChangeNothingAndAreLinearInTheirValue) {
   }
 }
 
+// A link that is a little longer than stated holds the next joint farther out; where the first
+// joint stands changes nothing that is measured.
+TEST(Nuisances, TheNextJointIsAsFarOutAsALengthIsKnown) {
+  const SmallComparison c = compared(two_links(kNoisyServo), {}, {"coulomb_friction"}, 1);
+  const SimParams& stated = c.problem->sources.front().nominal;
+  std::vector<const Nuisance*> places;
+  for (const Nuisance& n : c.library.nuisances)
+    if (n.name.rfind("place of ", 0) == 0) places.push_back(&n);
+  ASSERT_EQ(places.size(), 1U);
+  EXPECT_EQ(places.front()->name, "place of " + c.problem->joints[1]);
+  EXPECT_EQ(places.front()->tolerance, ToleranceSettings{}.length);
+  SimParams longer = stated;
+  places.front()->apply(longer, 0.015);
+  EXPECT_EQ(longer.tree.joints[0].p_parent_joint, stated.tree.joints[0].p_parent_joint);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(longer.tree.joints[1].p_parent_joint[k],
+                1.015 * stated.tree.joints[1].p_parent_joint[k], 1e-12);
+}
+
 TEST(Hold, PutsTheCommandBeforeInThePlaceOfALostOne) {
   const SmallComparison c = compared(pendulum(kNoisyServo), {}, {"coulomb_friction"}, 1);
   const std::vector<double>& sent = c.problem->sources[1].drive.joints[0].command;
