@@ -83,6 +83,8 @@ struct DecisionSettings {
   double interval_stretch = 1.4;
   double much_left = 0.18;
   double rest_of_law = 0.02;
+  double sure_size = 2.0;
+  double only_there = 10.0;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;
@@ -108,14 +110,12 @@ struct DecisionSettings {
           "held-out improvement that counts, and the width of equally good");
     field("gain_level", gain_level, "probability", 0.0001, 0.5,
           "of the bootstrap bound above which a held-out gain counts: two deviations");
-    field("gain_draws", gain_draws, "draws", 19, 1000000,
-          "resamples of that bound: 23 lie below it");
+    field("gain_draws", gain_draws, "draws", 19, 1000000, "of that bound: 23 lie below it");
     field("fewest_shots", fewest_shots, "shots", 2, 1000,
           "of a recording that is resampled apart: fewer cannot tell how much they scatter");
     field("testable", testable, "noise levels", 0.1, 100.0,
           "that a typical effect must make, else it is untestable here");
-    field("same_signature", same_signature, "correlation", 0.1, 2.0,
-          "above it two effects are one cluster; above 1 none are");
+    field("same_signature", same_signature, "correlation", 0.1, 2.0, "above: one cluster");
     field("practical_size", practical_size, "noise levels", 0.01, 10.0,
           "RMS over one joint's rows; less (integration step, rounding of goals) does not matter");
     field("minimum_share", minimum_share, "share", 1e-06, 0.5,
@@ -126,8 +126,7 @@ struct DecisionSettings {
           "of the shots that gain, at least: from a name whose interval may contain the null");
     field("adequate", adequate, "noise levels", 0.1, 20.0,
           "above, what is left has more energy than the noise itself");
-    field("rivals", rivals, "candidates", 1, 1000,
-          "cluster representatives fitted fully at every step");
+    field("rivals", rivals, "candidates", 1, 1000, "of clusters, fitted fully at every step");
     field("rivals_beside", rivals_beside, "candidates times names", 1, 10000,
           "at most: a fit moves all names, and what comes after the third seldom is one");
     field("pairs", pairs, "pairs", 0, 1000,
@@ -148,14 +147,15 @@ struct DecisionSettings {
           "of the error beyond noise: names that leave more, above `adequate`, are not sure");
     field("rest_of_law", rest_of_law, "share", 0.0, 1.0,
           "of what another name of its kind removes: less may be that law, off by a seventh");
+    field("sure_size", sure_size, "factor", 1.0, 100.0,
+          "on the interval of a name beside one that removes more: it has to leave the null");
+    field("only_there", only_there, "variance ratio", 1.0, 1e6,
+          "of a number that other conditions do not tell: left out, they keep it");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
-    field("maximum_effects", maximum_effects, "effects", 1, 100,
-          "more names than this is a different robot, not a missing effect");
-    field("rounds", rounds, "rounds", 0, 100,
-          "of further steps, at most, after names were exchanged or one look-alike was tried");
-    field("folds", folds, "groups", 1, 100,
-          "held-out groups when recordings or conditions do not give them");
+    field("maximum_effects", maximum_effects, "effects", 1, 100, "more are a different robot");
+    field("rounds", rounds, "rounds", 0, 100, "of further steps at most, after an exchange");
+    field("folds", folds, "groups", 1, 100, "held out, where recordings do not give them");
     field("bootstrap", bootstrap, "draws", 19, 100000, "resamples of a confidence interval");
     field("shot_outlier", shot_outlier, "factor", 0.5, 100.0,
           "times the median shot's RMS error: from there a shot's weight falls");
@@ -165,8 +165,7 @@ struct DecisionSettings {
           "of its cluster's strongest score: the simplest member that has it speaks for all");
     field("unseen", unseen, "share", 0.0001, 1.0,
           "of the variance that a number keeps which moves no row: above it the fit chose none");
-    field("known_first", known_first, "correlation", 0.0, 2.0,
-          "that a documented look-alike counts for more when replacements are chosen");
+    field("known_first", known_first, "correlation", 0.0, 2.0, "more for a documented look-alike");
     field("promised", promised, "noise levels", 0.5, 100.0,
           "that an effect promises to change a residual by: from here on it is held to it");
     field("promised_share", promised_share, "share", 0.0001, 0.5,
@@ -177,8 +176,7 @@ struct DecisionSettings {
           "times what was promised: surely more contradicts a name");
     field("predictable", predictable, "share", 0.001, 0.9,
           "of the missing effort, from the joint's state: less says nothing");
-    field("missing_effort", missing_effort, "noise levels", 0.1, 100.0,
-          "of an effort that is missing at all");
+    field("missing_effort", missing_effort, "noise levels", 0.1, 100.0, "of an effort missing");
   }
 };
 

@@ -66,10 +66,31 @@ class LeaveOneOut {
                                    around.weights(around.starts.energy_by_shot(result.r)));
   }
 
-  Without without(std::size_t part) const {
+  Without without(std::size_t part) const { return without(part, result_.fixed); }
+
+  /// The numbers in `held` keep what all shots say of them.
+  Without without(std::size_t part, std::vector<char> held) const {
     Surroundings rest = around_;
     (part_of_ == condition_of ? rest.left_out_condition : rest.left_out) = part;
-    return refit_without(rest, result_, delta(part));
+    return refit_without(rest, result_, delta(part, std::move(held)));
+  }
+
+  /// What is fixed, and the effects' numbers that this part alone tells: of these the other parts
+  /// can say whether they hold there, and not what they are.
+  std::vector<char> told_by(std::size_t part) const {
+    Eigen::MatrixXd all = gram();
+    all.diagonal() += 1e-9 * all.diagonal() + Eigen::VectorXd::Constant(n_, 1e-12);
+    for (Eigen::Index i = 0; i < n_; ++i) all(i, i) += prior(around_, result_.parameters, i);
+    const auto variance = [this](const Eigen::MatrixXd& H) {
+      return Eigen::VectorXd(H.ldlt().solve(Eigen::MatrixXd::Identity(n_, n_)).diagonal());
+    };
+    const Eigen::VectorXd with = variance(all);
+    const Eigen::VectorXd without = variance(all - grams_[part].topLeftCorner(n_, n_));
+    std::vector<char> held = result_.fixed;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      if (without[i] > around_.settings().decisions.only_there * with[i]) held[i] = 1;
+    }
+    return held;
   }
 
   /// J' M J of all shots.
@@ -81,13 +102,12 @@ class LeaveOneOut {
 
   /// Change of the parameters without this part: coordinates that would leave their bounds stop
   /// there, and the others take up what they leave.
-  Eigen::VectorXd delta(std::size_t part) const {
+  Eigen::VectorXd delta(std::size_t part, std::vector<char> held) const {
     const Eigen::MatrixXd& G = grams_[part];
     Eigen::MatrixXd rest = gram() - G.topLeftCorner(n_, n_);
     for (Eigen::Index i = 0; i < n_; ++i) rest(i, i) += prior(around_, result_.parameters, i);
     // of the part alone; the whole gradient is zero
     const Eigen::VectorXd gradient = G.topRightCorner(n_, 1);
-    std::vector<char> held = result_.fixed;
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n_);
     for (Eigen::Index round = 0; round <= n_; ++round) {
       step = solve_with_held(rest, gradient, held, step);
@@ -191,7 +211,9 @@ Eigen::VectorXd heldout_energy(const Surroundings& around, const FitResult& resu
   const LeaveOneOut left_out(around, result, parts, part_of);
   Eigen::VectorXd heldout = Eigen::VectorXd::Zero(problem->shots.size());
   parallel_for(parts, [&](std::size_t part) {
-    const Eigen::VectorXd energy = left_out.without(part).energy;
+    const Eigen::VectorXd energy = by_condition
+                                       ? left_out.without(part, left_out.told_by(part)).energy
+                                       : left_out.without(part).energy;
     for (std::size_t s = 0; s < problem->shots.size(); ++s) {
       if (part_of(problem->shots[s]) == part) heldout[s] = energy[s];
     }

@@ -139,6 +139,8 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   f.parameters =
       parameters_of(*selection.around->problem, c, selection.final.model.effects[i].theta, entry);
   f.spans_null = spans_null(c, f.parameters);
+  const double sure = selection.around->settings().decisions.sure_size;
+  f.nearly_null = !c.random && spans_null(c, f.parameters, sure);
   f.unrepeated = unrepeated(*selection.around->problem, c, selection.final.model.effects[i].theta);
   f.incidence = incidence(*selection.around, regimes, entry.without, selection.final);
   f.regime = strongest_regime(f.incidence);
@@ -208,7 +210,10 @@ std::string reserve(const Finding& finding) {
     return "with " + finding.bends_with + " it may be one law that bends over the angle";
   if (!finding.rest_of.empty())
     return "it removes so little that it may be what the law of " + finding.rest_of + " is off by";
-  if (finding.terms.empty()) return stopped_at_bounds(finding);
+  if (finding.terms.empty())
+    return finding.small_beside.empty() || finding.one_of.size() > 1
+               ? stopped_at_bounds(finding)
+               : "its size is too uncertain to be sure beside " + finding.small_beside;
   std::string text = "with";
   for (const std::string& t : finding.terms) text += " " + t;
   const char* series = finding.terms_of == kOfAngle          ? "a torque of the angle"
@@ -223,8 +228,9 @@ std::vector<Finding> with_their_kind(std::vector<Finding> findings, const Decisi
     const Effect* effect = find_effect(f.effect);
     const bool inertia = effect != nullptr && effect->terms == kOfAcceleration;
     for (const Finding& other : findings) {
-      if (&other == &f || other.tolerated || other.family != f.family || other.where != f.where)
-        continue;
+      if (&other == &f || other.tolerated) continue;
+      if (f.nearly_null && other.heldout_gain > f.heldout_gain) f.small_beside = other.effect;
+      if (other.family != f.family || other.where != f.where) continue;
       if (other.unrepeated && !f.unrepeated && !inertia) f.bends_with = other.effect;
       if (!f.chance && f.heldout_gain < s.rest_of_law * other.heldout_gain)
         f.rest_of = other.effect;
@@ -239,8 +245,8 @@ VerdictStatus status_of(const Finding& finding) {
   if (part_of_another || finding.spans_null || finding.unrepeated || finding.beside_much)
     return VerdictStatus::present_unnamed;
   if (finding.one_of.size() > 1) return VerdictStatus::one_of;
-  return stopped_at_bounds(finding).empty() ? VerdictStatus::confirmed
-                                            : VerdictStatus::present_unnamed;
+  const bool sure = stopped_at_bounds(finding).empty() && finding.small_beside.empty();
+  return sure ? VerdictStatus::confirmed : VerdictStatus::present_unnamed;
 }
 
 VerdictStatus overall_status(const std::vector<Finding>& findings, bool something_unnamed) {
@@ -262,14 +268,17 @@ unsigned terms_of(const Candidate& c, const std::vector<TreeJoint>& tree) {
   return effect->scope == Scope::link && !on_base ? 0 : effect->terms;
 }
 
-bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter>& parameters) {
+bool spans_null(const Candidate& c, const std::map<std::string, VerdictParameter>& parameters,
+                double stretch) {
   bool asked = false;
   for (std::size_t i = 0; i < c.parameters.size(); ++i) {
     const CandidateParameter& p = c.parameters[i];
     // where something begins is not how much of it there is
     if (c.random ? i > 0 : p.structural || p.role == Role::position) continue;
     const VerdictParameter& v = parameters.at(p.name);
-    if (v.low > p.null || v.high < p.null || v.at_bound) return false;
+    const double low = v.value - stretch * (v.value - v.low);
+    const double high = v.value + stretch * (v.high - v.value);
+    if (low > p.null || high < p.null || v.at_bound) return false;
     asked = true;
   }
   return asked;

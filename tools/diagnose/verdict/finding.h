@@ -53,6 +53,7 @@ struct Finding {
   std::vector<std::string> terms;  // findings that are terms of one series with this one
   unsigned terms_of = 0;           // Term bits (effects/effect.h) that they share
   bool spans_null = false;         // its interval contains what changes nothing
+  bool nearly_null = false;        // DecisionSettings::sure_size times as wide it would
   // a ripple over the angle of which its joint goes through less than LibrarySettings::periods:
   // whatever bends over the angle would look so
   bool unrepeated = false;
@@ -65,6 +66,9 @@ struct Finding {
   // removes so little of what this one of its kind at the same joint does that it may be what that
   // one's law is off by
   std::string rest_of;
+  // removes less than what this one does, and is of too uncertain a size to be sure beside it: what
+  // is left of a larger finding is no noise, and has no place in an interval
+  std::string small_beside;
   // its interval does not lie beyond Effect::law: the model is calibrated by it, nothing is missing
   bool tolerated = false;
   std::vector<Rival> rivals;
@@ -77,11 +81,12 @@ std::string stopped_at_bounds(const Finding& finding);
 
 /// Why a finding is not confirmed: much that stays beside it, an interval that contains the null, a
 /// ripple that was not seen to repeat, or one beside it, a larger law that may be off by as much, a
-/// bound, or terms that together describe any torque of the angle; empty: nothing.
+/// size that is uncertain beside a larger finding, a bound, or terms that together describe any
+/// torque of the angle; empty: nothing.
 std::string reserve(const Finding& finding);
 
-/// The findings with what is said by one of their kind at the same joint: Finding::bends_with and
-/// rest_of.
+/// The findings with what is said by one of their kind at the same joint (Finding::bends_with and
+/// rest_of), and by a larger one anywhere (small_beside).
 std::vector<Finding> with_their_kind(std::vector<Finding> findings,
                                      const DecisionSettings& decisions);
 
@@ -107,10 +112,10 @@ std::vector<Finding> accepted_so_far(const Library& library, const Selection& se
 /// tells masses from springs and rotors.
 unsigned terms_of(const Candidate& candidate, const std::vector<TreeJoint>& tree);
 
-/// The final intervals (wider than those by which a name is accepted) of all that was fitted
-/// contain the null.
+/// The final intervals (wider than those by which a name is accepted, and `stretch` times as wide
+/// as told) of all that was fitted contain the null.
 bool spans_null(const Candidate& candidate,
-                const std::map<std::string, VerdictParameter>& parameters);
+                const std::map<std::string, VerdictParameter>& parameters, double stretch = 1.0);
 
 /// Whether nothing of a finding lies beyond what its effect's law tolerates at all of its joints.
 /// An amplitude is as small as the nearest point of its components' intervals: its phase is free,

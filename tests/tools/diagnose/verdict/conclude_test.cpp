@@ -156,6 +156,38 @@ TEST(OneKind, HasNoNameForWhatALargerLawMayBeOffBy) {
   EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
 }
 
+/// What a larger finding leaves is no noise, so that a smaller one, of whatever kind and place, has
+/// to be of a surer size. The larger one has nothing beside it to be a part of, and a set names no
+/// one for sure.
+TEST(Beside, ASmallerGainHasToBeOfACertainSize) {
+  const Finding large = found("supply_sag", "electrical", "knee", 0.5);
+  Finding small = found("servo_d_gain", "servo", "hip", 0.1);
+  EXPECT_EQ(status_of_first({small, large}), VerdictStatus::confirmed);
+  small.nearly_null = true;
+  EXPECT_EQ(status_of_first({small, large}), VerdictStatus::present_unnamed);
+  EXPECT_EQ(status_of_first({large, small}), VerdictStatus::confirmed);
+  EXPECT_EQ(status_of_first({small}), VerdictStatus::confirmed);
+  EXPECT_NE(reserve(with_their_kind({small, large}, DecisionSettings{}).front())
+                .find("sure beside supply_sag"),
+            std::string::npos);
+  small.one_of = {"servo_d_gain", "sensor_delay"};
+  EXPECT_EQ(status_of_first({small, large}), VerdictStatus::one_of);
+  EXPECT_EQ(reserve(with_their_kind({small, large}, DecisionSettings{}).front()), "");
+}
+
+/// An interval that ends at a quarter of the size contains the null when it is twice as wide.
+TEST(Beside, TwiceTheIntervalIsAskedForTheNull) {
+  Candidate c;
+  CandidateParameter size;
+  size.name = "viscous";
+  c.parameters = {size};
+  const std::map<std::string, VerdictParameter> wide{{"viscous", {0.1, 0.025, 0.175, "-", false}}};
+  const std::map<std::string, VerdictParameter> narrow{{"viscous", {0.1, 0.06, 0.14, "-", false}}};
+  EXPECT_FALSE(spans_null(c, wide));
+  EXPECT_TRUE(spans_null(c, wide, 2.0));
+  EXPECT_FALSE(spans_null(c, narrow, 2.0));
+}
+
 Candidate at(const char* effect, std::size_t joint) {
   Candidate c;
   c.effect = effect;
