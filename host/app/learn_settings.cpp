@@ -112,6 +112,7 @@ const std::vector<Profile>& profiles() {
         {"session.sigma_by_trials=false", "it depends \"on the accuracy\" of a trained model"},
         {"model.newest_episodes=1000000", "data \"are added to the motion dataset\": all of them"},
         {"model.tilt_limit_rad=3.2", "all of them: falls too"},
+        {"model.flight_ticks=0", "all of them, through landings"},
         {"model.failures_teach=false", "trajectories of N steps; a hold is no motion data"},
         {"model.held_out_decides=false", "nothing is held out"},
         {"model.trust_by_trials=false", "the network is used as trained"},

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "host/learn/model/landings.h"
 #include "host/learn/seeds.h"
 #include "host/mpc/noise_columns.h"
 #include "shared/files/framed.h"
@@ -82,12 +83,18 @@ std::vector<PredictionWindow> ModelLearner::usable_windows(const Episode& episod
 }
 
 std::vector<PredictionWindow> ModelLearner::learning_windows(const Episode& episode) const {
-  if (!episode.failed() || !settings_.failures_teach) return usable_windows(episode);
+  const std::vector<wire::Observation> ticks =
+      without_landings(episode.ticks, settings_.flight_ticks);
+  const bool whole = ticks.size() == episode.ticks.size();
+  if (whole && (!episode.failed() || !settings_.failures_teach)) return usable_windows(episode);
   std::vector<PredictionWindow> windows;
-  for (const auto* ticks : {&episode.before, &episode.ticks})
-    for (const PredictionWindow& w : cut_windows_of(*ticks, episode.trial, settings_.tilt_limit_rad,
-                                                    settings_.window_stride_ticks))
+  const auto add = [&](const std::vector<wire::Observation>& recording) {
+    for (const PredictionWindow& w : cut_windows_of(
+             recording, episode.trial, settings_.tilt_limit_rad, settings_.window_stride_ticks))
       windows.push_back(w);
+  };
+  if (episode.failed() && settings_.failures_teach) add(episode.before);
+  add(ticks);
   return windows;
 }
 
@@ -250,8 +257,10 @@ TransitionSet ModelLearner::transitions(const std::vector<Episode>& episodes,
   TransitionSet set;
   model::StepScratch scratch;
   for (const Episode& episode : episodes) {
+    const std::vector<wire::Observation> ticks =
+        without_landings(episode.ticks, settings_.flight_ticks);
     std::map<int, const wire::Observation*> at;
-    for (const wire::Observation& o : episode.ticks) at[o.trial_tick] = &o;
+    for (const wire::Observation& o : ticks) at[o.trial_tick] = &o;
     if (at.empty()) continue;
     for (int t = at.begin()->first; t + kTicksPerStep <= at.rbegin()->first;
          t += settings_.transition_stride_ticks) {

@@ -40,6 +40,7 @@ struct ModelLearningSettings {
   bool held_out_decides = true;
   bool trust_by_trials = true;
   bool set_up = true;
+  int flight_ticks = 3;
   // of the initial model, around which is identified; nothing: the planner's own figures
   std::optional<model::ModelParameters> origin;
 
@@ -69,6 +70,9 @@ struct ModelLearningSettings {
     field("set_up", set_up, "yes or no", false, true,
           "zeros of the joints, height of the ground and lag of the targets are found too; no: as "
           "drawn (paper)");
+    field("flight_ticks", flight_ticks, "ticks", 0, 1000000,
+          "without a loaded foot are a flight, half a model step: what is learned from ends at its "
+          "landing, where a small error decides between a fall and none; 0: goes on (paper)");
     ensemble.visit(field);
   }
 };
@@ -139,8 +143,8 @@ class ModelLearner {
   /// Windows of an episode without the stretches in which the robot was already falling.
   std::vector<PredictionWindow> usable_windows(const Episode& episode) const;
 
-  /// What a round learns from: usable_windows(), and of a failed episode, which may have none, all
-  /// that the robot showed upright in trial and hold.
+  /// What a round learns from: usable_windows(), of an episode with a landing cut there, and of a
+  /// failed episode, which may have none, all that the robot showed upright in trial and hold.
   std::vector<PredictionWindow> learning_windows(const Episode& episode) const;
 
   void save(const std::filesystem::path& path) const;
