@@ -75,8 +75,8 @@ class LeaveOneOut {
     return refit_without(rest, result_, delta(part, std::move(held)));
   }
 
-  /// What is fixed, and the effects' numbers that this part alone tells: of these the other parts
-  /// can say whether they hold there, and not what they are.
+  /// What is fixed, and the numbers (of effects and of tolerances) that this part alone tells: of
+  /// these the other parts can say whether they hold there, and not what they are.
   std::vector<char> told_by(std::size_t part) const {
     Eigen::MatrixXd all = gram();
     all.diagonal() += 1e-9 * all.diagonal() + Eigen::VectorXd::Constant(n_, 1e-12);
