@@ -36,6 +36,8 @@ struct GateSettings {
   double clock_step = 0.005;
   int clock_pairs = 2000;
   double clock_unlike = 0.1;
+  double columns_fit = 0.05;
+  double columns_better = 4.0;
   int calm_rows = 40;
   int jump_rows = 5;
   template <class Field>
@@ -94,6 +96,10 @@ struct GateSettings {
     field("clock_pairs", clock_pairs, "rows", 100, 1000000, "compared at one shift");
     field("clock_unlike", clock_unlike, "1 - correlation", 0.001, 0.5,
           "of a channel that follows the other at all");
+    field("columns_fit", columns_fit, "share", 0.01, 0.9,
+          "of torques that a model with its friction and gain free may leave: columns in order");
+    field("columns_better", columns_better, "factor", 1.5, 100.0,
+          "by which another reading of them leaves less before they are called wrong");
     field(
         "calm_rows", calm_rows, "rows", 12, 10000,
         "of a window in which noise is measured: long against its colour, short against a motion");

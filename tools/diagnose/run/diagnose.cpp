@@ -14,6 +14,7 @@
 #include "tools/diagnose/run/settings_page.h"
 #include "tools/diagnose/run/time_ahead.h"
 #include "tools/diagnose/run/whole_options.h"
+#include "tools/diagnose/torque/columns.h"
 #include "tools/diagnose/torque/disagreement.h"
 #include "tools/diagnose/verdict/conclude.h"
 #include "tools/diagnose/verdict/patched_model.h"
@@ -253,6 +254,14 @@ Diagnosis diagnosis_of(const Evidence& evidence, const ModelFolder& model,
   return out;
 }
 
+Diagnosis refused(std::vector<Defect> defects) {
+  Evidence evidence;
+  evidence.defects = std::move(defects);
+  Diagnosis out;
+  out.verdict = conclude(evidence);
+  return out;
+}
+
 /// Steps 1 to 8 on healthy data.
 Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Teller& tell,
                            const ModelFolder& model, const LoadedRecordings& loaded) {
@@ -260,6 +269,8 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Teller& tell,
   const Settings& settings = options.settings;
   tell.ask("how did the joints move? (smoothing, cutting shots)");
   const std::vector<Source> sources = make_sources(model, loaded.recordings, noise, settings);
+  if (std::vector<Defect> wrong = check_columns(sources, settings); !wrong.empty())
+    return refused(std::move(wrong));
   Cut cut = cut_shots(sources, noise, settings);
   const Placement placement = place(*cut.problem, options);
   const Library library{placement.candidates, make_nuisances(*cut.problem)};
@@ -283,14 +294,6 @@ Diagnosis diagnose_healthy(const DiagnoseOptions& options, const Teller& tell,
 
   Diagnosis out = diagnosis_of(evidence, model, sources, noise, library, selection, settings);
   out.regimes = regimes.names;
-  return out;
-}
-
-Diagnosis refused(std::vector<Defect> defects) {
-  Evidence evidence;
-  evidence.defects = std::move(defects);
-  Diagnosis out;
-  out.verdict = conclude(evidence);
   return out;
 }
 
