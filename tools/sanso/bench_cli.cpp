@@ -162,6 +162,7 @@ void add_simple(CLI::App& bench, const Bench& b, int& result) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = bench.add_subcommand(b.name, b.about);
   command->add_flag("--json", *json, "figures as JSON");
+  command->footer(std::string("Example:\n  sanso bench ") + b.name);
   command->callback([run = b.run, json, &result] { result = run(*json); });
 }
 

@@ -136,6 +136,10 @@ void add_bench_diagnose(CLI::App& app, int& result) {
   command->add_option("--setting", options->setting,
                       "scale one setting of the diagnosis, e.g. decisions.family_wise=0.5");
   command->add_flag("--json", options->bench.json, "print every case as JSON");
+  command->footer(
+      "Examples:\n"
+      "  sanso bench diagnose --family single --ratio 10 --cases 20 --seed 7\n"
+      "  sanso bench diagnose --folder $SANSO_DATA/concealed --resume --work out");
   command->callback([options, &result] {
     if (!options->setting.empty()) {
       try {

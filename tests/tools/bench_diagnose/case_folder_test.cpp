@@ -197,5 +197,24 @@ TEST(FolderTable, CountsFamiliesRatiosRobotsAndTimes) {
   EXPECT_NE(table.find("  b: single arm ratio 50.0"), std::string::npos) << table;
 }
 
+TEST(FolderBench, GoesOnBehindACaseWhoseHeldOutRecordingIsBroken) {
+  const test::TempFolder folder;
+  for (const char* name : {"one", "two"}) {
+    const std::filesystem::path at = folder.path() / "cases" / name;
+    std::filesystem::create_directories(at / "heldout");
+    std::filesystem::copy("tools/diagnose/examples/passive_pendulum", at / "model");
+    std::ofstream(at / "rec_1.csv") << "t,q:joint\n0,0\n0.01,0\n";
+    std::ofstream(at / "heldout" / "rec_1.csv") << "t,q:other\n0,0\n0.01,0\n";
+    std::ofstream(at / "answer.json") << R"({"family":"decoy","robot":"pendulum","effects":[],
+      "severity":null,"noise":{"rms":0.001},"decoy":{"kind":"short"}})";
+  }
+  FolderBenchOptions options;
+  options.folder = (folder.path() / "cases").string();
+  options.out = (folder.path() / "out").string();
+  EXPECT_EQ(bench_folder(options), 0);
+  for (const char* name : {"one", "two"})
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / name / "outcome.json"));
+}
+
 }  // namespace
 }  // namespace sanso::bench
