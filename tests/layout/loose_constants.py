@@ -23,6 +23,7 @@ KEPT = {
     ("fit/fit.h", "kGainMeasures"): "how many measures the comparison has",
     ("fit/heldout_gain.cpp", "kSeed"): "names a stream of random draws",
     ("fit/heldout_gain.cpp", "kUnit"): "two units of energy are one of log-likelihood",
+    ("torque/columns.cpp", "kTold"): "how many readings a person is told",
     ("fit/normal_equations.h", "kWhisper"): "keeps a matrix regular: far below what any row says of a number",
     ("fit/screen.cpp", "kEdge"): "rounding, where a nuisance stands at its bound",
     ("fit/screen.cpp", "kRounding"): "rounding of a sum of squares, far below any noise",

@@ -9,6 +9,8 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "tools/diagnose/gate/checks.h"
 #include "tools/diagnose/torque/bounded_least_squares.h"
@@ -44,7 +46,7 @@ std::vector<Reading> other_readings(const Source& source, const GateSettings& se
     flipped.sign[j] = -1.0;
     flipped.joint = j;
     flipped.kind = defect::kWrongSign;
-    flipped.words = "with the other sign; flip the sign of one of them";
+    flipped.words = "of the other sign";
     out.push_back(flipped);
     for (std::size_t i = 0; i < j; ++i) {
       if (tree[i].prismatic != tree[j].prismatic) continue;
@@ -52,7 +54,7 @@ std::vector<Reading> other_readings(const Source& source, const GateSettings& se
       std::swap(swapped.from[i], swapped.from[j]);
       swapped.joint = i;
       swapped.kind = defect::kSwapped;
-      swapped.words = "in the place of " + tree[j].name + "'s; exchange the columns";
+      swapped.words = "exchanged with q:" + tree[j].name;
       out.push_back(swapped);
     }
   }
@@ -63,7 +65,7 @@ std::vector<Reading> other_readings(const Source& source, const GateSettings& se
       shifted.late = s;
       shifted.kind = defect::kShiftedClock;
       shifted.words =
-          fmt::format("{:.2g} s {}; shift the columns", late, s > 0 ? "earlier" : "later");
+          fmt::format("and all other positions {:.2g} s {}", late, s > 0 ? "earlier" : "later");
       out.push_back(shifted);
     }
   }
@@ -162,6 +164,23 @@ bool driven_by_torques(const Source& source) {
   return !joints.empty();
 }
 
+std::string column_of(const Source& source, const Reading& reading) {
+  return "q:" + source.nominal.tree.joints[reading.joint].name;
+}
+
+/// Best first; half a period of a regular motion later looks like the other sign, so one reading
+/// alone would be no advice.
+std::string in_words(const Source& source, const std::vector<std::pair<double, Reading>>& better) {
+  constexpr std::size_t kTold = 4;
+  std::string out;
+  for (std::size_t k = 0; k < std::min(kTold, better.size()); ++k) {
+    const auto& [left, reading] = better[k];
+    out += fmt::format("{}{:.2g} % with {} {}", k == 0 ? "" : ", or ", 100 * left,
+                       column_of(source, reading), reading.words);
+  }
+  return out;
+}
+
 std::optional<Defect> check(const Source& source, const Settings& settings) {
   const Grid g = grid_of(source, settings);
   if (!driven_by_torques(source) || g.rows - 2 * g.reach < settings.gate.least_rows) return {};
@@ -173,17 +192,20 @@ std::optional<Defect> check(const Source& source, const Settings& settings) {
     promised = std::min(promised, left_by(source, reading, g));
     if (promised <= settings.gate.columns_fit) return {};
   }
-  double best = INFINITY;
-  Reading chosen;
+  std::vector<std::pair<double, Reading>> better;
   for (Reading& reading : other_readings(source, settings.gate)) {
     const double left = left_by(source, reading, g);
-    if (left < best) best = left, chosen = std::move(reading);
+    if (settings.gate.columns_better * left <= promised)
+      better.emplace_back(left, std::move(reading));
   }
-  if (settings.gate.columns_better * best > promised) return {};
-  return Defect{source.file, "q:" + source.nominal.tree.joints[chosen.joint].name, -1, chosen.kind,
-                fmt::format("the torques move the model as the positions say, {} ({:.2g} % of "
-                            "the torques stay unexplained, {:.2g} % as they are)",
-                            chosen.words, 100 * best, 100 * promised)};
+  if (better.empty()) return {};
+  std::stable_sort(better.begin(), better.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const Reading& best = better.front().second;
+  return Defect{source.file, column_of(source, best), -1, best.kind,
+                fmt::format("{:.2g} % of the torques stay unexplained by the motion as it is "
+                            "recorded, {}; mend the columns",
+                            100 * promised, in_words(source, better))};
 }
 
 }  // namespace
