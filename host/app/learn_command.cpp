@@ -62,6 +62,7 @@ LearnSettings defaults_of(const motion::Motion& motion, bool real_time) {
     s.session.bring_up.on = false;  // its poses would roll away
     // goals that follow a fall lean the reference into the next one: on wheels nothing stops it
     s.session.goals.enabled = false;
+    s.session.input_share_floor = 1.0;  // nor does anything stop what inputs push off
   }
   // of the 60 ms: leaves room for the way there and back and for a busy machine
   constexpr double kBudget_s = 0.045;

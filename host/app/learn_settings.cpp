@@ -110,6 +110,7 @@ const std::vector<Profile>& profiles() {
         {"session.learn_first_after=0", "no other occasion is printed"},
         {"session.learn_after_failures=0", "no other occasion is printed"},
         {"session.sigma_by_trials=false", "it depends \"on the accuracy\" of a trained model"},
+        {"session.input_share_floor=1", "W_u is one number"},
         {"model.newest_episodes=1000000", "data \"are added to the motion dataset\": all of them"},
         {"model.tilt_limit_rad=3.2", "all of them: falls too"},
         {"model.flight_ticks=0", "all of them, through landings"},

@@ -116,6 +116,12 @@ std::vector<UpperSample> upper_samples(const Episode& episode, bool first_knots_
   return out;
 }
 
+double next_input_share(double share, const TrialSummary& trial, const SessionSettings& settings) {
+  if (trial.succeeded()) return share;
+  if (trial.failed()) return std::min(1.0, share / settings.input_share_step);
+  return std::max(settings.input_share_floor, share * settings.input_share_step);
+}
+
 double cost_of_truth(const Episode& episode, const mpc::CostWeights& weights) {
   if (episode.truth.size() != episode.ticks.size() || episode.ticks.empty()) return -1.0;
   double cost = 0.0;
@@ -220,6 +226,7 @@ TrialSummary Session::run_one() {
   setup.weights = task_.weights;
   setup.layers = settings_.layers;
   setup.sigma = state_->sigma;
+  setup.input_share = state_->input_share;
   setup.duration_ticks = state_->primitives.duration_ticks();
 
   robot_.set_condition(state_->robot);
@@ -234,9 +241,11 @@ TrialSummary Session::run_one() {
 
   TrialSummary summary = summarize(episode, *rounded_middle);
   summary.sigma = setup.sigma;
+  summary.input_share = setup.input_share;
   summary.cost_true = cost_of_truth(episode, task_.weights);
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
+  state_->input_share = next_input_share(state_->input_share, summary, settings_);
   learn_from(episode, reference);
   const Episode free = taught_by(episode);
   if (const auto losses = learner_.losses(free)) {

@@ -46,6 +46,8 @@ struct SessionSettings {
   int learn_first_after = 3;
   int learn_after_failures = 3;
   bool sigma_by_trials = true;
+  double input_share_floor = 0.1;
+  double input_share_step = 0.5;
   int hand_fades_over = 0;
   bool learn_model_in_hand = true;
   ModelLearningSettings model;
@@ -67,6 +69,13 @@ struct SessionSettings {
         "sigma_by_trials", sigma_by_trials, "yes or no", false, true,
         "the noise amplitude follows the N-step loss of every completed trial, which no model has "
         "learned from yet; no: from round to round");
+    field(
+        "input_share_floor", input_share_floor, "1", 0.0, 1.0,
+        "least share of W_u that the planner counts after trials that ran to their end and missed "
+        "what the motion is for (a foot that stayed down); 1: always the whole (paper)");
+    field("input_share_step", input_share_step, "1", 0.01, 0.99,
+          "such a trial multiplies that share, a failed one divides it, one that did it keeps it; "
+          "J is judged with the whole W_u");
     field("hand_fades_over", hand_fades_over, "trials", 0, 1000000,
           "on wheels a hand travels along at the torso, evenly weaker from trial to trial and gone "
           "after so many; 0: it only pushes the robot off");
@@ -115,6 +124,9 @@ class Session {
   std::vector<model::State> x_init_;  // of the middle layer, one a knot
   int finished_before_ = 0;
 };
+
+/// The share of W_u that the planner counts in the trial after this one.
+double next_input_share(double share, const TrialSummary& trial, const SessionSettings& settings);
 
 /// Every middle-layer knot's view of what the upper layer did in an episode. Knots before the first
 /// plan see its first knot, or nothing.

@@ -13,11 +13,11 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kSessionMagic[] = "SANSOSES";
-constexpr std::uint32_t kSessionVersion = 6;
+constexpr std::uint32_t kSessionVersion = 7;
 
 void visit_summary(auto& s, auto&& io) {
-  io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.model_loss),
-      io(s.model_loss_analytical);
+  io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.input_share),
+      io(s.model_loss), io(s.model_loss_analytical);
   io(s.model_loss_initial), io(s.residual_share), io(s.u_upper_rms);
   io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost),
       io(s.bus_corrupt);
@@ -92,6 +92,7 @@ void save_state(const std::filesystem::path& path, const SessionState& state) {
   out.put(state.identity);
   out.put(state.next_trial);
   out.put(state.sigma);
+  out.put(state.input_share);
   out.put(state.model_rounds);
   out.put(state.residual.share);
   out.put(state.residual.ceiling);
@@ -114,6 +115,7 @@ void load_state(const std::filesystem::path& path, SessionState& state) {
   in.get(state.identity);
   in.get(state.next_trial);
   in.get(state.sigma);
+  in.get(state.input_share);
   in.get(state.model_rounds);
   in.get(state.residual.share);
   in.get(state.residual.ceiling);

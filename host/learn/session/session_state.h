@@ -18,8 +18,9 @@ struct TrialSummary {
   double cost_true = -1.0;  // the same from the true states; negative: nobody can tell
   TrialEnd end = TrialEnd::completed;
   std::uint16_t fault = 0;
-  double duration_s = 0.0;  // how long the motion ran
-  double sigma = 0.0;       // noise amplitude of the planner
+  double duration_s = 0.0;   // how long the motion ran
+  double sigma = 0.0;        // noise amplitude of the planner
+  double input_share = 1.0;  // of W_u that the planner counted
   // N-step loss in W_x of the model in use on this trial; negative: not computed
   double model_loss = -1.0;
   double model_loss_analytical = -1.0;  // the same without the residual network
@@ -45,6 +46,7 @@ struct SessionState {
   std::string identity;  // what must agree to resume: motion, seed, layers, settings
   std::uint32_t next_trial = 0;
   double sigma = 0.0;
+  double input_share = 1.0;  // of W_u that the planner counts in the next trial
   // rounds of model learning done; the model itself is stored beside
   std::uint32_t model_rounds = 0;
   ResidualTrust residual;           // in that model's network, after the newest trial

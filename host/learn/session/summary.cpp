@@ -39,6 +39,7 @@ Json iteration_json(const TrialSummary& s) {
          {"model_loss_initial", known(s.model_loss_initial)},
          {"residual_share", s.residual_share},
          {"sigma", s.sigma},
+         {"input_share", s.input_share},
          {"fault", s.fault},
          {"u_upper_rms_rad", s.u_upper_rms},
          {"u_middle_rms_rad", s.u_middle_rms},

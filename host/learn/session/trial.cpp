@@ -128,6 +128,7 @@ void Trial::begin() {
   // the pose that the controller keeps without primitives
   context.u_rest = model::joints(setup_.reference.front());
   context.weights = setup_.weights;
+  context.weights.input *= setup_.input_share;
   upper_.begin_trial(context);
   if (settings_.watcher) settings_.watcher->trial_begins(setup_);
   robot_.take_observations();  // from before the trial: not part of it

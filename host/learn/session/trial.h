@@ -74,6 +74,7 @@ struct TrialSetup {
   mpc::CostWeights weights;
   Layers layers;
   double sigma = 0.1;
+  double input_share = 1.0;  // of W_u that the planner counts; the trial is judged with the whole
   int duration_ticks = 0;
 };
 

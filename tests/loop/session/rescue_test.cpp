@@ -1,4 +1,5 @@
 // A robot that falls before its trial: the session goes on, keeps what it saw and learns from it.
+#include <cmath>
 #include <functional>
 
 #include "firmware/exchange/faults.h"
@@ -118,6 +119,40 @@ TEST(Rescue, TheNoiseAmplitudeFollowsWhatTheLastTrialShowed) {
     EXPECT_EQ(follows[i].sigma, learn::sigma_of_loss(follows[i - 1].model_loss));
     EXPECT_EQ(stays[i].sigma, learn::kSigmaStart);
   }
+}
+
+learn::TrialSummary ended(learn::TrialEnd end, std::vector<std::string> broken = {}) {
+  learn::TrialSummary trial;
+  trial.end = end;
+  trial.broken_clauses = std::move(broken);
+  return trial;
+}
+
+/// A planner that would rather drag a foot than pay for lifting it stays so at the whole price.
+TEST(Rescue, InputsBecomeCheaperWhileTrialsMissWhatTheMotionIsFor) {
+  const learn::SessionSettings settings;
+  const learn::TrialSummary right = ended(learn::TrialEnd::completed),
+                            missed = ended(learn::TrialEnd::completed, {"a foot stayed down"}),
+                            fell = ended(learn::TrialEnd::tilt);
+  double share = learn::next_input_share(1.0, missed, settings);
+  EXPECT_LT(share, 1.0);
+  EXPECT_EQ(learn::next_input_share(share, right, settings), share);
+  EXPECT_EQ(learn::next_input_share(share, fell, settings), 1.0);
+  EXPECT_EQ(learn::next_input_share(1.0, fell, settings), 1.0) << "never dearer than W_u";
+  for (int i = 0; i < 20; ++i) share = learn::next_input_share(share, missed, settings);
+  EXPECT_EQ(share, settings.input_share_floor);
+}
+
+double inputs_of_standing(double input_share) {
+  Loop loop("stand", "back");
+  loop.setup.input_share = input_share;
+  double squares = 0.0;
+  for (const wire::Observation& o : loop.run(1).ticks) squares += o.u_upper.squaredNorm();
+  return std::sqrt(squares);
+}
+
+TEST(Rescue, APlannerThatInputsCostLessUsesMoreOfThem) {
+  EXPECT_GT(inputs_of_standing(0.1), 1.2 * inputs_of_standing(1.0));
 }
 
 /// Highest that each sole was above the floor [m].
