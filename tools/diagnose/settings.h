@@ -80,11 +80,12 @@ struct DecisionSettings {
   double tied_drives = 2.0;
   double same_robot = 0.25;
   double same_law = 0.015;
-  double interval_stretch = 1.4;
+  double interval_stretch = 1.6;
   double much_left = 0.18;
   double rest_of_law = 0.02;
   double sure_size = 2.0;
   double only_there = 10.0;
+  double stop_gives = 0.1;
   int disagreeing_groups = 6;
   int maximum_effects = 6;
   int rounds = 3;
@@ -103,6 +104,12 @@ struct DecisionSettings {
   double missing_effort = 1.5;
   template <class Field>
   void visit(Field&& field) {
+    visit_search(field);
+    visit_names(field);
+  }
+
+ private:
+  void visit_search(auto& field) {
     field("family_wise", family_wise, "probability", 1e-06, 0.5, "level of every naming decision");
     field("null_draws", null_draws, "draws", 19, 1000000,
           "of the family's null law: p resolves to 0.001");
@@ -137,6 +144,8 @@ struct DecisionSettings {
           "signatures of a pair that are more alike cannot be told apart by the screening");
     field("tied_drives", tied_drives, "factor", 1.0, 1000.0,
           "in torque between joints that share one number: one for unlike drives is nobody's");
+  }
+  void visit_names(auto& field) {
     field("same_robot", same_robot, "share", 0.001, 2.0,
           "of an effect's size: recordings that differ by less are one robot on two days");
     field("same_law", same_law, "share", 1e-06, 0.5,
@@ -145,12 +154,16 @@ struct DecisionSettings {
           "on intervals of figures: seven of eight in fresh sealed cases hold then (docs/results)");
     field("much_left", much_left, "share", 0.0, 10.0,
           "of the error beyond noise: names that leave more, above `adequate`, are not sure");
-    field("rest_of_law", rest_of_law, "share", 0.0, 1.0,
-          "of what another name of its kind removes: less may be that law, off by a seventh");
+    field(
+        "rest_of_law", rest_of_law, "share", 0.0, 1.0,
+        "of what a name removes: one of its kind that removes less, or a rival behind by less, may "
+        "be its law, off by a seventh");
     field("sure_size", sure_size, "factor", 1.0, 100.0,
           "on the interval of a name beside one that removes more: it has to leave the null");
     field("only_there", only_there, "variance ratio", 1.0, 1e6,
           "of a number that other conditions do not tell: left out, they keep it");
+    field("stop_gives", stop_gives, "rad or m", 0.0, 10.0,
+          "beyond its position: a stop that lets a joint further may be a cord that becomes taut");
     field("disagreeing_groups", disagreeing_groups, "groups", 2, 100,
           "of recordings asked one by one at most: each takes a fit, more say no more");
     field("maximum_effects", maximum_effects, "effects", 1, 100, "more are a different robot");

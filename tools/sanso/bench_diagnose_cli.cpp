@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tools/bench/diagnose/diagnose_bench.h"
 #include "tools/bench/diagnose/folder_bench.h"
@@ -72,7 +74,8 @@ struct Options {
   bench::FolderBenchOptions cases;
   bool sensitivity = false;
   std::vector<std::string> only;
-  std::string family, effect, setting;
+  std::string family, effect;
+  std::vector<std::string> settings;
   double ratio = 0.0;
 };
 
@@ -133,17 +136,17 @@ void add_bench_diagnose(CLI::App& app, int& result) {
                       "begin no case later than this; 0: run all");
   command->add_flag("--leave-out", options->bench.leave_out,
                     "diagnose every case again without its true effects in the library");
-  command->add_option("--setting", options->setting,
-                      "scale one setting of the diagnosis, e.g. decisions.family_wise=0.5");
+  command->add_option("--setting", options->settings,
+                      "scale settings of the diagnosis, e.g. decisions.family_wise=0.5");
   command->add_flag("--json", options->bench.json, "print every case as JSON");
   command->footer(
       "Examples:\n"
       "  sanso bench diagnose --family single --ratio 10 --cases 20 --seed 7\n"
       "  sanso bench diagnose --folder $SANSO_DATA/concealed --resume --work out");
   command->callback([options, &result] {
-    if (!options->setting.empty()) {
+    for (const std::string& change : options->settings) {
       try {
-        options->bench.settings = bench::scaled({}, options->setting);
+        options->bench.settings = bench::scaled(options->bench.settings, change);
       } catch (const std::invalid_argument& error) {
         throw CLI::ValidationError("--setting", error.what());
       }

@@ -190,6 +190,8 @@ struct Effect {
   std::vector<std::string_view> contains{};
   // what it contains is no part of it but another cause: both may stand in one set
   bool another_cause = false;
+  // ids of what it may be where a joint goes more than `decisions.stop_gives` beyond its position
+  std::vector<std::string_view> yielding{};
   std::vector<std::string_view> regimes{};  // where in the motion it shows
   std::string_view signature{};             // in words, for the report
   std::vector<Experiment> experiments{};

@@ -103,6 +103,8 @@ Effect joint_stop() {
       .sign = 1,
       .residuals = kR2 | kR3,
       .confounders = {"cable_spring"},
+      // no body against a body gives way so far: a cord or a cable that becomes taut there does
+      .yielding = {"tether", "cable_spring"},
       .regimes = {"near joint limit"},
       .signature = "only near one end of the range",
       .experiments = {kFullRange},

@@ -8,6 +8,7 @@
 #include "tools/diagnose/effects/effect.h"
 #include "tools/diagnose/explain/instants.h"
 #include "tools/diagnose/stats/significance.h"
+#include "tools/diagnose/verdict/yielding.h"
 
 namespace sanso::diagnose {
 namespace {
@@ -99,19 +100,24 @@ Rival rival_of(const Library& library, const Selection& selection, const Regimes
   return rival;
 }
 
+/// Energy by which a rival has to be behind: what matters, and what the rival's law may be off by,
+/// in `removed` by the chosen name.
+double least_ahead(const Comparison& comparison, double removed) {
+  return std::max(practical_energy(comparison),
+                  comparison.settings.decisions.rest_of_law * removed);
+}
+
 /// These data cannot tell the rival from the chosen effect, and it is another explanation: another
 /// effect that says nothing wrong and predicts as well, and not the chosen one for some of its
-/// parameters. Two simulations that differ by less than
-/// what matters are the same prediction; but a rival that needs more numbers to predict worse
-/// beyond chance is no explanation beside a simpler one. Chance is that of all `rivals`.
+/// parameters. Two simulations that differ by less than `ahead` are the same prediction; but a
+/// rival that needs more numbers to predict worse beyond chance is no explanation beside a simpler
+/// one. Chance is that of all `rivals`.
 bool as_good(const Library& library, const Selection& selection, const Candidate& chosen,
-             const Alternative& a, const Rival& rival, std::size_t rivals) {
+             const Alternative& a, const Rival& rival, std::size_t rivals, double ahead) {
   const DecisionSettings& decisions = selection.around->settings().decisions;
   const bool needs_more = free_parameters(library[a.candidate]) > free_parameters(chosen) &&
                           a.behind.certainty() > errors_ahead(decisions, rivals);
-  const bool level =
-      !needs_more && !a.far_behind &&
-      !beaten(decisions, a.behind, practical_energy(*selection.around->problem), rivals);
+  const bool level = !needs_more && !a.far_behind && !beaten(decisions, a.behind, ahead, rivals);
   const bool other_place = rival.effect == chosen.effect;
   const bool same_cause =
       contains(library[a.candidate], chosen) && !find_effect(rival.effect)->another_cause;
@@ -148,10 +154,15 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   const auto rivals =
       static_cast<std::size_t>(std::count_if(entry.alternatives.begin(), entry.alternatives.end(),
                                              [](const Alternative& a) { return !a.far_behind; }));
+  const Comparison& comparison = *selection.around->problem;
+  for (const std::string_view id :
+       yields_like(comparison, c, selection.final.model.effects[i].theta))
+    f.one_of.emplace_back(id);
+  const double ahead = least_ahead(comparison, entry.gain.removed());
   for (const Alternative& a : entry.alternatives) {
     Rival rival = rival_of(library, selection, regimes, entry, a);
     const bool listed = std::find(f.one_of.begin(), f.one_of.end(), rival.effect) != f.one_of.end();
-    if (!listed && as_good(library, selection, c, a, rival, rivals))
+    if (!listed && as_good(library, selection, c, a, rival, rivals, ahead))
       f.one_of.push_back(rival.effect);
     f.rivals.push_back(std::move(rival));
   }
