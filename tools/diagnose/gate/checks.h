@@ -45,8 +45,12 @@ std::vector<Defect> check_resumed(const GateRecording& r, const Joints& joints,
 /// Channels that are too large or too small for SI: by the model's limits, and by each other.
 std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
                                 const GateSettings& settings);
+/// Joints of which one has the other's velocity, d(q_i)/dt = dq_j, and not its own: exchanged
+/// columns of a robot under torque too. Asked before signs, which those contradict as well.
+std::vector<Defect> check_velocity_swaps(const GateRecording& r, const Joints& joints,
+                                         const GateSettings& settings);
 /// A goal that is a copy of the position; a position that moves against its goal; joints of which
-/// one follows the other's goal, or has the other's velocity.
+/// one follows the other's goal.
 std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
                                    const GateSettings& settings);
 /// A command that the log cuts off: the position goes on beyond its flat tops.

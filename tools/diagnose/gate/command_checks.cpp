@@ -79,44 +79,6 @@ std::vector<Defect> check_swaps(const GateRecording& r, const std::vector<GateJo
   return out;
 }
 
-/// The same by velocity: d(q_i)/dt equals dq_j and not dq_i (for torque-controlled robots, or
-/// swapped position columns).
-std::vector<Defect> check_velocity_swaps(const GateRecording& r,
-                                         const std::vector<GateJoint>& joints,
-                                         const GateSettings& settings) {
-  std::vector<Defect> out;
-  const auto derivative_matches = [&](std::size_t i, std::size_t j) {
-    const GateChannel* q = r.find("q:" + joints[i].name);
-    const GateChannel* dq = r.find("dq:" + joints[j].name);
-    if (q == nullptr || dq == nullptr) return 0.0;
-    const auto stride = std::max<std::size_t>(
-        1, static_cast<std::size_t>(0.03 / std::max(sampling_interval(r.t), 1e-6)));
-    std::vector<double> a, b;
-    for (std::size_t k = stride; k + stride < q->values.size(); k += stride) {
-      a.push_back((q->values[k + stride] - q->values[k - stride]) /
-                  (r.t[k + stride] - r.t[k - stride]));
-      b.push_back(dq->values[k]);
-    }
-    return correlation(a, b);
-  };
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    for (std::size_t j = i + 1; j < joints.size(); ++j) {
-      if (std::abs(derivative_matches(i, i)) > settings.does_not_answer ||
-          std::abs(derivative_matches(j, j)) > settings.does_not_answer) {
-        continue;
-      }
-      const double ij = derivative_matches(i, j), ji = derivative_matches(j, i);
-      if (ij > settings.answers && ji > settings.answers) {
-        out.push_back(
-            {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
-             fmt::format("d(q:{})/dt is dq:{} and the other way round (correlation {:.2f}, {:.2f})",
-                         joints[i].name, joints[j].name, ij, ji)});
-      }
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
@@ -144,7 +106,42 @@ std::vector<Defect> check_commands(const GateRecording& r, const Joints& joints,
     }
   }
   append(out, check_swaps(r, joints, settings));
-  if (out.empty()) append(out, check_velocity_swaps(r, joints, settings));
+  return out;
+}
+
+std::vector<Defect> check_velocity_swaps(const GateRecording& r, const Joints& joints,
+                                         const GateSettings& settings) {
+  std::vector<Defect> out;
+  const auto derivative_matches = [&](std::size_t i, std::size_t j) {
+    const GateChannel* q = r.find("q:" + joints[i].name);
+    const GateChannel* dq = r.find("dq:" + joints[j].name);
+    if (q == nullptr || dq == nullptr) return 0.0;
+    const auto stride = std::max<std::size_t>(
+        1, static_cast<std::size_t>(0.03 / std::max(sampling_interval(r.t), 1e-6)));
+    std::vector<double> a, b;
+    for (std::size_t k = stride; k + stride < q->values.size(); k += stride) {
+      a.push_back((q->values[k + stride] - q->values[k - stride]) /
+                  (r.t[k + stride] - r.t[k - stride]));
+      b.push_back(dq->values[k]);
+    }
+    return correlation(a, b);
+  };
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    for (std::size_t j = i + 1; j < joints.size(); ++j) {
+      // links that swing against each other have velocities of the other's sign
+      if (derivative_matches(i, i) > settings.does_not_answer ||
+          derivative_matches(j, j) > settings.does_not_answer) {
+        continue;
+      }
+      const double ij = derivative_matches(i, j), ji = derivative_matches(j, i);
+      if (ij > settings.answers && ji > settings.answers) {
+        out.push_back(
+            {r.file, "q:" + joints[i].name, -1, defect::kSwapped,
+             fmt::format("d(q:{})/dt is dq:{} and the other way round (correlation {:.2f}, {:.2f})",
+                         joints[i].name, joints[j].name, ij, ji)});
+      }
+    }
+  }
   return out;
 }
 

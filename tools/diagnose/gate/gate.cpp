@@ -39,6 +39,7 @@ std::vector<Defect> inspect_one(const GateRecording& r, const std::vector<GateJo
   for (const std::initializer_list<Check>& group :
        {std::initializer_list<Check>{gate::check_required},
         {gate::check_wraps},
+        {gate::check_velocity_swaps},
         {gate::check_units},
         {gate::check_commands, gate::check_clipping, gate::check_stuck, gate::check_resumed}}) {
     for (Check check : group) gate::append(out, check(r, joints, settings));

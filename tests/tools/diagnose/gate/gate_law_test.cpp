@@ -107,6 +107,36 @@ TEST(GateLaws, SwappedPositionsWithoutCommandsAreSeenByTheVelocities) {
   EXPECT_EQ(first_defect(d).defect, defect::kSwapped);
 }
 
+/// Links that swing against each other: either position has the other velocity's sign too.
+TEST(GateLaws, SwappedPositionsOfOpposedJointsAreNoWrongSign) {
+  Data d = healthy();
+  for (const std::string kind : {"q:", "dq:"}) {
+    std::vector<double>& knee = d[kind + "knee"];
+    for (std::size_t k = 0; k < knee.size(); ++k) knee[k] = 0.3 * knee[k] - d[kind + "hip"][k];
+  }
+  std::erase_if(d.columns, [](const auto& c) { return c.first[0] == 'u'; });
+  EXPECT_EQ(first_defect(d).defect, "");
+  std::swap(d["q:hip"], d["q:knee"]);
+  EXPECT_EQ(first_defect(d).defect, defect::kSwapped);
+}
+
+TEST(GateLaws, ASignThatNoCommandVouchesForMayBeThePositionsOrTheVelocitys) {
+  for (const bool commanded : {true, false}) {
+    Data d = healthy();
+    scale(d["dq:hip"], -1.0);
+    if (!commanded) std::erase_if(d.columns, [](const auto& c) { return c.first[0] == 'u'; });
+    const GateReport report = inspect({d.view()}, joints());
+    std::vector<std::string> channels;
+    channels.reserve(report.defects.size());
+    for (const Defect& found : report.defects) {
+      EXPECT_EQ(found.defect, defect::kWrongSign);
+      channels.push_back(found.channel);
+    }
+    EXPECT_EQ(channels, commanded ? std::vector<std::string>{"dq:hip"}
+                                  : (std::vector<std::string>{"dq:hip", "q:hip"}));
+  }
+}
+
 struct WrongUnit {
   const char* channel;
   double value, factor;  // amplitude in the right unit, and what it is multiplied by
