@@ -21,6 +21,19 @@ inline void append(std::vector<Defect>& to, std::vector<Defect> found) {
   to.insert(to.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
 }
 
+/// Adds what speaks against the velocity of a joint by its position; where no command vouches for
+/// the position, the same of that.
+inline void append_either(std::vector<Defect>& to, const GateRecording& r, const GateJoint& joint,
+                          std::optional<Defect> found) {
+  const bool either =
+      found && found->channel == "dq:" + joint.name && r.find("u:" + joint.name) == nullptr;
+  append(to, found);
+  if (!either) return;
+  found->channel = "q:" + joint.name;
+  found->message = "or the other way round: " + found->message;
+  append(to, std::move(found));
+}
+
 /// Too few rows, or seconds, to ask anything.
 std::vector<Defect> check_size(const GateRecording& r, const GateSettings& settings);
 /// t is no number, goes back, stands still, or has a gap; the first of each.

@@ -156,7 +156,7 @@ std::vector<Defect> check_clocks(const GateRecording& r, const std::vector<GateJ
   for (const GateJoint& joint : joints) {
     std::optional<Defect> found = check_answer(r, joint, settings);
     if (!found) found = check_velocity(r, joint, settings);
-    append(out, std::move(found));
+    append_either(out, r, joint, std::move(found));
   }
   return out;
 }

@@ -168,12 +168,10 @@ std::vector<Defect> check_units(const GateRecording& r, const Joints& joints,
     std::optional<Defect> found = check_position_scale(r, joint, *q, settings);
     if (!found) found = check_command_unit(r, joint, *q, settings);
     if (!found) found = check_velocity_unit(r, joint, *q, settings);
-    const bool against = found && found->channel != q->name && found->defect == defect::kWrongSign;
-    append(out, std::move(found));
-    if (against && r.find("u:" + joint.name) == nullptr) {  // a command would tell which of them
-      out.push_back({r.file, q->name, -1, defect::kWrongSign,
-                     "position runs against dq: one of the two has the wrong sign"});
-    }
+    if (found && found->defect == defect::kWrongSign)
+      append_either(out, r, joint, std::move(found));
+    else
+      append(out, std::move(found));
     append(out, check_magnitude(r, "i:" + joint.name, joint.current_limit, "A", settings));
     append(out, check_magnitude(r, "tau:" + joint.name, joint.torque_limit, "N m", settings));
     append(out, check_magnitude(r, "tau_cmd:" + joint.name, joint.torque_limit, "N m", settings));
