@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "host/app/adopt.h"
+#include "host/app/foot_lift.h"
 #include "host/app/interrupt.h"
 #include "host/app/motion_judge.h"
 #include "host/learn/session/progress.h"
@@ -38,7 +39,8 @@ std::string adopt_into(const LearnOptions& options, host::AugmentedModel& model,
 learn::Task task_of(const motion::Motion& motion) {
   learn::Task task{
       motion.name, motion.primitives, motion.weights,
-      [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); }};
+      [&motion](const learn::Episode& episode) { return broken_clauses(motion, episode); },
+      lifted_share};
   if (motion.skate) task.push = learn::Push{motion.skate->push_m_s, motion.skate->push_s};
   return task;
 }

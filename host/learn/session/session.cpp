@@ -117,8 +117,8 @@ std::vector<UpperSample> upper_samples(const Episode& episode, bool first_knots_
 }
 
 double next_input_share(double share, const TrialSummary& trial, const SessionSettings& settings) {
-  if (trial.succeeded()) return share;
   if (trial.failed()) return std::min(1.0, share / settings.input_share_step);
+  if (trial.lifted_share < 0.0 || trial.lifted_share >= settings.lifted_least) return share;
   return std::max(settings.input_share_floor, share * settings.input_share_step);
 }
 
@@ -245,6 +245,7 @@ TrialSummary Session::run_one() {
   summary.cost_true = cost_of_truth(episode, task_.weights);
   if (task_.broken_clauses && !episode.failed())
     summary.broken_clauses = task_.broken_clauses(episode);
+  if (task_.lifted_share) summary.lifted_share = task_.lifted_share(episode);
   state_->input_share = next_input_share(state_->input_share, summary, settings_);
   learn_from(episode, reference);
   const Episode free = taught_by(episode);

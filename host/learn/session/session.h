@@ -24,8 +24,11 @@ struct Task {
   policy::PrimitiveSet primitives;
   mpc::CostWeights weights;
   /// The motion's own success clauses: texts of those that an episode breaks, empty when all hold.
-  /// May be absent.
+  /// May be absent. Judged from outside where somebody can: for reports, nothing learns from it.
   std::function<std::vector<std::string>(const Episode&)> broken_clauses;
+  /// Share of the reference's lift of feet that the robot itself believes it did; negative: it
+  /// lifts none. May be absent.
+  std::function<double(const Episode&)> lifted_share = {};
   /// On wheels: how a hand starts every trial. Until it has let go, nothing is learned about the
   /// model: it does not know the hand.
   std::optional<Push> push = {};
@@ -48,6 +51,7 @@ struct SessionSettings {
   bool sigma_by_trials = true;
   double input_share_floor = 0.1;
   double input_share_step = 0.5;
+  double lifted_least = 0.6;
   int hand_fades_over = 0;
   bool learn_model_in_hand = true;
   ModelLearningSettings model;
@@ -69,13 +73,15 @@ struct SessionSettings {
         "sigma_by_trials", sigma_by_trials, "yes or no", false, true,
         "the noise amplitude follows the N-step loss of every completed trial, which no model has "
         "learned from yet; no: from round to round");
-    field(
-        "input_share_floor", input_share_floor, "1", 0.0, 1.0,
-        "least share of W_u that the planner counts after trials that ran to their end and missed "
-        "what the motion is for (a foot that stayed down); 1: always the whole (paper)");
+    field("input_share_floor", input_share_floor, "1", 0.0, 1.0,
+          "least share of W_u that the planner counts after trials that ran to their end with feet "
+          "that hardly rose; 1: always the whole (paper)");
     field("input_share_step", input_share_step, "1", 0.01, 0.99,
-          "such a trial multiplies that share, a failed one divides it, one that did it keeps it; "
-          "J is judged with the whole W_u");
+          "such a trial multiplies that share, a failed one divides it, another keeps it; J is "
+          "judged with the whole W_u");
+    field("lifted_least", lifted_least, "1", 0.0, 1.0,
+          "share of the reference's lift of feet, by the robot's own estimate, below which they "
+          "hardly rose");
     field("hand_fades_over", hand_fades_over, "trials", 0, 1000000,
           "on wheels a hand travels along at the torso, evenly weaker from trial to trial and gone "
           "after so many; 0: it only pushes the robot off");

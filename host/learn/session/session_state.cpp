@@ -13,11 +13,11 @@ namespace sanso::learn {
 namespace {
 
 constexpr char kSessionMagic[] = "SANSOSES";
-constexpr std::uint32_t kSessionVersion = 7;
+constexpr std::uint32_t kSessionVersion = 8;
 
 void visit_summary(auto& s, auto&& io) {
   io(s.trial), io(s.cost), io(s.end), io(s.fault), io(s.duration_s), io(s.sigma), io(s.input_share),
-      io(s.model_loss), io(s.model_loss_analytical);
+      io(s.lifted_share), io(s.model_loss), io(s.model_loss_analytical);
   io(s.model_loss_initial), io(s.residual_share), io(s.u_upper_rms);
   io(s.u_middle_rms), io(s.gain_upper), io(s.gain_middle), io(s.late_updates), io(s.bus_lost),
       io(s.bus_corrupt);

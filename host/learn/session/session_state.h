@@ -18,9 +18,10 @@ struct TrialSummary {
   double cost_true = -1.0;  // the same from the true states; negative: nobody can tell
   TrialEnd end = TrialEnd::completed;
   std::uint16_t fault = 0;
-  double duration_s = 0.0;   // how long the motion ran
-  double sigma = 0.0;        // noise amplitude of the planner
-  double input_share = 1.0;  // of W_u that the planner counted
+  double duration_s = 0.0;     // how long the motion ran
+  double sigma = 0.0;          // noise amplitude of the planner
+  double input_share = 1.0;    // of W_u that the planner counted
+  double lifted_share = -1.0;  // of the reference's lift of feet, as believed; negative: none asked
   // N-step loss in W_x of the model in use on this trial; negative: not computed
   double model_loss = -1.0;
   double model_loss_analytical = -1.0;  // the same without the residual network

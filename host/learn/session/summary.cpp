@@ -21,7 +21,7 @@ Json updates_json(const std::vector<float>& ms) {
 }
 
 /// Null where it was not computed: a trial that falls at once says nothing about a model, a real
-/// robot nothing about the truth.
+/// robot nothing about the truth, a motion that lifts no foot nothing about lifts.
 Json known(double value) { return value >= 0.0 ? Json(value) : Json(nullptr); }
 
 Json iteration_json(const TrialSummary& s) {
@@ -40,6 +40,7 @@ Json iteration_json(const TrialSummary& s) {
          {"residual_share", s.residual_share},
          {"sigma", s.sigma},
          {"input_share", s.input_share},
+         {"lifted_share", known(s.lifted_share)},
          {"fault", s.fault},
          {"u_upper_rms_rad", s.u_upper_rms},
          {"u_middle_rms_rad", s.u_middle_rms},

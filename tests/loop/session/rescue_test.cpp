@@ -121,25 +121,27 @@ TEST(Rescue, TheNoiseAmplitudeFollowsWhatTheLastTrialShowed) {
   }
 }
 
-learn::TrialSummary ended(learn::TrialEnd end, std::vector<std::string> broken = {}) {
+learn::TrialSummary ended(learn::TrialEnd end, double lifted_share) {
   learn::TrialSummary trial;
   trial.end = end;
-  trial.broken_clauses = std::move(broken);
+  trial.lifted_share = lifted_share;
   return trial;
 }
 
 /// A planner that would rather drag a foot than pay for lifting it stays so at the whole price.
-TEST(Rescue, InputsBecomeCheaperWhileTrialsMissWhatTheMotionIsFor) {
+TEST(Rescue, InputsBecomeCheaperWhileFeetHardlyRise) {
   const learn::SessionSettings settings;
-  const learn::TrialSummary right = ended(learn::TrialEnd::completed),
-                            missed = ended(learn::TrialEnd::completed, {"a foot stayed down"}),
-                            fell = ended(learn::TrialEnd::tilt);
-  double share = learn::next_input_share(1.0, missed, settings);
+  const learn::TrialSummary rose = ended(learn::TrialEnd::completed, 0.9),
+                            stands = ended(learn::TrialEnd::completed, -1.0),
+                            dragged = ended(learn::TrialEnd::completed, 0.2),
+                            fell = ended(learn::TrialEnd::tilt, 0.2);
+  double share = learn::next_input_share(1.0, dragged, settings);
   EXPECT_LT(share, 1.0);
-  EXPECT_EQ(learn::next_input_share(share, right, settings), share);
+  EXPECT_EQ(learn::next_input_share(share, rose, settings), share);
+  EXPECT_EQ(learn::next_input_share(share, stands, settings), share) << "no foot is to rise";
   EXPECT_EQ(learn::next_input_share(share, fell, settings), 1.0);
   EXPECT_EQ(learn::next_input_share(1.0, fell, settings), 1.0) << "never dearer than W_u";
-  for (int i = 0; i < 20; ++i) share = learn::next_input_share(share, missed, settings);
+  for (int i = 0; i < 20; ++i) share = learn::next_input_share(share, dragged, settings);
   EXPECT_EQ(share, settings.input_share_floor);
 }
 
