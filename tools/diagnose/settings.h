@@ -83,6 +83,7 @@ struct DecisionSettings {
   double interval_stretch = 1.6;
   double much_left = 0.18;
   double rest_of_law = 0.02;
+  double rest_of_joint = 0.05;
   double sure_size = 2.0;
   double only_there = 10.0;
   double stop_gives = 0.1;
@@ -154,10 +155,12 @@ struct DecisionSettings {
           "on intervals of figures: seven of eight in fresh sealed cases hold then (docs/results)");
     field("much_left", much_left, "share", 0.0, 10.0,
           "of the error beyond noise: names that leave more, above `adequate`, are not sure");
-    field(
-        "rest_of_law", rest_of_law, "share", 0.0, 1.0,
-        "of what a name removes: one of its kind that removes less, or a rival behind by less, may "
-        "be its law, off by a seventh");
+    field("rest_of_law", rest_of_law, "share", 0.0, 1.0,
+          "of what a name removes: a rival behind by less is as good, for its law may be off by a "
+          "seventh");
+    field("rest_of_joint", rest_of_joint, "share", 0.0, 1.0,
+          "of what a name removes: another at its joint that removes less may be what its law is "
+          "off by (a fifth)");
     field("sure_size", sure_size, "factor", 1.0, 100.0,
           "on the interval of a name beside one that removes more: it has to leave the null");
     field("only_there", only_there, "variance ratio", 1.0, 1e6,

@@ -134,6 +134,7 @@ Finding finding_of(const Library& library, const Selection& selection, const Reg
   f.chance = c.random;
   f.family = c.family;
   f.where = c.where;
+  f.joints = c.joints;
   f.p_family = entry.p_family;
   const double whole = energy_to_explain(selection);
   f.heldout_gain = entry.gain.removed() / whole;
@@ -241,10 +242,11 @@ std::vector<Finding> with_their_kind(std::vector<Finding> findings, const Decisi
     for (const Finding& other : findings) {
       if (&other == &f || other.tolerated) continue;
       if (f.nearly_null && other.heldout_gain > f.heldout_gain) f.small_beside = other.effect;
+      if (!f.chance && !f.joints.empty() && f.joints == other.joints &&
+          f.heldout_gain < s.rest_of_joint * other.heldout_gain)
+        f.rest_of = other.effect;
       if (other.family != f.family || other.where != f.where) continue;
       if (other.unrepeated && !f.unrepeated && !inertia) f.bends_with = other.effect;
-      if (!f.chance && f.heldout_gain < s.rest_of_law * other.heldout_gain)
-        f.rest_of = other.effect;
     }
   }
   return findings;
@@ -339,7 +341,7 @@ std::vector<Finding> accepted_so_far(const Library& library, const Selection& se
                                                                    : char{0});
     }
     Finding f;
-    f.effect = c.effect, f.family = c.family, f.where = c.where;
+    f.effect = c.effect, f.family = c.family, f.where = c.where, f.joints = c.joints;
     f.regime = "everywhere";
     f.status = VerdictStatus::unfinished;
     f.p_family = selection.accepted[i].p_family;

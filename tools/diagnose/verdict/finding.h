@@ -40,7 +40,8 @@ struct Rival {
 struct Finding {
   std::string effect, family;
   std::vector<std::string> where;
-  std::string regime;  // where in the motion it shows most
+  std::vector<std::size_t> joints;  // whose it is, or whose links'; empty: the whole robot's
+  std::string regime;               // where in the motion it shows most
   VerdictStatus status = VerdictStatus::confirmed;
   std::map<std::string, VerdictParameter> parameters;
   double p_family = 1.0;
@@ -63,8 +64,8 @@ struct Finding {
   // a friction beside one, a spring beside one, ... at the same joint that nobody saw repeat: both
   // may be one law that bends over the angle
   std::string bends_with;
-  // removes so little of what this one of its kind at the same joint does that it may be what that
-  // one's law is off by
+  // removes so little of what this one at the same joint does that it may be what that one's law is
+  // off by
   std::string rest_of;
   // removes less than what this one does, and is of too uncertain a size to be sure beside it: what
   // is left of a larger finding is no noise, and has no place in an interval

@@ -138,12 +138,16 @@ TEST(OneKind, AnInertiaIsNoPartOfWhatBendsOverTheAngle) {
   EXPECT_EQ(status_of_first({play, error}), VerdictStatus::present_unnamed);
 }
 
-TEST(OneKind, HasNoNameForWhatALargerLawMayBeOffBy) {
-  const double share = DecisionSettings{}.rest_of_law;
-  const Finding large = found("stribeck_friction", "friction", "knee", 0.5);
-  const Finding more = found("coulomb_friction", "friction", "knee", 1.1 * share * 0.5);
+/// Of whatever kind it is: a friction whose law falls otherwise leaves what a spring removes.
+TEST(OneJoint, HasNoNameForWhatALargerLawMayBeOffBy) {
+  const double share = DecisionSettings{}.rest_of_joint;
+  Finding large = found("stribeck_friction", "friction", "knee", 0.5);
+  large.joints = {1};
+  Finding more = found("joint_compliance", "transmission", "knee", 1.1 * share * 0.5);
+  more.joints = {1};
   EXPECT_EQ(status_of_first({more, large}), VerdictStatus::confirmed);
-  Finding less = found("coulomb_friction", "friction", "knee", 0.9 * share * 0.5);
+  Finding less = more;
+  less.heldout_gain = 0.9 * share * 0.5;
   EXPECT_EQ(status_of_first({less, large}), VerdictStatus::present_unnamed);
   EXPECT_EQ(status_of_first({large, less}), VerdictStatus::confirmed);
   EXPECT_NE(reserve(with_their_kind({less, large}, DecisionSettings{}).front())
@@ -152,7 +156,11 @@ TEST(OneKind, HasNoNameForWhatALargerLawMayBeOffBy) {
   less.chance = true;  // judged by its scatter, not by the error it removes
   EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
   less.chance = false;
-  less.where = {"hip"};
+  less.where = {"shank"};  // the link that hangs at it
+  EXPECT_EQ(status_of_first({less, large}), VerdictStatus::present_unnamed);
+  less.where = {"hip"}, less.joints = {0};
+  EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
+  less.joints = large.joints = {};  // a supply and its battery are the whole robot's
   EXPECT_EQ(status_of_first({less, large}), VerdictStatus::confirmed);
 }
 
