@@ -51,7 +51,8 @@ void take_place(SearchState& state, std::size_t i, const Alternative& other);
 bool swap_for_better(SearchState& state);
 
 /// Rivals of the i-th name that were left far behind after a few steps and yet are so by no more
-/// than chance are followed to their end: the data do not tell them from it.
+/// than chance are followed to their end: the data do not tell them from it. So are those that were
+/// judged beside other names than stand beside it now.
 void follow_level_rivals(SearchState& state, std::size_t i);
 
 /// With everything else refitted, an effect whose own residual contradicts it is no explanation.

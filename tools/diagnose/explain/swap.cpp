@@ -134,6 +134,23 @@ bool swap_for_better(SearchState& state) {
   return swapped;
 }
 
+/// Whether a rival of the i-th name was judged beside the names that stand beside it now.
+bool beside_the_same(const Model& final, std::size_t i, const Model& rival) {
+  if (rival.effects.size() != final.effects.size()) return false;
+  for (std::size_t k = 0, other = 0; k < final.effects.size(); ++k) {
+    if (k == i) continue;
+    if (rival.effects[other++].candidate != final.effects[k].candidate) return false;
+  }
+  return true;
+}
+
+/// The model with the i-th name's place taken by a rival, which stands last.
+Model in_its_place(Model model, std::size_t i, const Chosen& rival) {
+  model.effects.erase(model.effects.begin() + static_cast<std::ptrdiff_t>(i));
+  model.effects.push_back(rival);
+  return model;
+}
+
 void follow_level_rivals(SearchState& state, std::size_t i) {
   const Selection& found = state.found;
   const Surroundings& around = *found.around;
@@ -141,16 +158,24 @@ void follow_level_rivals(SearchState& state, std::size_t i) {
   std::vector<Alternative>& others = state.found.accepted[i].alternatives;
   parallel_for(others.size(), [&](std::size_t k) {
     Alternative& rival = others[k];
-    if (!rival.far_behind || rival.fit.model.effects.size() != found.final.model.effects.size())
-      return;
+    const bool up_to_date = beside_the_same(found.final.model, i, rival.fit.model);
+    if (up_to_date && !rival.far_behind) return;
+    if (found.final.model.has(rival.candidate)) return;
+    const FittingSettings& fitting = around.settings().fitting;
+    if (!up_to_date)  // a few steps tell whether it is far behind beside these names
+      rival.fit =
+          rough_fit(around, in_its_place(found.final.model, i, rival.fit.model.effects.back()),
+                    fitting.first_iterations);
     rival.heldout = around.bounded(around.starts.energy_by_shot(
         prediction_error(around.problem, *around.library, rival.fit.model)));
-    if (beaten(state.decisions(), compare(*state.problem, rival.heldout, seen), state.practical()))
-      return;
-    const int iterations = around.settings().fitting.iterations;
-    rival.fit = resume(around, rough_fit(around, rival.fit.model, iterations), 0);
+    rival.far_behind =
+        beaten(state.decisions(), compare(*state.problem, rival.heldout, seen), state.practical());
+    if (!up_to_date)
+      rival.behind =
+          state.gain_of(found.final.model.effects[i], rival.heldout, found.final_heldout);
+    if (rival.far_behind) return;
+    rival.fit = resume(around, rough_fit(around, rival.fit.model, fitting.iterations), 0);
     rival.heldout = heldout_energy(around, rival.fit);
-    rival.far_behind = false;
     rival.behind = state.gain_of(found.final.model.effects[i], rival.heldout, found.final_heldout);
     rival.fit.J.resize(0, 0);
   });

@@ -44,6 +44,28 @@ TEST(Prune, TwoThatAreBothThereStay) {
   EXPECT_TRUE(s.state.found.refuted.empty());
 }
 
+/// Or a set would lack a name that was far behind only beside what has left since.
+TEST(Prune, RivalsThatWereJudgedBesideANameThatLeftAreJudgedAgain) {
+  Standing s({kRubbing}, {"coulomb_friction", "viscous_friction"});
+  Alternative rival;
+  rival.candidate = s.c.of("cable_spring");
+  rival.fit.model = s.state.found.final.model;
+  rival.fit.model.effects.erase(rival.fit.model.effects.begin());
+  std::vector<double> theta;
+  for (const CandidateParameter& p : s.c.library[rival.candidate].parameters)
+    theta.push_back(p.null + p.typical);
+  rival.fit.model.effects.push_back({rival.candidate, theta});
+  backward(s.state, 0);
+  ASSERT_EQ(s.names(), Names{"coulomb_friction"});
+  std::vector<Alternative>& rivals = s.state.found.accepted[0].alternatives;
+  rivals = {rival};  // as good as the name, as far as anybody has looked
+  follow_level_rivals(s.state, 0);
+  ASSERT_EQ(rivals[0].fit.model.effects.size(), 1U);
+  EXPECT_EQ(rivals[0].fit.model.effects[0].candidate, rival.candidate);
+  EXPECT_TRUE(beaten(s.state.decisions(), rivals[0].behind, s.state.practical()))
+      << "a spring does not rub";
+}
+
 TEST(Prune, OfARobotAsItsModelNothingStays) {
   Standing s({}, {"coulomb_friction", "cable_spring"});
   backward(s.state, 0);
