@@ -88,11 +88,13 @@ Evidence without_tolerated(Evidence evidence) {
 }
 
 /// What may be nothing improves a prediction and names no cause: it is told as a description. Where
-/// most shots agree that something of the kind is there, only its size is in doubt. Two figures may
+/// most shots agree that something of the kind is there, or most of the error goes with it (a stop
+/// that few shots touch), only its size is in doubt. Two figures may
 /// each be nothing and not both; one, where nothing else was found, says of no mismatch.
 Evidence without_what_may_be_nothing(Evidence evidence) {
   const auto may_be_nothing = [&](const Finding& f) {
-    return f.spans_null && f.agreed_low < evidence.decisions.mostly_agree;
+    return f.spans_null && f.agreed_low < evidence.decisions.mostly_agree &&
+           f.heldout_gain < evidence.decisions.stand_in_share;
   };
   const bool one_figure =
       evidence.findings.size() == 1 && evidence.findings.front().parameters.size() == 1;

@@ -149,6 +149,10 @@ TEST(Conclude, WhatMayBeNothingIsDescribedAndNamesNoCause) {
   EXPECT_NE(v.answer.find("Described, not explained, by external_push"), std::string::npos);
   e.findings[1].agreed_low = 0.8;  // recordings differ about its size, and agree that it is there
   EXPECT_EQ(conclude(e).findings.size(), 2U);
+  e.findings[1].agreed_low = 0.0;
+  e.findings[1].heldout_gain = 0.7;  // a stop that few shots touch: most of the error goes with it
+  EXPECT_EQ(conclude(e).findings.size(), 2U);
+  EXPECT_EQ(conclude(e).status, VerdictStatus::present_unnamed) << "its size is in doubt";
 }
 
 TEST(Conclude, OneFigureThatMayBeNothingIsNoMismatch) {
