@@ -168,7 +168,9 @@ void follow_level_rivals(SearchState& state, std::size_t i) {
                     fitting.first_iterations);
     rival.heldout = around.bounded(around.starts.energy_by_shot(
         prediction_error(around.problem, *around.library, rival.fit.model)));
+    // what was fitted to its end is not left for what a few steps say of it
     rival.far_behind =
+        rival.far_behind &&
         beaten(state.decisions(), compare(*state.problem, rival.heldout, seen), state.practical());
     if (!up_to_date)
       rival.behind =
