@@ -13,14 +13,9 @@ constexpr double kLift_m = 0.005;  // a reference that rises less lifts no foot
 
 std::array<double, 2> heights_over_other_sole_m(const model::State& x) {
   const motion::BodyPoints points = motion::body_points(x);
-  std::array<double, 2> low{};
-  for (int side = 0; side < 2; ++side) {
-    const auto corners = points.sole_corners(side);
-    low[static_cast<std::size_t>(side)] =
-        std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
-  }
-  const double floor = std::min(low[0], low[1]);
-  return {low[0] - floor, low[1] - floor};
+  const double right = points.sole_height(0), left = points.sole_height(1);
+  const double floor = std::min(right, left);
+  return {right - floor, left - floor};
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 // world tells it, the estimate otherwise.
 #include "host/app/motion_judge.h"
 
-#include <algorithm>
-
 #include "host/motion/make/body_kinematics.h"
 
 namespace sanso::app {
@@ -15,9 +13,7 @@ motion::EpisodeSample sample_at(const model::State& x, const learn::TrueSample* 
   const motion::BodyPoints points = motion::body_points(x);
   for (int side = 0; side < 2; ++side) {
     const auto s = static_cast<std::size_t>(side);
-    const auto corners = points.sole_corners(side);
-    sample.foot_clearance_m[s] =
-        std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
+    sample.foot_clearance_m[s] = points.sole_height(side);
     sample.foot_m[s] = points.p_world_foot[s].head<2>();
     if (!truth) continue;
     sample.foot_load_N[s] = static_cast<double>(truth->foot_load_N[s]);

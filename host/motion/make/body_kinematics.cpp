@@ -2,6 +2,7 @@
 #include "host/motion/make/body_kinematics.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace sanso::motion {
 namespace {
@@ -30,6 +31,11 @@ std::array<math::Vec3, 4> BodyPoints::sole_corners(int side) const {
         p_world_foot[side] + R_world_foot[side] * math::Vec3(x[k], s * y[k], model::kSoleHeight);
   }
   return corners;
+}
+
+double BodyPoints::sole_height(int side) const {
+  const auto corners = sole_corners(side);
+  return std::min({corners[0][2], corners[1][2], corners[2][2], corners[3][2]});
 }
 
 BodyPoints body_points(const model::State& x) {

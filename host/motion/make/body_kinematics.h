@@ -22,6 +22,8 @@ struct BodyPoints {
   math::Vec3 centre_of_mass() const;
   /// Sole corners of a foot, world axes: front outer, back outer, back inner, front inner.
   std::array<math::Vec3, 4> sole_corners(int side) const;
+  /// World height of a sole's lowest corner, m.
+  double sole_height(int side) const;
 };
 
 /// Forward kinematics of base pose and joints (velocities in x are not looked at).
